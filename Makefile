@@ -1,0 +1,101 @@
+# The verbs of the house. Each does all of its own set-up, once; `make` alone lists them.
+#
+#   make run ARGS="pile -n 2000"       arguments for the program behind a verb
+#   make setup PYTHON=/path/to/python  the interpreter that .venv is made from
+
+ARGS ?=
+PYTHON ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+WHEELS := target/wheels
+RUST_NEEDED := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+
+# One interpreter for every cargo command, or PyO3 would be built anew from verb to verb.
+export PYO3_PYTHON := $(abspath $(BIN)/python)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+# The folders stand for the files that were removed from them.
+SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/Cargo.toml) \
+  $(shell find crates/*/src python -name __pycache__ -prune -o -print 2>/dev/null)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help setup run test lint bench docs web clean
+
+help:  ## list the verbs
+	@echo "make VERB, where VERB is one of"
+	@sed -n 's/^\([a-z]*\):.*  ## /  \1	/p' Makefile
+
+setup: $(VENV)/wheel $(VENV)/dev  ## build everything into .venv
+
+run: $(VENV)/wheel  ## start the simulator; ARGS="pile -n 2000" chooses a scene and its size
+	$(BIN)/jostle run $(ARGS)
+
+test: setup  ## run every test: Rust, Python and the examples in the documents
+	$(need_rust)
+	cargo test --workspace
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: setup  ## check format, style and types
+	$(need_rust)
+	cargo fmt --all --check
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest jostle._core
+	cargo clippy --workspace --all-targets -- -D warnings
+	cargo clippy --package jostle --no-default-features --all-targets -- -D warnings
+
+bench: setup  ## measure the pairs against the rivals
+	$(BIN)/python benchmarks/pairs.py $(ARGS)
+
+docs: setup  ## draw the pictures of the documents again
+	$(BIN)/python docs/pictures.py $(ARGS)
+
+web:
+	@echo "The web page is not there yet: jostle runs in Python and in Rust so far."
+
+clean:  ## remove everything that was built
+	rm -rf $(VENV) target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# What a verb stands on. A file is the mark that its step went through.
+
+$(VENV)/created:
+	$(need_rust)
+	$(or $(find_python),$(error $(no_python))) -m venv --clear $(VENV)
+	@touch $@
+
+$(VENV)/run: $(VENV)/created requirements/run.txt
+	$(BIN)/python -m pip install --quiet --requirement requirements/run.txt
+	@touch $@
+
+$(VENV)/dev: $(VENV)/run requirements/dev.txt
+	$(BIN)/python -m pip install --quiet --requirement requirements/dev.txt
+	@touch $@
+
+$(VENV)/wheel: $(VENV)/run $(SOURCES)
+	$(need_rust)
+	rm -rf $(WHEELS)
+	$(BIN)/maturin build --release --interpreter $(BIN)/python --out $(WHEELS)
+	$(BIN)/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
+	@touch $@
+
+# What has to be on the machine. Each is tried, not looked up: a name in PATH may lead nowhere.
+
+PYTHONS := python3 python3.14 python3.13 python3.12 python3.11 python3.10 python
+find_python = $(shell for python in $(or $(PYTHON),$(PYTHONS) $$HOME/.pyenv/versions/*/bin/python3); do \
+  "$$python" -c "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))" >/dev/null 2>&1 \
+  && echo "$$python" && break; done)
+no_python = $(or $(PYTHON),jostle) $(if $(PYTHON),is not,needs) Python 3.10 or newer with its venv module: \
+  install it from https://www.python.org or your system's packages (Debian: apt install python3 python3-venv), \
+  or name one with make PYTHON=/path/to/python
+
+need_rust = $(if $(rust_fits),,$(error jostle is built with Rust $(RUST_NEEDED) or newer, and \
+  $(or $(rust_version),none) was found: install it from https://rustup.rs, or run "rustup update", \
+  then open a new shell))$(if $(shell command -v cc 2>&1),,$(error Rust needs a C compiler to link with, \
+  and "cc" was not found: install one (Debian: apt install gcc; macOS: xcode-select --install)))
+rust_version = $(shell cargo --version >/dev/null 2>&1 && rustc --version 2>/dev/null | cut -d " " -f 2)
+rust_fits = $(shell echo "$(RUST_NEEDED) $(rust_version)" | awk '{ split($$1, need, "."); split($$2, have, "."); \
+  if (have[1] > need[1] || have[1] == need[1] && have[2] >= need[2]) print "yes" }')

@@ -1,0 +1,84 @@
+//! What can be wrong with an argument, said in one sentence.
+
+use std::fmt;
+
+/// A refused argument, or an answer that would not fit.
+///
+/// The sentence names the argument, the index and the value, so that a caller
+/// with a million rows can find the one that is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Error {
+    /// One value breaks the rule of its argument.
+    Value {
+        /// Name of the argument, as the caller spells it.
+        argument: &'static str,
+        /// Row of the value, where the argument has rows.
+        index: Option<usize>,
+        /// The value, printed.
+        value: String,
+        /// What would have been right.
+        rule: String,
+    },
+    /// Two arguments that belong together differ in length.
+    Length {
+        /// Name of the argument.
+        argument: &'static str,
+        /// Rows it has.
+        found: usize,
+        /// Rows it should have.
+        expected: usize,
+    },
+    /// More pairs overlap than the caller is ready to receive.
+    TooManyPairs {
+        /// The limit that was passed.
+        max_pairs: usize,
+    },
+}
+
+impl Error {
+    /// Refuses the value at `index` of `argument`.
+    pub fn at(argument: &'static str, index: usize, value: impl fmt::Display, rule: &str) -> Self {
+        Self::Value {
+            argument,
+            index: Some(index),
+            value: value.to_string(),
+            rule: rule.to_string(),
+        }
+    }
+
+    /// Refuses `argument` as a whole.
+    pub fn of(argument: &'static str, value: impl fmt::Display, rule: &str) -> Self {
+        Self::Value {
+            argument,
+            index: None,
+            value: value.to_string(),
+            rule: rule.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Value { argument, index: Some(index), value, rule } => {
+                write!(f, "{argument}[{index}] is {value}; {rule}")
+            }
+            Self::Value { argument, index: None, value, rule } => {
+                write!(f, "{argument} is {value}; {rule}")
+            }
+            Self::Length { argument, found, expected } => {
+                write!(f, "{argument} has {found} rows; it must have {expected}, one for each shape")
+            }
+            Self::TooManyPairs { max_pairs } => write!(
+                f,
+                "more than max_pairs = {max_pairs} pairs overlap; \
+                 raise max_pairs if the memory for them is there"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// A result whose error is [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;

@@ -1,0 +1,267 @@
+//! Shapes and when they overlap.
+//!
+//! A shape is a rounded box: every point within `radius` of the axis-aligned
+//! box `center ± half_size`. One formula says whether two overlap, in the
+//! arithmetic of the caller's type. A [`Cover`] stands for a set of shapes and
+//! answers with *the same formula*: rounding is monotone, so a cover that does
+//! not overlap proves that none of its shapes does, without any tolerance.
+
+use std::fmt::{Debug, Display};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// The arithmetic of a tree: `f32` or `f64`.
+pub trait Scalar:
+    Copy
+    + PartialOrd
+    + Debug
+    + Display
+    + Default
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// Larger than every finite value.
+    const INFINITY: Self;
+    /// The largest radius or half size: sums of four stay finite, so that the
+    /// formula never subtracts infinity from infinity.
+    const MAX_SIZE: Self;
+    /// The absolute value.
+    fn abs(self) -> Self;
+    /// The square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// Whether the value is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The value as a float64, exactly.
+    fn to_f64(self) -> f64;
+    /// The nearest value of this type.
+    fn from_f64(value: f64) -> Self;
+    /// One divided by the value.
+    fn recip(self) -> Self;
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+    /// The larger of two numbers.
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+}
+
+macro_rules! scalar {
+    ($t:ty) => {
+        impl Scalar for $t {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const INFINITY: Self = <$t>::INFINITY;
+            const MAX_SIZE: Self = <$t>::MAX / 8.0;
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$t>::abs(self)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$t>::sqrt(self)
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                <$t>::is_finite(self)
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $t
+            }
+            #[inline(always)]
+            fn recip(self) -> Self {
+                1.0 / self
+            }
+        }
+    };
+}
+scalar!(f32);
+scalar!(f64);
+
+/// Whether two rounded boxes overlap, from the distance of their centres along
+/// each axis, the sums of their half sizes and the sum of their radii.
+/// Touching is not overlapping.
+#[inline(always)]
+pub fn overlap<T: Scalar>(distance: [T; 2], half_sum: [T; 2], radius_sum: T) -> bool {
+    let dx = distance[0] - half_sum[0];
+    let dy = distance[1] - half_sum[1];
+    let ex = dx.most(T::ZERO);
+    let ey = dy.most(T::ZERO);
+    (ex * ex + ey * ey < radius_sum * radius_sum) | ((dx < T::ZERO) & (dy < T::ZERO))
+}
+
+/// One rounded box with its filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape<T> {
+    /// Centre, world units.
+    pub center: [T; 2],
+    /// Half width and half height of the core box; 0 for a circle.
+    pub half_size: [T; 2],
+    /// How far the shape reaches beyond the core box.
+    pub radius: T,
+    /// What it is, a bit set.
+    pub category: u32,
+    /// What it may pair with, a bit set.
+    pub mask: u32,
+}
+
+impl<T: Scalar> Shape<T> {
+    /// Whether this shape, moved by `-shift`, overlaps `other` and both filters agree.
+    #[inline(always)]
+    pub fn overlaps(&self, other: &Self, shift: [T; 2]) -> bool {
+        let distance = [
+            (self.center[0] - shift[0] - other.center[0]).abs(),
+            (self.center[1] - shift[1] - other.center[1]).abs(),
+        ];
+        let half_sum =
+            [self.half_size[0] + other.half_size[0], self.half_size[1] + other.half_size[1]];
+        overlap(distance, half_sum, self.radius + other.radius)
+            && (self.category & other.mask) != 0
+            && (other.category & self.mask) != 0
+    }
+}
+
+/// A set of shapes seen from outside: where their centres lie, how large they
+/// get at most, and every filter bit that any of them has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cover<T> {
+    /// Lower corner of the centres' bounding box.
+    pub min: [T; 2],
+    /// Upper corner of the centres' bounding box.
+    pub max: [T; 2],
+    /// Largest half size along each axis.
+    pub half_size: [T; 2],
+    /// Largest radius.
+    pub radius: T,
+    /// All categories, OR-ed.
+    pub category: u32,
+    /// All masks, OR-ed.
+    pub mask: u32,
+}
+
+impl<T: Scalar> Cover<T> {
+    /// The cover of one shape.
+    pub fn of(shape: &Shape<T>) -> Self {
+        Self {
+            min: shape.center,
+            max: shape.center,
+            half_size: shape.half_size,
+            radius: shape.radius,
+            category: shape.category,
+            mask: shape.mask,
+        }
+    }
+
+    /// The cover of both sets.
+    pub fn join(self, other: Self) -> Self {
+        let both = |f: fn(T, T) -> T, a: [T; 2], b: [T; 2]| [f(a[0], b[0]), f(a[1], b[1])];
+        Self {
+            min: both(T::least, self.min, other.min),
+            max: both(T::most, self.max, other.max),
+            half_size: both(T::most, self.half_size, other.half_size),
+            radius: self.radius.most(other.radius),
+            category: self.category | other.category,
+            mask: self.mask | other.mask,
+        }
+    }
+
+    /// Whether some shape of this cover, moved by `-shift`, could overlap some
+    /// shape of `other`.
+    #[inline(always)]
+    pub fn meets(&self, other: &Self, shift: [T; 2]) -> bool {
+        let gap = |axis: usize| {
+            let below = other.min[axis] - (self.max[axis] - shift[axis]);
+            let above = (self.min[axis] - shift[axis]) - other.max[axis];
+            below.most(above).most(T::ZERO)
+        };
+        let half_sum =
+            [self.half_size[0] + other.half_size[0], self.half_size[1] + other.half_size[1]];
+        overlap([gap(0), gap(1)], half_sum, self.radius + other.radius)
+            && (self.category & other.mask) != 0
+            && (other.category & self.mask) != 0
+    }
+}
+
+/// Normal from `a` to `b` and depth of the overlap of two rounded boxes.
+///
+/// Where the cores are apart, the normal joins their nearest points. Where they
+/// overlap, it is the axis of least penetration. Coincident centres have no
+/// direction of their own and get +x.
+pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
+    let offset = [b.center[0] - a.center[0], b.center[1] - a.center[1]];
+    let sign = |v: T| if v < T::ZERO { -T::ONE } else { T::ONE };
+    let d = [
+        offset[0].abs() - (a.half_size[0] + b.half_size[0]),
+        offset[1].abs() - (a.half_size[1] + b.half_size[1]),
+    ];
+    let radius_sum = a.radius + b.radius;
+    let e = [d[0].most(T::ZERO), d[1].most(T::ZERO)];
+    let length = (e[0] * e[0] + e[1] * e[1]).sqrt();
+    if length > T::ZERO {
+        let normal = [e[0] * sign(offset[0]), e[1] * sign(offset[1])];
+        // Scaled twice, so that tiny and huge offsets keep unit length.
+        let scale = normal[0].abs().most(normal[1].abs()).recip();
+        let unit = [normal[0] * scale, normal[1] * scale];
+        let norm = (unit[0] * unit[0] + unit[1] * unit[1]).sqrt().recip();
+        return ([unit[0] * norm, unit[1] * norm], radius_sum - length);
+    }
+    if d[0] < d[1] {
+        ([T::ZERO, sign(offset[1])], radius_sum - d[1])
+    } else {
+        ([sign(offset[0]), T::ZERO], radius_sum - d[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn disc(x: f32, y: f32, radius: f32) -> Shape<f32> {
+        Shape { center: [x, y], half_size: [0.0; 2], radius, category: 1, mask: 1 }
+    }
+
+    #[test]
+    fn touching_is_not_overlapping() {
+        assert!(!disc(0.0, 0.0, 1.0).overlaps(&disc(2.0, 0.0, 1.0), [0.0; 2]));
+        assert!(disc(0.0, 0.0, 1.0).overlaps(&disc(1.999, 0.0, 1.0), [0.0; 2]));
+        assert!(!disc(0.0, 0.0, 0.0).overlaps(&disc(0.0, 0.0, 0.0), [0.0; 2]));
+    }
+
+    #[test]
+    fn boxes_overlap_by_their_open_interior() {
+        let unit = |x: f32| Shape { half_size: [0.5, 0.5], ..disc(x, 0.0, 0.0) };
+        assert!(unit(0.0).overlaps(&unit(0.9), [0.0; 2]));
+        assert!(!unit(0.0).overlaps(&unit(1.0), [0.0; 2]));
+    }
+
+    #[test]
+    fn contact_of_discs_points_from_first_to_second() {
+        let (normal, depth) = contact(&disc(0.0, 0.0, 1.0), &disc(0.0, -1.5, 1.0));
+        assert_eq!((normal, depth), ([0.0, -1.0], 0.5));
+        let (normal, depth) = contact(&disc(3.0, 3.0, 1.0), &disc(3.0, 3.0, 2.0));
+        assert_eq!((normal, depth), ([1.0, 0.0], 3.0));
+    }
+
+    #[test]
+    fn contact_of_boxes_takes_the_axis_of_least_penetration() {
+        let flat = |x, y| Shape { half_size: [2.0, 1.0], ..disc(x, y, 0.0) };
+        let (normal, depth) = contact(&flat(0.0, 0.0), &flat(1.0, 1.5));
+        assert_eq!((normal, depth), ([0.0, 1.0], 0.5));
+    }
+}

@@ -1,0 +1,18 @@
+//! jostle finds every pair of overlapping shapes, many times a second, and
+//! moves particles that collide.
+//!
+//! The modules stand in reading order: each uses only those above it.
+
+pub mod error;
+pub mod settings;
+pub mod geometry;
+pub mod columns;
+pub mod parallel;
+pub mod quadtree;
+pub mod pairs;
+
+pub use columns::Columns;
+pub use error::{Error, Result};
+pub use geometry::{Cover, Scalar, Shape};
+pub use quadtree::{Node, Quadtree};
+pub use settings::{Method, Settings};

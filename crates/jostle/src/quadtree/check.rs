@@ -1,0 +1,110 @@
+//! What is true of every tree. Tests call this after every build.
+
+use super::Quadtree;
+use crate::geometry::{Cover, Scalar};
+
+impl<T: Scalar> Quadtree<T> {
+    /// Looks at every node and says which invariant is broken first.
+    ///
+    /// * Every row stands at exactly one place.
+    /// * The root holds every place; children split their parent's places in
+    ///   order, without gap, none of them empty, none alone.
+    /// * Parents stand before their children and one subdivision above them.
+    /// * No leaf holds more than `leaf_capacity` unless it is at `max_depth`;
+    ///   nothing is deeper than `max_depth`.
+    /// * A cover is exactly what its shapes need; a child's cell lies in its
+    ///   parent's; a cell holds the centres of its shapes.
+    pub fn check(&self) -> Result<(), String> {
+        self.check_rows()?;
+        match self.nodes.first() {
+            None if self.is_empty() => return Ok(()),
+            None => return Err("shapes without a root".into()),
+            Some(root) if root.range() != (0..self.len()) || root.depth != 0 => {
+                return Err(format!("the root is {root:?}"));
+            }
+            Some(_) => {}
+        }
+        let mut seen = 1;
+        for index in 0..self.nodes.len() {
+            self.check_size(index)?;
+            self.check_children(index, &mut seen)?;
+            self.check_cover(index)?;
+            self.check_cell(index)?;
+        }
+        if seen == self.nodes.len() { Ok(()) } else { Err("some nodes have no parent".into()) }
+    }
+
+    fn check_rows(&self) -> Result<(), String> {
+        let mut rows = self.rows().to_vec();
+        rows.sort_unstable();
+        if rows.len() == self.len() && rows.iter().enumerate().all(|(i, &row)| i == row as usize) {
+            Ok(())
+        } else {
+            Err("the rows are not a permutation".into())
+        }
+    }
+
+    fn check_size(&self, index: usize) -> Result<(), String> {
+        let node = &self.nodes[index];
+        let depth = usize::from(node.depth);
+        if node.len() == 0 {
+            return Err(format!("node {index} is empty"));
+        }
+        if depth > self.settings.max_depth {
+            return Err(format!("node {index} is {depth} deep"));
+        }
+        let full = node.len() > self.settings.leaf_capacity;
+        if node.is_leaf() && full && depth < self.settings.max_depth {
+            return Err(format!("leaf {index} holds {} at depth {depth}", node.len()));
+        }
+        Ok(())
+    }
+
+    fn check_children(&self, index: usize, seen: &mut usize) -> Result<(), String> {
+        let node = &self.nodes[index];
+        if node.is_leaf() {
+            return Ok(());
+        }
+        let children = &self.nodes[node.children()];
+        *seen += children.len();
+        let mut from = node.range().start;
+        for child in children {
+            if child.range().start != from || child.depth != node.depth + 1 {
+                return Err(format!("node {index} has the child {child:?}"));
+            }
+            from = child.range().end;
+        }
+        let in_order = node.children().start > index && children.len() > 1;
+        if from != node.range().end || !in_order {
+            return Err(format!("the children of node {index} do not fill it"));
+        }
+        Ok(())
+    }
+
+    fn check_cover(&self, index: usize) -> Result<(), String> {
+        let shapes = self.nodes[index].range().map(|place| Cover::of(&self.columns.shape(place)));
+        if shapes.reduce(Cover::join) == Some(self.covers[index]) {
+            Ok(())
+        } else {
+            Err(format!("the cover of node {index} is not tight"))
+        }
+    }
+
+    fn check_cell(&self, index: usize) -> Result<(), String> {
+        let node = &self.nodes[index];
+        let [min_x, min_y, max_x, max_y] = node.cell;
+        let cover = &self.covers[index];
+        let (low, high) = (cover.min.map(T::to_f64), cover.max.map(T::to_f64));
+        if low[0] < min_x || low[1] < min_y || high[0] > max_x || high[1] > max_y {
+            return Err(format!("node {index} has centres outside its cell {:?}", node.cell));
+        }
+        let inside = |cell: [f64; 4]| {
+            cell[0] >= min_x && cell[1] >= min_y && cell[2] <= max_x && cell[3] <= max_y
+        };
+        if node.children().all(|child| inside(self.nodes[child].cell)) {
+            Ok(())
+        } else {
+            Err(format!("a child of node {index} leaves its cell"))
+        }
+    }
+}

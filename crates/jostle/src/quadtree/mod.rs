@@ -1,0 +1,154 @@
+//! The quadtree: shapes in Z-order, leaves as ranges of them.
+//!
+//! Each shape is stored once, at its centre; a shape may reach over the border
+//! of its leaf's cell, and the node's [`Cover`] says how far. Nodes split into
+//! four (empty quarters are left out) until they hold `leaf_capacity` shapes or
+//! `max_depth` is reached. Runs of subdivisions that would leave everything in
+//! one quarter are skipped, so depth and memory follow the number of shapes and
+//! never the distances between them.
+
+mod build;
+mod check;
+mod order;
+
+use std::cmp::Ordering;
+use std::ops::Range;
+
+use crate::columns::Columns;
+use crate::error::Result;
+use crate::geometry::{Cover, Scalar};
+use crate::settings::Settings;
+
+/// A box of the tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    start: u32,
+    end: u32,
+    children: u32,
+    child_count: u8,
+    /// Subdivisions above this node.
+    pub depth: u16,
+    /// The part of the plane it stands for: min x, min y, max x, max y.
+    pub cell: [f64; 4],
+}
+
+impl Node {
+    /// Places of its shapes in the tree's order.
+    pub fn range(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
+    /// Indices of its children.
+    pub fn children(&self) -> Range<usize> {
+        let first = self.children as usize;
+        first..first + self.child_count as usize
+    }
+
+    /// Number of shapes in it.
+    #[allow(clippy::len_without_is_empty, reason = "a node is never empty")]
+    pub fn len(&self) -> usize {
+        (self.end - self.start) as usize
+    }
+
+    /// Whether it did not split.
+    pub fn is_leaf(&self) -> bool {
+        self.child_count == 0
+    }
+}
+
+/// A quadtree over shapes that do not change.
+///
+/// ```
+/// use jostle::{Columns, Quadtree, Settings};
+/// let discs = Columns::new(vec![0.0, 1.0, 5.0], vec![0.0; 3], vec![0.6; 3], None, None)?;
+/// let tree = Quadtree::new(&discs, Settings::default())?;
+/// let found = jostle::pairs::within(&tree, jostle::settings::DEFAULT_MAX_PAIRS)?;
+/// assert_eq!(found.pairs.len(), 1);
+/// # Ok::<(), jostle::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Quadtree<T> {
+    columns: Columns<T>,
+    nodes: Vec<Node>,
+    covers: Vec<Cover<T>>,
+    order: order::Order,
+    settings: Settings,
+}
+
+impl<T: Scalar> Quadtree<T> {
+    /// Builds the tree of `columns`. Refuses settings that no tree can follow.
+    pub fn new(columns: &Columns<T>, settings: Settings) -> Result<Self> {
+        settings.validate()?;
+        let mut tree = Self::default();
+        tree.rebuild(columns, settings, &|a, b| compare_shapes(columns, a, b));
+        Ok(tree)
+    }
+
+    /// Builds the tree anew in its old memory. `tie` orders rows whose centres
+    /// coincide; the settings are taken as valid.
+    pub fn rebuild(
+        &mut self,
+        columns: &Columns<T>,
+        settings: Settings,
+        tie: &impl Fn(usize, usize) -> Ordering,
+    ) {
+        self.settings = settings;
+        self.order.sort(columns, tie);
+        self.columns.gather(columns, &self.order.rows);
+        build::nodes(&self.order, &self.settings, &mut self.nodes);
+        build::covers(self);
+    }
+
+    /// Number of shapes.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether there is no shape.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// The shapes in the tree's order.
+    pub fn columns(&self) -> &Columns<T> {
+        &self.columns
+    }
+
+    /// `rows()[place]` is the caller's row of the shape at `place`.
+    pub fn rows(&self) -> &[u32] {
+        &self.order.rows
+    }
+
+    /// The nodes, parents before children. Empty where there is no shape.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The covers, one for each node.
+    pub fn covers(&self) -> &[Cover<T>] {
+        &self.covers
+    }
+
+    /// The settings it was built with.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Number of leaves.
+    pub fn leaf_count(&self) -> usize {
+        self.nodes.iter().filter(|node| node.is_leaf()).count()
+    }
+
+    /// Subdivisions above the deepest node.
+    pub fn depth(&self) -> usize {
+        self.nodes.iter().map(|node| usize::from(node.depth)).max().unwrap_or(0)
+    }
+}
+
+/// Orders shapes with coincident centres by everything else about them.
+fn compare_shapes<T: Scalar>(columns: &Columns<T>, a: usize, b: usize) -> Ordering {
+    let (a, b) = (columns.shape(a), columns.shape(b));
+    let sizes = |s: &crate::geometry::Shape<T>| [s.radius, s.half_size[0], s.half_size[1]];
+    let by_size = sizes(&a).partial_cmp(&sizes(&b)).unwrap_or(Ordering::Equal);
+    by_size.then_with(|| (a.category, a.mask).cmp(&(b.category, b.mask)))
+}

@@ -1,0 +1,162 @@
+"""The article's own programs in the same window: `jostle.article.Simulation` as the app sees it."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+import jostle
+from jostle import article
+from jostle.app.simulation import Facts, Frame, Point, TreeBoxes
+
+FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
+DEFAULT_N = 500
+
+
+class ArticleSimulation:
+    """A scene under the article's rules, faults included.
+
+    The scene `article` is the article's own program. Any other lends its particles: their places,
+    velocities and sizes, on whole pixels, inside a plain rectangle.
+
+    Parameters
+    ----------
+    scene, n, seed
+        As for `jostle.scenes.create`.
+    method
+        "article-quadtree" or "article-brute".
+    """
+
+    time_step = 1 / FRAMES_A_SECOND
+
+    def __init__(
+        self,
+        scene: str = "article",
+        n: int | None = None,
+        *,
+        seed: int = 0,
+        method: str = "article-quadtree",
+    ) -> None:
+        self.scene = scene
+        self._start = (n, seed)
+        self._rules = _rules(method)
+        self._build()
+
+    def _build(self) -> None:
+        n, seed = self._start
+        if self.scene == "article":
+            n = DEFAULT_N if n is None else n
+            self.program = article.Simulation(n, self._rules, seed)
+        else:
+            self.program = _lent(self.scene, n, seed, self._rules)
+        width, height = self.program.width, self.program.height
+        self.view = (0.0, 0.0, float(width), float(height))
+        self.container = jostle.Box(*self.view)
+        self._milliseconds = 0.0
+
+    def __len__(self) -> int:
+        return len(self.program.particles)
+
+    @property
+    def method(self) -> str:
+        """Return "article-quadtree" or "article-brute"."""
+        return f"article-{self._rules}"
+
+    @property
+    def stage_times(self) -> dict[str, float]:
+        """Return the whole frame as one stage: the article's stages are interwoven."""
+        return {"frame": self._milliseconds}
+
+    def step(self) -> None:
+        """Go on by one frame of the article."""
+        start = time.perf_counter()
+        self.program.frame()
+        self._milliseconds = (time.perf_counter() - start) * 1e3
+
+    def restart(self) -> None:
+        """Go back to the first state; the method stays as it is."""
+        self._build()
+
+    def switch_method(self) -> str | None:
+        """Swap the article's two programs under the same particles."""
+        self._rules = "brute" if self._rules == "quadtree" else "quadtree"
+        old = self.program
+        self.program = article.Simulation.of(
+            old.particles, self._rules, width=old.width, height=old.height
+        )
+        return None
+
+    def frame(self) -> Frame:
+        """Return the particles as arrays."""
+        rows = [
+            (p.x, p.y, p.speed * math.sin(p.angle), -p.speed * math.cos(p.angle), p.radius,
+             p.density) for p in self.program.particles
+        ]  # fmt: skip
+        table = np.array(rows, np.float32).reshape(-1, 6)
+        return Frame(
+            positions=table[:, 0:2],
+            velocities=table[:, 2:4] * FRAMES_A_SECOND,
+            radii=table[:, 4],
+            densities=table[:, 5],
+            movable=np.ones(len(table), np.bool_),
+        )
+
+    def facts(self) -> Facts:
+        """Return the numbers of the last frame; a pair met in two leaves counts twice."""
+        energy = sum(0.5 * p.mass * p.speed**2 for p in self.program.particles)
+        program = self.program
+        return Facts(program.tests, program.hits, energy * FRAMES_A_SECOND**2)
+
+    def tree_boxes(self) -> TreeBoxes:
+        """Return the leaves of the last frame; brute force has none."""
+        if self._rules == "brute" or not self.program.leaves:
+            return TreeBoxes.none()
+        leaves = np.array(self.program.leaves)
+        corners = np.concatenate([leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]], axis=1)
+        return TreeBoxes(
+            corners.astype(np.float64), leaves[:, 4].astype(np.intp), np.ones(len(leaves), bool)
+        )
+
+    def pick(self, point: Point, reach: float) -> int | None:
+        """Return the first particle in the order of the list under the point, as the article."""
+        for index, p in enumerate(self.program.particles):
+            if math.hypot(p.x - point[0], p.y - point[1]) <= p.radius:
+                return index
+        return None
+
+    def pull(self, particle: int, point: Point) -> None:
+        """Turn the held particle to the hand, by the article's rule of the mouse."""
+        self.program.particles[particle].head_for(*point)
+
+    def release(self, particle: int, velocity: Point) -> None:
+        """Let go: in the article the particle just keeps the speed of its last pull."""
+
+
+def _rules(method: str) -> str:
+    """Return the article module's name for one of the app's methods."""
+    return method.removeprefix("article-")
+
+
+def _lent(scene: str, n: int | None, seed: int, rules: str) -> article.Simulation:
+    """Return the article's program, its particles placed and sized like those of a scene."""
+    world = jostle.scenes.create(scene, n=n, seed=seed)
+    min_x, min_y, max_x, max_y = jostle.scenes.view(scene, n)
+    places = world.positions - (min_x, min_y)
+    velocities = world.velocities / FRAMES_A_SECOND
+    particles = [
+        article.Particle(
+            float(x),
+            float(y),
+            max(1, round(float(radius))),
+            max(1, round(float(mass) / max(float(radius), 1e-12) ** 2)),
+            speed=math.hypot(dx, dy),
+            angle=math.atan2(dx, -dy),
+        )
+        for (x, y), (dx, dy), radius, mass in zip(
+            places, velocities, world.radii, world.masses, strict=True
+        )
+    ]
+    width, height = math.ceil(max_x - min_x), math.ceil(max_y - min_y)
+    return article.Simulation.of(particles, rules, width=width, height=height)

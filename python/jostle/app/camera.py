@@ -1,0 +1,90 @@
+"""World to screen and back, pan and zoom."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jostle.app.simulation import Point, Rect
+
+Size = tuple[int, int]
+
+ZOOM_OUT_LIMIT = 1e-3  # of the scale at which the scene fits
+ZOOM_IN_LIMIT = 1e5
+MARGIN = 24  # pixels left free around the scene
+
+
+class Camera:
+    """A centre in the world and a scale in pixels a world unit, over a screen.
+
+    Parameters
+    ----------
+    size
+        Width and height of the screen in pixels.
+    view
+        The part of the world to show, as min_x, min_y, max_x, max_y.
+    left
+        Pixels at the left edge that the scene shall stay clear of (the readout).
+    """
+
+    def __init__(self, size: Size, view: Rect, left: int = 0) -> None:
+        self.size = size
+        self.left = left
+        self._view = view
+        self.home()
+
+    def home(self) -> None:
+        """Show the whole view, as large as fits beside the readout."""
+        min_x, min_y, max_x, max_y = self._view
+        width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
+        left = self.left if self.left < self.size[0] / 2 else 0
+        free = max(self.size[0] - left - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN, 16)
+        self.scale = min(free[0] / width, free[1] / height)
+        self._fit_scale = self.scale
+        self.center = (
+            (min_x + max_x) / 2 - left / 2 / self.scale,
+            (min_y + max_y) / 2,
+        )
+        self._at_home = True
+
+    def resize(self, size: Size) -> None:
+        """Take a new screen size; a view at home stays at home."""
+        self.size = size
+        if self._at_home:
+            self.home()
+
+    def to_screen(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Return (n, 2) world points in pixels, in float64: float32 would jitter when zoomed."""
+        return (points - np.array(self.center)) * self.scale + np.array(self.size) / 2
+
+    def to_world(self, pixel: Point) -> Point:
+        """Return the world point under a pixel."""
+        return (
+            (pixel[0] - self.size[0] / 2) / self.scale + self.center[0],
+            (pixel[1] - self.size[1] / 2) / self.scale + self.center[1],
+        )
+
+    def pan(self, pixels: Point) -> None:
+        """Move the camera by pixels of the screen."""
+        self._at_home = False
+        self.center = (
+            self.center[0] + pixels[0] / self.scale,
+            self.center[1] + pixels[1] / self.scale,
+        )
+
+    def zoom_at(self, pixel: Point, factor: float) -> None:
+        """Scale by `factor`; the world point under `pixel` stays there."""
+        self._at_home = False
+        before = self.to_world(pixel)
+        low, high = self._fit_scale * ZOOM_OUT_LIMIT, self._fit_scale * ZOOM_IN_LIMIT
+        self.scale = min(max(self.scale * factor, low), high)
+        after = self.to_world(pixel)
+        self.center = (
+            self.center[0] + before[0] - after[0],
+            self.center[1] + before[1] - after[1],
+        )
+
+    def rect_to_screen(self, rect: Rect) -> Rect:
+        """Return a world rectangle in pixels."""
+        (x0, y0), (x1, y1) = self.to_screen(np.array([rect[:2], rect[2:]])).tolist()
+        return x0, y0, x1, y1

@@ -1,0 +1,60 @@
+"""The boxes of the tree, coloured by level."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from jostle.app.camera import Camera
+from jostle.app.palette import LEVELS, STAGE, blend, level_colour
+from jostle.app.simulation import TreeBoxes
+
+SMALLEST = 3.0  # pixels: finer boxes would only be a grey haze
+FILL_SHARE = 0.34  # how much of the level's colour a filled leaf takes
+
+
+class TreeView(Enum):
+    """How the tree is shown."""
+
+    OFF = "off"
+    OUTLINE = "outline"
+    FILLED = "filled"
+
+    def next(self) -> TreeView:
+        """Return the view after this one, in a circle."""
+        views = list(TreeView)
+        return views[(views.index(self) + 1) % len(views)]
+
+
+def draw_filled(target: pygame.Surface, tree: TreeBoxes, camera: Camera) -> None:
+    """Fill the leaves, each a pixel short of its box so that neighbours stay apart."""
+    corners, levels = _on_screen(tree, camera, tree.is_leaf)
+    colours = [blend(STAGE, colour, FILL_SHARE) for colour in LEVELS]
+    for (x0, y0, x1, y1), level in zip(corners.tolist(), levels.tolist(), strict=True):
+        colour = colours[min(level, len(colours) - 1)]
+        target.fill(colour, (x0, y0, max(x1 - x0 - 1, 1), max(y1 - y0 - 1, 1)))
+
+
+def draw_outline(target: pygame.Surface, tree: TreeBoxes, camera: Camera) -> None:
+    """Outline every box, the deepest first, so that the edges of large boxes stay on top."""
+    corners, levels = _on_screen(tree, camera, np.ones(len(tree.levels), np.bool_))
+    order = np.argsort(-levels, kind="stable")
+    for (x0, y0, x1, y1), level in zip(
+        corners[order].tolist(), levels[order].tolist(), strict=True
+    ):
+        pygame.draw.rect(target, level_colour(level), (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
+
+
+def _on_screen(
+    tree: TreeBoxes, camera: Camera, wanted: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the wanted boxes in whole pixels, clipped just outside the view, and levels."""
+    low, high = camera.to_screen(tree.boxes[:, :2]), camera.to_screen(tree.boxes[:, 2:])
+    size = np.array(camera.size)
+    seen = wanted & (high >= 0).all(axis=1) & (low <= size).all(axis=1)
+    seen &= (high - low).max(axis=1, initial=0) >= SMALLEST
+    corners = np.concatenate([np.clip(low, -2, size + 2), np.clip(high, -2, size + 2)], axis=1)
+    return np.floor(corners[seen]).astype(np.intp), tree.levels[seen]

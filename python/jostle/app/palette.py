@@ -1,0 +1,55 @@
+"""Every colour of the app, in one place.
+
+One dark, slightly blue ground; discs from a muted ramp of equal weight, so that none shouts; the
+tree in thin cool lines that grow lighter with the level.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Colour = tuple[int, int, int]
+
+GROUND: Colour = (16, 20, 26)
+STAGE: Colour = (22, 27, 35)  # inside the container
+WALL: Colour = (72, 84, 101)
+PANEL: tuple[int, int, int, int] = (12, 15, 20, 216)
+PANEL_EDGE: Colour = (42, 50, 62)
+TEXT: Colour = (220, 227, 236)
+TEXT_SOFT: Colour = (142, 154, 171)
+ACCENT: Colour = (126, 178, 184)
+FIXED: Colour = (104, 113, 126)  # immovable particles
+
+SHADES = 24
+FIXED_SHADE = SHADES  # one more than the ramp
+
+_DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
+_LEVEL_STOPS = ("#3b5573", "#4d7c99", "#62a5a9", "#93c8a4", "#dbe3a0")
+_LEVELS_IN_RAMP = 9  # deeper levels keep the last colour
+
+
+def _ramp(stops: tuple[str, ...], count: int) -> NDArray[np.float64]:
+    """Return `count` colours evenly spaced along the straight lines between the stops."""
+    rgb = np.array([[int(stop[k : k + 2], 16) for k in (1, 3, 5)] for stop in stops])
+    at = np.linspace(0, len(stops) - 1, count)
+    return np.stack([np.interp(at, np.arange(len(stops)), rgb[:, c]) for c in range(3)], axis=1)
+
+
+def _colours(ramp: NDArray[np.float64]) -> list[Colour]:
+    return [(int(r), int(g), int(b)) for r, g, b in np.rint(ramp)]
+
+
+DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED]
+LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, _LEVELS_IN_RAMP))
+
+
+def level_colour(level: int) -> Colour:
+    """Return the line colour of a tree level; 0 is the root."""
+    return LEVELS[min(level, len(LEVELS) - 1)]
+
+
+def blend(back: Colour, front: Colour, share: float) -> Colour:
+    """Return `share` of `front` over `back`."""
+    mixed = [round(b + (f - b) * share) for b, f in zip(back, front, strict=True)]
+    return (mixed[0], mixed[1], mixed[2])

@@ -1,0 +1,165 @@
+"""`jostle.World` as the app sees it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.simulation import Container, Facts, Frame, Point, TreeBoxes
+
+TIME_STEP = 1 / 60
+BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the window for seconds
+PULL_TIME = 0.04  # seconds in which a held particle covers the way to the cursor
+SPEED_LIMIT = 4.0  # a held particle's speed, in diagonals of the view a second
+MIN_REACH = 1e-6  # of the view's diagonal: a one-point tree needs some radius to overlap a disc
+
+
+class WorldSimulation:
+    """A scene of `jostle.scenes` with right physics.
+
+    Parameters
+    ----------
+    scene
+        A name from `jostle.scenes.names()`.
+    n
+        Number of particles; None for the scene's own.
+    seed
+        The same seed gives the same start.
+    method
+        "quadtree" or "brute".
+    leaf_capacity, max_depth
+        Settings of the tree; None for the library's defaults.
+    """
+
+    time_step = TIME_STEP
+
+    def __init__(
+        self,
+        scene: str,
+        n: int | None = None,
+        *,
+        seed: int = 0,
+        method: str = "quadtree",
+        leaf_capacity: int | None = None,
+        max_depth: int | None = None,
+    ) -> None:
+        self.scene = scene
+        self.view = jostle.scenes.view(scene, n)
+        self._start = (n, seed, leaf_capacity, max_depth)
+        self._build(method)
+
+    def _build(self, method: str) -> None:
+        n, seed, leaf_capacity, max_depth = self._start
+        self.world = jostle.scenes.create(self.scene, n=n, seed=seed)
+        self.world.method = method
+        if leaf_capacity is not None:
+            self.world.leaf_capacity = leaf_capacity
+        if max_depth is not None:
+            self.world.max_depth = max_depth
+        # These columns change only here, so a picture of a million need not copy them again.
+        self._radii: NDArray[np.float32] = self.world.radii
+        self._movable: NDArray[np.bool_] = self.world.movable
+        self._densities = self.world.masses / np.maximum(self._radii, 1e-12) ** 2
+
+    def __len__(self) -> int:
+        return len(self.world)
+
+    @property
+    def method(self) -> str:
+        """Return "quadtree" or "brute"."""
+        return str(self.world.method)
+
+    @property
+    def container(self) -> Container:
+        """Return the world's walls."""
+        return self.world.container
+
+    @property
+    def stage_times(self) -> dict[str, float]:
+        """Return milliseconds for each stage of the last step."""
+        return dict(self.world.profile)
+
+    def step(self) -> None:
+        """Go on by 1/60 s."""
+        self.world.step(self.time_step)
+
+    def restart(self) -> None:
+        """Go back to the first state; the method stays as it is."""
+        self._build(self.method)
+
+    def switch_method(self) -> str | None:
+        """Swap brute force and tree; refused where brute force would freeze the window."""
+        if self.method == "brute":
+            self.world.method = "quadtree"
+        elif len(self) > BRUTE_LIMIT:
+            return f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
+        else:
+            self.world.method = "brute"
+        return None
+
+    def frame(self) -> Frame:
+        """Return copies of the columns a picture needs."""
+        world = self.world
+        return Frame(
+            world.positions, world.velocities, self._radii, self._densities, self._movable
+        )
+
+    def facts(self) -> Facts:
+        """Return the numbers of the last step."""
+        world = self.world
+        return Facts(world.stats.tests, len(world.contacts.pairs), world.kinetic_energy)
+
+    def tree_boxes(self) -> TreeBoxes:
+        """Build a tree over the present positions, with the world's settings, for its boxes."""
+        nodes = self._tree().nodes()
+        return TreeBoxes(
+            np.asarray(nodes.boxes, np.float64), np.asarray(nodes.depths, np.intp), nodes.is_leaf
+        )
+
+    def _tree(self) -> jostle.Quadtree:
+        world = self.world
+        return jostle.Quadtree(
+            world.positions,
+            self._radii,
+            leaf_capacity=world.leaf_capacity,
+            max_depth=world.max_depth,
+        )
+
+    def pick(self, point: Point, reach: float) -> int | None:
+        """Ask the tree which movable particles overlap a small disc, and take the nearest."""
+        reach = max(reach, MIN_REACH * self._diagonal())
+        hits = self._tree().pairs(jostle.Quadtree(np.array([point], np.float32), reach))[:, 0]
+        hits = hits[self._movable[hits]]
+        if len(hits) == 0:
+            return None
+        gaps = np.hypot(*(self.world.positions[hits] - point).T) - self._radii[hits]
+        return int(hits[np.argmin(gaps)])
+
+    def pull(self, particle: int, point: Point) -> None:
+        """Set the velocity that brings the particle to the hand, like a stiff damped spring.
+
+        A velocity, not a position: so the particle still pushes what is in its way.
+        """
+        way = np.array(point) - self.world.positions[particle]
+        if isinstance(self.container, jostle.Torus):
+            sides = np.array([self.container.width, self.container.height])
+            way -= sides * np.round(way / sides)  # the short way, across a seam if need be
+        self._throw(particle, way / PULL_TIME)
+
+    def release(self, particle: int, velocity: Point) -> None:
+        """Let go of the particle: it keeps the hand's velocity."""
+        self._throw(particle, np.array(velocity))
+
+    def _throw(self, particle: int, velocity: NDArray[np.float64]) -> None:
+        limit = SPEED_LIMIT * self._diagonal()
+        speed = math.hypot(*velocity)
+        if speed > limit:
+            velocity = velocity * (limit / speed)
+        self.world.set([particle], velocities=[velocity])
+
+    def _diagonal(self) -> float:
+        min_x, min_y, max_x, max_y = self.view
+        return math.hypot(max_x - min_x, max_y - min_y)

@@ -1,0 +1,463 @@
+"""The two programs of the 2015 article in plain Python, with every fault they had.
+
+This is the picture "before": `Simulation` runs the article's brute force or its quadtree by the
+article's own formulas, so that `jostle.World` can be set beside it. Units are pixels and frames,
+y grows downwards, and an angle of 0 is up and turns clockwise. It needs no NumPy and no window.
+
+Each of its eleven faults, shown:
+
+>>> from math import pi
+>>> right, left = pi / 2, 3 * pi / 2
+>>> def settle(n, frames=1, seed=0):
+...     simulation = Simulation(n, "quadtree", seed)
+...     for _ in range(frames):
+...         simulation.frame()
+...     return simulation
+
+**1. Wrong physics.** A ball of the same mass hits a resting one without loss, and both stop, even
+if it only grazes. With the arguments swapped the energy doubles, and a ball that is already
+leaving kicks the other:
+
+>>> def speeds(x, y, angle, swap=False):
+...     pair = [Particle(x, y, 10, 1, speed=4, angle=angle), Particle(119, 100, 10, 1)]
+...     collide(*(reversed(pair) if swap else pair), elasticity=1)
+...     return [particle.speed for particle in pair]
+>>> speeds(100, 100, right), speeds(119, 81, right)
+([0.0, 0.0], [0.0, 0.0])
+>>> speeds(100, 100, right, swap=True), speeds(100, 100, left, swap=True)
+([4.0, 4.0], [4.0, 4.0])
+
+**2. Halves are cut to whole pixels,** and so are the rectangles of particles. 20 of 500 pixel rows
+lie in no leaf, and of the 9,344 overlaps in ten crowds of 1,000 balls 27 are never tested:
+
+>>> boxes = [(0, 0, 800, 500)]
+>>> for _ in range(5):
+...     boxes = [child for box in boxes for child in quarters(box)]
+>>> 500 - len({row for _, y, _, height in boxes for row in range(y, y + height)})
+20
+>>> missed = found = 0
+>>> for seed in range(10):
+...     pairs = set(overlaps(Simulation(1000, seed=seed).particles))
+...     missed, found = missed + len(pairs - settle(1000, seed=seed).tested), found + len(pairs)
+>>> missed, found
+(27, 9344)
+
+**3. Work is done twice:** a ball lies in several leaves, and each tests it. Per cent of tests:
+
+>>> [round(100 * tree.repeats / tree.tests) for tree in map(settle, (500, 1000, 2000, 4000))]
+[30, 33, 33, 33]
+
+**4. One subdivision too many:** `level <= MAX_LEVEL` splits a fifth time.
+
+>>> MAX_LEVEL, max(level for *_, level in settle(500).leaves)
+(4, 5)
+
+**5. What leaves the display is lost** as soon as the first box splits:
+
+>>> balls = [Particle(x, 250, 10, 1) for x in (900, 910, 100, 200, 300)]
+>>> overlapped = (0, 1) in overlaps(balls)
+>>> tree = Simulation.of(balls, "quadtree"); tree.frame()
+>>> overlapped, (0, 1) in tree.tested
+(True, False)
+
+**6. Coincident balls cost six times brute force** where they lie in six leaves:
+
+>>> tree = Simulation.of([Particle(400, 242, 10, 1) for _ in range(500)], "quadtree")
+>>> tree.frame(); tree.tests / (500 * 499 / 2)
+6.0
+
+**7. Rectangles are a frame old.** One ball pushes a second over the middle line, onto a third:
+brute force handles both overlaps. And if the list is reversed, another scene results:
+
+>>> def push(method, order=1):
+...     balls = [Particle(x, 250, 10, 1) for x in (372, 389, 410, 700)][::order]
+...     simulation = Simulation.of(balls, method); simulation.frame()
+...     return simulation.hits, [round(ball.x, 1) for ball in balls[::order]]
+>>> push("brute")[0], push("quadtree")[0]
+(2, 1)
+>>> push("brute")[1], push("brute", order=-1)[1]
+([370.0, 390.0, 411.0, 700.0], [370.0, 391.0, 410.0, 700.0])
+
+**8. Fast balls tunnel:** of 60 throws at 60 pixels a frame, each from one pixel further, 39 hit.
+
+>>> def throw(gap):
+...     balls = [Particle(400 - gap, 250, 10, 20, 60, right), Particle(400, 250, 10, 20)]
+...     simulation = Simulation.of(balls)
+...     return any([simulation.frame() or simulation.hits for _ in range(3)])
+>>> sum(throw(gap) for gap in range(31, 91))
+39
+
+**9. Piles never rest** and overlap deeply (after 200 frames, in pixels and hits a frame):
+
+>>> pile = settle(1000, frames=200)
+>>> max(overlaps(pile.particles).values()) > 8, pile.hits > 1000
+(True, True)
+
+**10. It answers no question:** no range, nearest, ray, layers, events or ids.
+
+>>> [name for name in vars(Simulation) if not name.startswith("_")]
+['of', 'frame', 'grab', 'drag_to', 'release']
+
+**11. It is slow.** The limit of subdivisions keeps the work quadratic: twice the balls, four times
+the tests, and brute force makes 124,750 for 500:
+
+>>> settle(500).tests, settle(1000).tests, settle(2000).tests, settle(4000).tests
+(1157, 4176, 17072, 68661)
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import combinations
+from numbers import Real
+from operator import index
+
+Vector = tuple[float, float]  # angle, length
+Box = tuple[int, int, int, int]  # x, y, width, height
+Leaf = tuple[int, int, int, int, int]  # x, y, width, height, level
+
+AIR_MASS = 0.2
+ELASTICITY = 0.75
+GRAVITY: Vector = (math.pi, 0.5)
+MOUSE_PULL = 0.1
+MAX_PER_BOX = 3
+MAX_LEVEL = 4  # the whole display is level 0
+SMALLEST_SIDE = 32  # anything less would be halved to no pixels at all
+METHODS = ("brute", "quadtree")
+
+
+@dataclass(slots=True, eq=False)
+class Particle:
+    """A ball of the article: it falls, is slowed by the air and bounces off the walls.
+
+    Parameters
+    ----------
+    x, y : float
+        The centre, in pixels.
+    radius, density : int
+        At least 1; the article draws 5 to 10 and 1 to 20.
+    speed, angle : float
+        Pixels a frame; radians clockwise from up.
+
+    Attributes
+    ----------
+    mass : int
+        density * radius ** 2.
+    drag : float
+        What the air leaves of the speed each frame.
+    rectangle : tuple of int
+        x, y, width and height, as the tree last saw them: cut to whole pixels.
+
+    Examples
+    --------
+    >>> ball = Particle(50.9, 40.0, radius=5, density=2)
+    >>> ball.mass, ball.rectangle
+    (50, (45, 35, 10, 10))
+    >>> ball.move()
+    >>> ball.y, round(ball.speed, 2)
+    (40.5, 0.49)
+    """
+
+    x: float
+    y: float
+    radius: int
+    density: int
+    speed: float = 0.0
+    angle: float = 0.0
+    mass: int = field(init=False)
+    drag: float = field(init=False)
+    rectangle: Box = field(init=False)
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "speed", "angle"):
+            _check_finite(name, getattr(self, name))
+        for name in ("radius", "density"):
+            _check_integer(name, getattr(self, name), least=1)
+        self.mass = self.density * self.radius**2
+        self.drag = (self.mass / (self.mass + AIR_MASS)) ** self.radius
+        self.update_rectangle()
+
+    def move(self) -> None:
+        """Add gravity to the velocity and the velocity to the position, then lose speed to air."""
+        self.angle, self.speed = add_vectors((self.angle, self.speed), GRAVITY)
+        self.x += math.sin(self.angle) * self.speed
+        self.y -= math.cos(self.angle) * self.speed
+        self.speed *= self.drag
+
+    def bounce(self, width: int, height: int) -> None:
+        """Reflect off the walls of the display, once each way; right and bottom come first."""
+        near, right, bottom = self.radius, width - self.radius, height - self.radius
+        if self.x > right:
+            self._reflect(2 * right - self.x, self.y, -self.angle)
+        elif self.x < near:
+            self._reflect(2 * near - self.x, self.y, -self.angle)
+        if self.y > bottom:
+            self._reflect(self.x, 2 * bottom - self.y, math.pi - self.angle)
+        elif self.y < near:
+            self._reflect(self.x, 2 * near - self.y, math.pi - self.angle)
+
+    def _reflect(self, x: float, y: float, angle: float) -> None:
+        self.x, self.y, self.angle = x, y, angle
+        self.speed *= ELASTICITY
+
+    def head_for(self, x: float, y: float) -> None:
+        """Turn towards a point, with a tenth of the distance as the speed."""
+        self.angle = _direction(x - self.x, y - self.y)
+        self.speed = MOUSE_PULL * math.hypot(x - self.x, y - self.y)
+
+    def update_rectangle(self) -> None:
+        """Let the tree see where the particle now is."""
+        side = 2 * self.radius
+        self.rectangle = int(self.x - self.radius), int(self.y - self.radius), side, side
+
+
+class Simulation:
+    """One of the article's two programs, without its window.
+
+    Parameters
+    ----------
+    n : int
+        How many particles to scatter; the article has 10 (brute force) or 500 (quadtree).
+    method : {"brute", "quadtree"}
+        Which program. It may be changed between frames.
+    seed : int
+        The same seed and display give the same particles to both methods.
+    width, height : int
+        The display in pixels, at least 32 each way.
+
+    Attributes
+    ----------
+    particles : list of Particle
+        In list order, on which the results depend.
+    held : Particle or None
+        The one that the mouse holds.
+    tests, repeats, hits : int
+        Of the last frame: pairs tested, those of them tested before in it, overlaps handled.
+    leaves : list of tuple
+        Of the last frame's tree: x, y, width, height, level. Empty for brute force.
+    tested : set of tuple
+        Pairs of list positions that the last frame's tree tested. Empty for brute force.
+
+    Examples
+    --------
+    >>> simulation = Simulation(10, "brute", seed=1)
+    >>> simulation.frame()
+    >>> simulation.tests, simulation.repeats
+    (45, 0)
+    """
+
+    def __init__(
+        self, n: int, method: str = "brute", seed: int = 0, width: int = 800, height: int = 500
+    ) -> None:
+        if method not in METHODS:
+            raise ValueError(f"method must be 'brute' or 'quadtree', not {method!r}")
+        self.method = method
+        self.width = _check_integer("width", width, least=SMALLEST_SIDE)
+        self.height = _check_integer("height", height, least=SMALLEST_SIDE)
+        rng = random.Random(_check_integer("seed", seed, least=0))
+        count = _check_integer("n", n, least=0)
+        self.particles = [_random_particle(rng, self.width, self.height) for _ in range(count)]
+        self.held: Particle | None = None
+        self._cursor = (0.0, 0.0)
+        self._clear_counters()
+
+    @classmethod
+    def of(
+        cls,
+        particles: Iterable[Particle],
+        method: str = "brute",
+        width: int = 800,
+        height: int = 500,
+    ) -> Simulation:
+        """Simulate these particles (themselves, not copies), in this order.
+
+        Examples
+        --------
+        >>> pair = Simulation.of([Particle(50, 50, 10, 1), Particle(60, 50, 10, 1)])
+        >>> pair.frame()
+        >>> pair.hits
+        1
+        """
+        simulation = cls(0, method, 0, width, height)
+        simulation.particles = list(particles)
+        return simulation
+
+    def frame(self) -> None:
+        """Advance by one frame. A held particle is first turned towards the cursor."""
+        self._clear_counters()
+        if self.held is not None:
+            self.held.head_for(*self._cursor)
+        {"brute": self._brute_frame, "quadtree": self._quadtree_frame}[self.method]()
+
+    def grab(self, x: float, y: float) -> Particle | None:
+        """Hold the first particle in list order under the cursor, if there is one."""
+        self.drag_to(x, y)
+        under = (p for p in self.particles if math.hypot(x - p.x, y - p.y) <= p.radius)
+        self.held = next(under, None)
+        return self.held
+
+    def drag_to(self, x: float, y: float) -> None:
+        """Move the cursor, which the held particle follows at each frame."""
+        self._cursor = _check_finite("x", x), _check_finite("y", y)
+
+    def release(self) -> None:
+        """Let go of the held particle, which flies on."""
+        self.held = None
+
+    def _clear_counters(self) -> None:
+        self.tests = self.repeats = self.hits = 0
+        self.leaves: list[Leaf] = []
+        self.tested: set[tuple[int, int]] = set()
+
+    def _brute_frame(self) -> None:
+        for i, particle in enumerate(self.particles):
+            particle.move()
+            particle.bounce(self.width, self.height)
+            others = self.particles[i + 1 :]
+            self.tests += len(others)
+            self.hits += sum(collide(particle, other) for other in others)
+        for particle in self.particles:
+            particle.update_rectangle()  # unused, unless the method is changed
+
+    def _quadtree_frame(self) -> None:
+        self._build((0, 0, self.width, self.height), 0, list(range(len(self.particles))))
+        self.repeats = self.tests - len(self.tested)
+        for particle in self.particles:
+            particle.move()
+            particle.bounce(self.width, self.height)
+            particle.update_rectangle()
+
+    def _build(self, box: Box, level: int, members: list[int]) -> None:
+        """Split the box among its quarters, or collide all pairs in it at once."""
+        particles = self.particles
+        if len(members) > MAX_PER_BOX and level <= MAX_LEVEL:
+            for quarter in quarters(box):
+                inside = [i for i in members if _boxes_overlap(quarter, particles[i].rectangle)]
+                self._build(quarter, level + 1, inside)
+            return
+        pairs = list(combinations(members, 2))
+        self.leaves.append((*box, level))
+        self.tests += len(pairs)
+        self.tested.update(pairs)
+        self.hits += sum(collide(particles[i], particles[j]) for i, j in pairs)
+
+
+def collide(first: Particle, second: Particle, elasticity: float = ELASTICITY) -> bool:
+    """Change the velocities of two particles that overlap and push them a pixel apart.
+
+    The article's elasticity is 0.75; another serves only to show what is wrong. It took the
+    direction between the centres from ``atan2``, which is 0 for coincident ones: these part
+    along x, the first to the right.
+
+    Returns
+    -------
+    bool
+        Whether they overlapped.
+
+    Examples
+    --------
+    >>> first, second = Particle(50, 50, 10, 1), Particle(60, 50, 10, 1)
+    >>> collide(first, second), first.x, second.x
+    (True, 44.5, 65.5)
+    """
+    dx, dy = first.x - second.x, first.y - second.y
+    reach, distance = first.radius + second.radius, math.hypot(dx, dy)
+    if distance >= reach:
+        return False
+    normal, total = _direction(dx, dy), first.mass + second.mass
+    kept = (first.mass - second.mass) / total
+    first.angle, first.speed = add_vectors(
+        (first.angle, kept * first.speed), (normal, 2 * second.mass / total * second.speed)
+    )
+    second.angle, second.speed = add_vectors(
+        (second.angle, -kept * second.speed), (normal, -2 * first.mass / total * first.speed)
+    )
+    first.speed *= elasticity
+    second.speed *= elasticity
+    push = (reach - distance + 1) / 2
+    first.x += math.sin(normal) * push
+    first.y -= math.cos(normal) * push
+    second.x -= math.sin(normal) * push
+    second.y += math.cos(normal) * push
+    return True
+
+
+def add_vectors(first: Vector, second: Vector) -> Vector:
+    """Add two vectors, each an angle and a length.
+
+    Examples
+    --------
+    >>> angle, length = add_vectors((0, 3), (math.pi / 2, 4))
+    >>> round(math.degrees(angle), 1), length
+    (53.1, 5.0)
+    """
+    (angle1, length1), (angle2, length2) = first, second
+    x = length1 * math.sin(angle1) + length2 * math.sin(angle2)
+    y = length1 * math.cos(angle1) + length2 * math.cos(angle2)
+    return math.pi / 2 - math.atan2(y, x), math.hypot(x, y)
+
+
+def quarters(box: Box) -> list[Box]:
+    """Split a box into four of half its sides, cut to whole pixels, row by row.
+
+    Examples
+    --------
+    >>> quarters((0, 0, 10, 5))
+    [(0, 0, 5, 2), (5, 0, 5, 2), (0, 2, 5, 2), (5, 2, 5, 2)]
+    """
+    x, y, width, height = box[0], box[1], box[2] // 2, box[3] // 2
+    return [(x + i * width, y + j * height, width, height) for j in (0, 1) for i in (0, 1)]
+
+
+def overlaps(particles: Iterable[Particle]) -> dict[tuple[int, int], float]:
+    """Find every pair that overlaps now, whatever the article's programs find of them.
+
+    Returns
+    -------
+    dict
+        From each pair of list positions to how deep it overlaps, in pixels.
+
+    Examples
+    --------
+    >>> overlaps([Particle(50, 50, 10, 1), Particle(90, 50, 10, 1), Particle(60, 50, 10, 1)])
+    {(0, 2): 10.0}
+    """
+    depths = {}
+    for (i, first), (j, second) in combinations(enumerate(particles), 2):
+        distance = math.hypot(first.x - second.x, first.y - second.y)
+        if distance < first.radius + second.radius:
+            depths[i, j] = first.radius + second.radius - distance
+    return depths
+
+
+def _random_particle(rng: random.Random, width: int, height: int) -> Particle:
+    """Draw a particle that lies within the display."""
+    radius, density = rng.randint(5, 10), rng.randint(1, 20)
+    x, y = rng.uniform(radius, width - radius), rng.uniform(radius, height - radius)
+    return Particle(x, y, radius, density, rng.random(), rng.uniform(0, 2 * math.pi))
+
+
+def _direction(dx: float, dy: float) -> float:
+    """Give the angle, clockwise from up, of a vector on a screen where y grows downwards."""
+    return math.pi / 2 + math.atan2(dy, dx)
+
+
+def _boxes_overlap(first: Box, second: Box) -> bool:
+    x1, y1, width1, height1 = first
+    x2, y2, width2, height2 = second
+    return x1 < x2 + width2 and x2 < x1 + width1 and y1 < y2 + height2 and y2 < y1 + height1
+
+
+def _check_finite(name: str, value: object) -> float:
+    if not isinstance(value, Real) or not math.isfinite(value):
+        raise ValueError(f"{name} must be a finite number, not {value!r}")
+    return float(value)
+
+
+def _check_integer(name: str, value: object, least: int) -> int:
+    if isinstance(value, bool) or not hasattr(value, "__index__") or index(value) < least:
+        raise ValueError(f"{name} must be an integer of at least {least}, not {value!r}")
+    return index(value)
