@@ -1,7 +1,7 @@
 # The verbs of the house. Each does all of its own set-up, once; `make` alone lists them.
 #
 #   make run ARGS="pile -n 2000"       arguments for the program behind a verb
-#   make setup PYTHON=/path/to/python  the interpreter that .venv is made from
+#   make setup PYTHON=/path/to/python  the interpreter that a new .venv is made from
 
 ARGS ?=
 PYTHON ?=
@@ -20,7 +20,6 @@ SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/
   $(shell find crates/*/src python -name __pycache__ -prune -o -print 2>/dev/null)
 
 .DEFAULT_GOAL := help
-.DELETE_ON_ERROR:
 .PHONY: help setup run test lint bench docs web clean
 
 help:  ## list the verbs
@@ -77,10 +76,11 @@ $(VENV)/dev: $(VENV)/run requirements/dev.txt
 
 $(VENV)/wheel: $(VENV)/run $(SOURCES)
 	$(need_rust)
+	@touch $@.begun  # so that an edit made during the build is built the next time
 	rm -rf $(WHEELS)
 	$(BIN)/maturin build --release --interpreter $(BIN)/python --out $(WHEELS)
 	$(BIN)/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
-	@touch $@
+	@mv $@.begun $@
 
 # What has to be on the machine. Each is tried, not looked up: a name in PATH may lead nowhere.
 

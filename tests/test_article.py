@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
 from jostle import article
 from jostle.article import Particle, Simulation, add_vectors, collide, overlaps, quarters
 
@@ -325,8 +324,16 @@ def test_bad_method(method: Any) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("x", math.nan), ("y", math.inf), ("speed", "fast"), ("angle", None)]
-    + [("radius", 0), ("radius", 5.5), ("density", -1), ("density", math.nan)],
+    [
+        ("x", math.nan),
+        ("y", math.inf),
+        ("speed", "fast"),
+        ("angle", None),
+        ("radius", 0),
+        ("radius", 5.5),
+        ("density", -1),
+        ("density", math.nan),
+    ],
 )
 def test_bad_particle(name: str, value: Any) -> None:
     fields = {"x": 1.0, "y": 1.0, "radius": 5, "density": 1, name: value}

@@ -173,9 +173,9 @@ class Particle:
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "speed", "angle"):
-            _check_finite(name, getattr(self, name))
+            setattr(self, name, _check_finite(name, getattr(self, name)))
         for name in ("radius", "density"):
-            _check_integer(name, getattr(self, name), least=1)
+            setattr(self, name, _check_integer(name, getattr(self, name), least=1))
         self.mass = self.density * self.radius**2
         self.drag = (self.mass / (self.mass + AIR_MASS)) ** self.radius
         self.update_rectangle()

@@ -133,6 +133,39 @@ pub fn brute_between<T: Scalar>(
     budget.collect(vec![part])
 }
 
+/// Sorts pairs of places below `len` by first, then by second, in `scratch`.
+pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScratch) {
+    let SortScratch { starts, spare } = scratch;
+    starts.clear();
+    starts.resize(len + 1, 0);
+    for pair in pairs.iter() {
+        starts[pair[0] as usize + 1] += 1;
+    }
+    for place in 0..len {
+        starts[place + 1] += starts[place];
+    }
+    spare.clear();
+    spare.resize(pairs.len(), [0; 2]);
+    for &pair in pairs.iter() {
+        let start = &mut starts[pair[0] as usize];
+        spare[*start as usize] = pair;
+        *start += 1;
+    }
+    std::mem::swap(pairs, spare);
+    let mut from = 0;
+    for &end in &starts[..len] {
+        pairs[from..end as usize].sort_unstable();
+        from = end as usize;
+    }
+}
+
+/// Memory that [`sort_places`] keeps between calls.
+#[derive(Clone, Debug, Default)]
+pub struct SortScratch {
+    starts: Vec<u32>,
+    spare: Vec<[u32; 2]>,
+}
+
 /// Two trees to be walked together; `itself` where they are the same tree and
 /// each unordered pair is wanted once.
 struct Join<'a, T> {

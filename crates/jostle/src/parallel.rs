@@ -28,6 +28,32 @@ pub fn map<R>(_threads: Option<usize>, count: usize, task: impl Fn(usize) -> R) 
     (0..count).map(task).collect()
 }
 
+/// Rows that one thread takes at a time in [`for_chunks`].
+pub const CHUNK: usize = 1024;
+
+/// Calls `act` with the index of the first item and the items of each chunk of
+/// [`CHUNK`] items, on `threads` threads. What one call writes no other may read.
+pub fn for_chunks<T: Send>(
+    threads: Option<usize>,
+    items: &mut [T],
+    act: impl Fn(usize, &mut [T]) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    if threads != Some(1) && items.len() > CHUNK {
+        use rayon::prelude::*;
+        let mut run = || {
+            let chunks = items.par_chunks_mut(CHUNK).enumerate();
+            chunks.for_each(|(index, chunk)| act(index * CHUNK, chunk));
+        };
+        return match threads {
+            None => run(),
+            Some(threads) => pool(threads).install(run),
+        };
+    }
+    let _ = threads;
+    act(0, items);
+}
+
 /// Whether more than one thread will work.
 pub fn is_parallel(threads: Option<usize>) -> bool {
     cfg!(feature = "parallel") && threads != Some(1)

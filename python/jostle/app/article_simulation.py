@@ -9,7 +9,8 @@ import numpy as np
 
 import jostle
 from jostle import article
-from jostle.app.simulation import Facts, Frame, Point, TreeBoxes
+from jostle.app.simulation import Facts, Frame, Point, Rect, TreeBoxes
+from jostle.app.world_simulation import WorldSimulation
 
 FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
 DEFAULT_N = 500
@@ -50,7 +51,8 @@ class ArticleSimulation:
             n = DEFAULT_N if n is None else n
             self.program = article.Simulation(n, self._rules, seed)
         else:
-            self.program = _lent(self.scene, n, seed, self._rules)
+            lender = WorldSimulation(self.scene, n, seed=seed)
+            self.program = article_of(lender.frame(), lender.view, self._rules)
         width, height = self.program.width, self.program.height
         self.view = (0.0, 0.0, float(width), float(height))
         self.container = jostle.Box(*self.view)
@@ -139,23 +141,21 @@ def _rules(method: str) -> str:
     return method.removeprefix("article-")
 
 
-def _lent(scene: str, n: int | None, seed: int, rules: str) -> article.Simulation:
-    """Return the article's program, its particles placed and sized like those of a scene."""
-    world = jostle.scenes.create(scene, n=n, seed=seed)
-    min_x, min_y, max_x, max_y = jostle.scenes.view(scene, n)
-    places = world.positions - (min_x, min_y)
-    velocities = world.velocities / FRAMES_A_SECOND
+def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
+    """Return the article's program over the particles of a frame.
+
+    Its display is the view, and everything is moved there; radii and densities become whole
+    numbers of at least 1, as the article has them.
+    """
+    min_x, min_y, max_x, max_y = view
+    places = (frame.positions - np.array([min_x, min_y])).tolist()
+    velocities = (frame.velocities / FRAMES_A_SECOND).tolist()
+    radii = np.maximum(np.rint(frame.radii), 1).astype(int).tolist()
+    densities = np.maximum(np.rint(frame.densities), 1).astype(int).tolist()
     particles = [
-        article.Particle(
-            float(x),
-            float(y),
-            max(1, round(float(radius))),
-            max(1, round(float(mass) / max(float(radius), 1e-12) ** 2)),
-            speed=math.hypot(dx, dy),
-            angle=math.atan2(dx, -dy),
-        )
-        for (x, y), (dx, dy), radius, mass in zip(
-            places, velocities, world.radii, world.masses, strict=True
+        article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))
+        for (x, y), (dx, dy), radius, density in zip(
+            places, velocities, radii, densities, strict=True
         )
     ]
     width, height = math.ceil(max_x - min_x), math.ceil(max_y - min_y)

@@ -53,9 +53,16 @@ class Camera:
         if self._at_home:
             self.home()
 
-    def to_screen(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return (n, 2) world points in pixels, in float64: float32 would jitter when zoomed."""
-        return (points - np.array(self.center)) * self.scale + np.array(self.size) / 2
+    def to_screen(
+        self, points: NDArray[np.floating]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the columns x and y, in pixels, of (n, 2) world points.
+
+        In float64: float32 would jitter in a view zoomed in far.
+        """
+        x = (points[:, 0].astype(np.float64) - self.center[0]) * self.scale + self.size[0] / 2
+        y = (points[:, 1].astype(np.float64) - self.center[1]) * self.scale + self.size[1] / 2
+        return x, y
 
     def to_world(self, pixel: Point) -> Point:
         """Return the world point under a pixel."""
@@ -86,5 +93,5 @@ class Camera:
 
     def rect_to_screen(self, rect: Rect) -> Rect:
         """Return a world rectangle in pixels."""
-        (x0, y0), (x1, y1) = self.to_screen(np.array([rect[:2], rect[2:]])).tolist()
-        return x0, y0, x1, y1
+        (x0, x1), (y0, y1) = self.to_screen(np.array([rect[:2], rect[2:]], np.float64))
+        return float(x0), float(y0), float(x1), float(y1)

@@ -1,4 +1,8 @@
-"""Discs smaller than a pixel, written straight into the pixels: a million at a time."""
+"""Discs of a pixel or two, written straight into the pixels: a million at a time.
+
+Each disc covers a known share of a few pixels. The shares of all discs are added up first, in
+one sweep over arrays; then every pixel that got any is blended once.
+"""
 
 from __future__ import annotations
 
@@ -8,34 +12,97 @@ from numpy.typing import NDArray
 
 from jostle.app.palette import DISCS
 
-_COLOURS = np.array(DISCS, np.float32)
-LEAST = 0.35  # even the smallest disc lights its pixel this much, or sparse dust would vanish
+MAX_RADIUS = 1.125  # pixels; larger discs are stamps, and would spill beyond the kernels
+_POINT_RADIUS = 0.5  # below it one pixel is enough
+_LEAST_COVER = 0.35  # the smallest disc still lights its pixel so much, or dust would vanish
+_STEPS = 8  # radii told apart per pixel
+_PLACES = 4  # sub-pixel places each way
+
+Floats = NDArray[np.floating]
+Indices = NDArray[np.intp]
 
 
 def scatter(
-    target: pygame.Surface,
-    centers: NDArray[np.float64],
-    radii: NDArray[np.floating],
-    shades: NDArray[np.uint8],
+    target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: NDArray[np.uint8]
 ) -> None:
-    """Light the pixel under each disc by the share of it that the disc covers.
+    """Draw discs with `radii` up to MAX_RADIUS; all measures in pixels.
 
-    `centers` and `radii` are in pixels; centres outside the target are left out. Several discs in
-    a pixel add up to full cover, and the last one gives the colour.
+    `target` has 32 bits a pixel, red above green above blue. Discs in the same pixel add up to
+    full cover, and the last of the largest shares gives the colour.
     """
     width, height = target.get_size()
-    whole = np.floor(centers).astype(np.int64)
-    inside = ((whole >= 0) & (whole < (width, height))).all(axis=1)
-    if not inside.any():
+    inside = (x >= -1) & (x < width + 1) & (y >= -1) & (y < height + 1)
+    if not inside.all():
+        x, y, radii, shades = x[inside], y[inside], radii[inside], shades[inside]
+    if len(x) == 0:
         return
-    at = whole[inside, 0] + whole[inside, 1] * width
-    area = np.maximum(np.pi * radii[inside] ** 2, LEAST)
-    cover = np.bincount(at, weights=area, minlength=width * height)
-    colour = np.zeros(width * height, np.uint8)
-    colour[at] = shades[inside]
+    # Two pixels of border: one for centres just outside, one for what spills over from them.
+    wide, high = width + 4, height + 4
+    column, row = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    at = (row + 2) * wide + column + 2
+    cells, covers = [], []
+    colour = np.zeros(wide * high, np.uint8)
+    broad = radii >= _POINT_RADIUS
+    if broad.any():
+        key = _kernel_keys(x[broad] - column[broad], y[broad] - row[broad], radii[broad])
+        spread = _OFFSETS @ np.array([1, wide])
+        around = (spread[:, None] + at[broad]).ravel()
+        cells.append(around)
+        covers.append(_KERNELS[:, key].ravel())
+        colour[around] = np.tile(shades[broad], len(_OFFSETS))
+    if not broad.all():
+        points = ~broad
+        cells.append(at[points])
+        covers.append(np.maximum(np.pi * radii[points] ** 2, _LEAST_COVER))
+        colour[at[points]] = shades[points]
+    cover = np.bincount(np.concatenate(cells), np.concatenate(covers), wide * high)
+    window = slice(2, -2)
+    _blend(
+        target,
+        np.ascontiguousarray(cover.reshape(high, wide)[window, window]).ravel(),
+        np.ascontiguousarray(colour.reshape(high, wide)[window, window]).ravel(),
+    )
+
+
+def _blend(target: pygame.Surface, cover: Floats, colour: NDArray[np.uint8]) -> None:
+    """Blend colours into the pixels; red and blue travel together in one number."""
+    pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
     lit = np.flatnonzero(cover)
-    x, y = lit % width, lit // width
-    pixels = pygame.surfarray.pixels3d(target)
-    back = pixels[x, y].astype(np.float32)
-    share = np.minimum(cover[lit], 1.0).astype(np.float32)[:, None]
-    pixels[x, y] = np.rint(back + (_COLOURS[colour[lit]] - back) * share).astype(np.uint8)
+    share = (np.minimum(cover[lit], 1.0) * 256).astype(np.uint32)
+    back, front = pixels[lit], _PACKED[colour[lit]]
+    mixed = np.zeros_like(back)
+    for channels in (np.uint32(0xFF00FF), np.uint32(0x00FF00)):
+        both = (back & channels) * (256 - share) + (front & channels) * share
+        mixed |= (both >> np.uint32(8)) & channels
+    pixels[lit] = mixed
+
+
+def _kernel_keys(dx: Floats, dy: Floats, radii: Floats) -> Indices:
+    step = np.rint((radii - _POINT_RADIUS) * _STEPS).astype(np.intp)
+    place = (dy * _PLACES).astype(np.intp) * _PLACES + (dx * _PLACES).astype(np.intp)
+    return step * _PLACES**2 + place
+
+
+def _make_kernels() -> tuple[Indices, Floats]:
+    """Return the offsets of 3 by 3 pixels, the middle last, and the share of each.
+
+    The shares are (9, radii × places), found by counting the points of a fine grid.
+    """
+    reach = np.arange(-1, 2)
+    offsets = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
+    offsets = offsets[np.argsort(-(offsets**2).sum(axis=1), kind="stable")]
+    fine = (np.arange(8) + 0.5) / 8
+    grid = np.stack(np.meshgrid(fine, fine), axis=-1).reshape(-1, 2)
+    points = offsets[:, None, :] + grid
+    kernels = []
+    for radius in np.arange(_POINT_RADIUS, MAX_RADIUS + 1e-9, 1 / _STEPS):
+        for place in range(_PLACES**2):
+            center = (np.array([place % _PLACES, place // _PLACES]) + 0.5) / _PLACES
+            distance = np.hypot(*(points - center).transpose(2, 0, 1))
+            kernels.append((distance <= radius).mean(axis=1))
+    shares = np.array(kernels).T.copy()
+    return offsets, shares
+
+
+_OFFSETS, _KERNELS = _make_kernels()
+_PACKED = np.array([red << 16 | green << 8 | blue for red, green, blue in DISCS], np.uint32)

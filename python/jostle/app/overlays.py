@@ -52,9 +52,11 @@ def _on_screen(
     tree: TreeBoxes, camera: Camera, wanted: NDArray[np.bool_]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the wanted boxes in whole pixels, clipped just outside the view, and levels."""
-    low, high = camera.to_screen(tree.boxes[:, :2]), camera.to_screen(tree.boxes[:, 2:])
-    size = np.array(camera.size)
-    seen = wanted & (high >= 0).all(axis=1) & (low <= size).all(axis=1)
-    seen &= (high - low).max(axis=1, initial=0) >= SMALLEST
-    corners = np.concatenate([np.clip(low, -2, size + 2), np.clip(high, -2, size + 2)], axis=1)
-    return np.floor(corners[seen]).astype(np.intp), tree.levels[seen]
+    (x0, y0), (x1, y1) = camera.to_screen(tree.boxes[:, :2]), camera.to_screen(tree.boxes[:, 2:])
+    width, height = camera.size
+    seen = wanted & (x1 >= 0) & (y1 >= 0) & (x0 <= width) & (y0 <= height)
+    seen &= np.maximum(x1 - x0, y1 - y0) >= SMALLEST
+    columns = [np.clip(x, -2, width + 2) for x in (x0, x1)]
+    rows = [np.clip(y, -2, height + 2) for y in (y0, y1)]
+    corners = np.stack([columns[0], rows[0], columns[1], rows[1]], axis=1)[seen]
+    return np.floor(corners).astype(np.intp), tree.levels[seen]

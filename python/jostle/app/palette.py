@@ -1,7 +1,7 @@
 """Every colour of the app, in one place.
 
 One dark, slightly blue ground; discs from a muted ramp of equal weight, so that none shouts; the
-tree in thin cool lines that grow lighter with the level.
+tree in violet, a colour no disc has, that grows lighter with the level.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
 
 _DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
-_LEVEL_STOPS = ("#3b5573", "#4d7c99", "#62a5a9", "#93c8a4", "#dbe3a0")
+_LEVEL_STOPS = ("#4a4f86", "#655fae", "#8a72c8", "#b58ad0", "#dca9cf")
 _LEVELS_IN_RAMP = 9  # deeper levels keep the last colour
 
 

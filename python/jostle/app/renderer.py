@@ -1,7 +1,6 @@
 """Discs and walls, drawn by the processor alone: the renderer that works everywhere.
 
 Discs fall into three kinds by their radius on the screen: dust, stamps and large circles.
-Whatever lies outside the view is left out first.
 """
 
 from __future__ import annotations
@@ -15,7 +14,10 @@ from jostle.app import dust
 from jostle.app.camera import Camera
 from jostle.app.palette import DISCS, GROUND, STAGE, WALL, blend
 from jostle.app.simulation import Container, Frame, Rect
-from jostle.app.stamps import MAX_RADIUS, MIN_RADIUS, RIM_SHADE, RIM_WIDTH, Stamps
+from jostle.app.stamps import MAX_RADIUS as MAX_STAMP
+from jostle.app.stamps import RIM_SHADE, RIM_WIDTH, Stamps
+
+Floats = NDArray[np.floating]
 
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
 FAR = 30_000  # pixels; what is drawn by pygame is clipped to this first
@@ -31,7 +33,7 @@ class Renderer:
         """Clear the surface and draw the walls."""
         target.fill(GROUND)
         if isinstance(container, jostle.Circle):
-            x, y = camera.to_screen(np.array([container.center], np.float64))[0]
+            (x,), (y,) = camera.to_screen(np.array([container.center], np.float64))
             radius = container.radius * camera.scale
             _draw_circle(target, (x, y), radius + 2, WALL)
             _draw_circle(target, (x, y), radius, STAGE)
@@ -47,23 +49,21 @@ class Renderer:
         shades: NDArray[np.uint8],
         camera: Camera,
     ) -> None:
-        """Draw every disc that the view shows, in the order of the columns."""
-        centers = camera.to_screen(frame.positions)
-        radii = frame.radii * np.float64(camera.scale)
-        reach = radii[:, None] + 1
-        seen = ((centers > -reach) & (centers < camera.size + reach)).all(axis=1)
+        """Draw every disc that the view shows: the small ones first, so that none is lost."""
+        x, y = camera.to_screen(frame.positions)
+        radii = frame.radii.astype(np.float64) * camera.scale
+        width, height = camera.size
+        reach = radii + 1
+        seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
         if not seen.all():
-            centers, radii, shades = centers[seen], radii[seen], shades[seen]
-        small, large = radii < MIN_RADIUS, radii > MAX_RADIUS
-        if small.any():
-            dust.scatter(target, centers[small], radii[small], shades[small])
-        if large.any():
-            _draw_large(target, centers[large], radii[large], shades[large])
-        if small.any() or large.any():
-            middle = ~(small | large)
-            centers, radii, shades = centers[middle], radii[middle], shades[middle]
-        if len(radii):
-            self._stamps.blit(target, centers, radii, shades)
+            x, y, radii, shades = x[seen], y[seen], radii[seen], shades[seen]
+        kind = np.digitize(radii, (dust.MAX_RADIUS, MAX_STAMP), right=True)
+        for number, draw in enumerate((dust.scatter, self._stamps.blit, _draw_large)):
+            mine = kind == number
+            if mine.all():
+                draw(target, x, y, radii, shades)
+            elif mine.any():
+                draw(target, x[mine], y[mine], radii[mine], shades[mine])
 
 
 def _rect_of(container: jostle.Box | jostle.Torus) -> Rect:
@@ -80,16 +80,13 @@ def _draw_box(target: pygame.Surface, corners: Rect) -> None:
 
 
 def _draw_large(
-    target: pygame.Surface,
-    centers: NDArray[np.float64],
-    radii: NDArray[np.float64],
-    shades: NDArray[np.uint8],
+    target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: NDArray[np.uint8]
 ) -> None:
-    columns = centers.tolist(), radii.tolist(), shades.tolist()
-    for center, radius, shade in zip(*columns, strict=True):
+    columns = x.tolist(), y.tolist(), radii.tolist(), shades.tolist()
+    for at_x, at_y, radius, shade in zip(*columns, strict=True):
         colour = DISCS[shade]
-        _draw_circle(target, center, radius, blend((0, 0, 0), colour, RIM_SHADE))
-        _draw_circle(target, center, radius - RIM_WIDTH, colour)
+        _draw_circle(target, (at_x, at_y), radius, blend((0, 0, 0), colour, RIM_SHADE))
+        _draw_circle(target, (at_x, at_y), radius - RIM_WIDTH, colour)
 
 
 def _draw_circle(

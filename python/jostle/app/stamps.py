@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from jostle.app.palette import DISCS
 
-MIN_RADIUS = 0.75  # pixels; smaller discs are dust
-MAX_RADIUS = 48.0  # larger ones are few, and drawn as circles
+MAX_RADIUS = 48.0  # pixels; larger discs are few, and drawn as circles
 STEPS = 4  # radii kept per pixel
 PLACES = 4  # sub-pixel places each way for small discs
 FINE_BELOW, COARSE_BELOW = 12.0, 24.0  # radius: 4 places, then 2, then 1
@@ -48,22 +47,24 @@ class Stamps:
     def blit(
         self,
         target: pygame.Surface,
-        centers: NDArray[np.float64],
+        x: NDArray[np.floating],
+        y: NDArray[np.floating],
         radii: NDArray[np.floating],
         shades: NDArray[np.uint8],
     ) -> None:
-        """Stamp discs; `centers` and `radii` in pixels, MIN_RADIUS <= radius <= MAX_RADIUS."""
+        """Stamp discs, radii up to MAX_RADIUS, all measures in pixels."""
         if self._bytes > MEMORY_LIMIT:
             self._clear()
         buckets = np.rint(radii * STEPS).astype(np.intp)
-        whole = np.floor(centers)
-        places = self._places[buckets]
-        cell = ((centers - whole) * places[:, None]).astype(np.intp)
-        keys = (buckets * _SHADES + shades) * _CELLS + cell[:, 1] * places + cell[:, 0]
+        places, half = self._places[buckets], self._half[buckets]
+        column, row = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+        across = ((x - column) * places).astype(np.intp)
+        down = ((y - row) * places).astype(np.intp)
+        keys = (buckets * _SHADES + shades) * _CELLS + down * places + across
         self._fill(keys)
-        corners = whole.astype(np.intp) - self._half[buckets][:, None]
         stamps = map(self._table.__getitem__, keys.tolist())
-        target.fblits(list(zip(stamps, corners.tolist())), pygame.BLEND_PREMULTIPLIED)  # type: ignore[arg-type]
+        corners = zip((column - half).tolist(), (row - half).tolist(), strict=True)
+        target.fblits(list(zip(stamps, corners, strict=True)), pygame.BLEND_PREMULTIPLIED)
 
     def _fill(self, keys: NDArray[np.intp]) -> None:
         """Make the stamps that are still missing."""
@@ -101,10 +102,3 @@ def _white_disc(radius: float, half: int, offset: NDArray[np.float64]) -> pygame
     pygame.surfarray.pixels3d(surface)[:] = np.rint(255 * coverage * light)[:, :, None]
     pygame.surfarray.pixels_alpha(surface)[:] = np.rint(255 * coverage)
     return surface
-
-
-def stampable(radii: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """Return which radii in pixels this store serves."""
-    return (radii >= MIN_RADIUS) & (radii <= MAX_RADIUS)
-
-

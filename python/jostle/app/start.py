@@ -24,9 +24,7 @@ class Options:
 def start(options: Options) -> Simulation:
     """Return the simulation the options describe, at its first state."""
     if options.method.startswith("article-"):
-        return ArticleSimulation(
-            options.scene, options.n, seed=options.seed, method=options.method
-        )
+        return ArticleSimulation(options.scene, options.n, seed=options.seed, method=options.method)
     return WorldSimulation(
         options.scene,
         options.n,

@@ -1,4 +1,4 @@
-"""Words on the screen: one font, sizes by name, pictures of words kept between frames."""
+"""Words on the screen: one face, three sizes, and pictures of words kept between frames."""
 
 from __future__ import annotations
 
@@ -6,34 +6,48 @@ from functools import lru_cache
 
 import pygame
 
-from jostle.app.palette import Colour
+from jostle.app.palette import PANEL, PANEL_EDGE, TEXT, Colour
 
-TITLE, BODY, SMALL = 19, 14, 12
+TITLE, BODY, SMALL = 20, 14, 12
+
+# Regular faces that read well small, best first; pygame's own is bold, and the last resort.
+_FACES = "inter,segoeui,helveticaneue,notosans,dejavusans,liberationsans,arial"
+
+Place = tuple[int, int]
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=8)
 def font(size: int) -> pygame.font.Font:
-    """Return pygame's own font, which every installation has."""
-    if not pygame.font.get_init():
-        pygame.font.init()
-    return pygame.font.Font(None, size)
+    """Return the face at a size in pixels."""
+    pygame.font.init()  # harmless when done already; film and tests open no window
+    return pygame.font.SysFont(_FACES, size)
 
 
 @lru_cache(maxsize=512)
-def word(text: str, colour: Colour, size: int = BODY) -> pygame.Surface:
+def word(text: str, colour: Colour = TEXT, size: int = BODY) -> pygame.Surface:
     """Return the picture of a text."""
     return font(size).render(text, True, colour)
 
 
-def left(target: pygame.Surface, place: tuple[int, int], text: str, colour: Colour, size: int = BODY) -> int:
-    """Write from a top-left corner; return the width."""
+def write(
+    target: pygame.Surface,
+    place: Place,
+    text: str,
+    colour: Colour = TEXT,
+    size: int = BODY,
+    *,
+    flush_right: bool = False,
+) -> int:
+    """Write at a top-left corner, or up to a top-right one; return the width."""
     picture = word(text, colour, size)
-    target.blit(picture, place)
+    x = place[0] - picture.get_width() if flush_right else place[0]
+    target.blit(picture, (x, place[1]))
     return picture.get_width()
 
 
-def right(target: pygame.Surface, place: tuple[int, int], text: str, colour: Colour, size: int = BODY) -> int:
-    """Write up to a top-right corner; return the width."""
-    picture = word(text, colour, size)
-    target.blit(picture, (place[0] - picture.get_width(), place[1]))
-    return picture.get_width()
+def panel(size: tuple[int, int]) -> pygame.Surface:
+    """Return a translucent sheet to write on."""
+    sheet = pygame.Surface(size, pygame.SRCALPHA, 32)
+    pygame.draw.rect(sheet, PANEL, sheet.get_rect(), border_radius=8)
+    pygame.draw.rect(sheet, PANEL_EDGE, sheet.get_rect(), 1, border_radius=8)
+    return sheet

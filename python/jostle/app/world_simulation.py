@@ -103,9 +103,7 @@ class WorldSimulation:
     def frame(self) -> Frame:
         """Return copies of the columns a picture needs."""
         world = self.world
-        return Frame(
-            world.positions, world.velocities, self._radii, self._densities, self._movable
-        )
+        return Frame(world.positions, world.velocities, self._radii, self._densities, self._movable)
 
     def facts(self) -> Facts:
         """Return the numbers of the last step."""

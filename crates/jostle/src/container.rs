@@ -1,0 +1,209 @@
+//! The walls: what holds the particles in.
+
+use crate::error::{Error, Result};
+use crate::particles::FARTHEST;
+
+/// What the particles cannot leave.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Container {
+    /// No walls: the plane.
+    #[default]
+    None,
+    /// Four walls around a rectangle.
+    Box {
+        /// Lower corner.
+        min: [f32; 2],
+        /// Upper corner.
+        max: [f32; 2],
+    },
+    /// One round wall.
+    Circle {
+        /// Its centre.
+        center: [f32; 2],
+        /// Its radius.
+        radius: f32,
+    },
+    /// A rectangle from (0, 0) to `size` whose opposite sides are one.
+    Torus {
+        /// Width and height.
+        size: [f32; 2],
+    },
+}
+
+/// A flat piece of wall as one particle sees it: it may move `gap` against
+/// `inward` before it touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// Unit normal, pointing into the container.
+    pub inward: [f32; 2],
+    /// Distance from surface to surface; negative where the wall is entered.
+    pub gap: f32,
+}
+
+/// Most walls that a particle can touch at once.
+pub const MAX_WALLS: usize = 4;
+
+impl Container {
+    /// Whether there is anything to bounce off.
+    pub fn has_walls(&self) -> bool {
+        matches!(self, Self::Box { .. } | Self::Circle { .. })
+    }
+
+    /// Refuses walls that hold nothing.
+    pub fn validate(&self) -> Result<()> {
+        let reasonable = |v: &f32| v.abs() <= FARTHEST;
+        match self {
+            Self::None => Ok(()),
+            Self::Box { min, max } => {
+                let ordered = min[0] < max[0] && min[1] < max[1];
+                if ordered && min.iter().chain(max).all(reasonable) {
+                    return Ok(());
+                }
+                let value = format!("Box({}, {}, {}, {})", min[0], min[1], max[0], max[1]);
+                Err(Error::of("container", value, "its corners must be finite and min below max"))
+            }
+            Self::Circle { center, radius } => {
+                if *radius > 0.0 && reasonable(radius) && center.iter().all(reasonable) {
+                    return Ok(());
+                }
+                let value = format!("Circle(({}, {}), {radius})", center[0], center[1]);
+                let rule = "its centre must be finite and its radius finite and above 0";
+                Err(Error::of("container", value, rule))
+            }
+            Self::Torus { size } => {
+                if size.iter().all(|&s| s > 0.0 && s <= FARTHEST) {
+                    return Ok(());
+                }
+                let value = format!("Torus({}, {})", size[0], size[1]);
+                Err(Error::of("container", value, "its sides must be finite and above 0"))
+            }
+        }
+    }
+
+    /// Refuses the first radius that does not fit in.
+    pub fn check_fit(&self, radii: &[f32]) -> Result<()> {
+        let (largest, rule) = match self {
+            Self::None => return Ok(()),
+            Self::Box { min, max } => {
+                let side = (max[0] - min[0]).min(max[1] - min[1]);
+                (side / 2.0, "it must fit between the walls")
+            }
+            Self::Circle { radius, .. } => (*radius, "it must fit into the round container"),
+            // Then no two particles touch across two seams at once.
+            Self::Torus { size } => (
+                size[0].min(size[1]) / 4.0,
+                "on a torus it may be at most a quarter of the shorter side",
+            ),
+        };
+        match radii.iter().position(|&r| r > largest) {
+            Some(index) => {
+                let rule = format!("{rule} (at most {largest})");
+                Err(Error::at("radii", index, radii[index], &rule))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Offsets between a torus and its images, each direction once. A pair
+    /// across a seam overlaps after the first particle has moved by minus one
+    /// of them.
+    pub fn images(&self) -> Vec<[f32; 2]> {
+        match self {
+            Self::Torus { size: [w, h] } => vec![[-w, 0.0], [0.0, -h], [-w, -h], [-w, *h]],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The longest way that a particle may go before pairs must be looked for
+    /// again.
+    pub fn reach(&self) -> f32 {
+        match self {
+            Self::Torus { size } => size[0].min(size[1]) / 8.0,
+            _ => f32::INFINITY,
+        }
+    }
+
+    /// The nearest position that the container allows.
+    #[inline]
+    pub fn clamp(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
+        match self {
+            Self::Box { min, max } => {
+                // Rounded inwards: a reader who adds the radius stays in the box.
+                let within = |axis: usize| {
+                    let low = up(f64::from(min[axis]) + f64::from(radius));
+                    let high = down(f64::from(max[axis]) - f64::from(radius));
+                    // A particle as wide as the box: rounding may cross the two.
+                    if low > high { (low + high) / 2.0 } else { position[axis].clamp(low, high) }
+                };
+                [within(0), within(1)]
+            }
+            Self::Circle { center, radius: wall } => {
+                let reach = (f64::from(*wall) - f64::from(radius)).max(0.0);
+                let offset = |p: [f32; 2]| [0, 1].map(|k| f64::from(p[k]) - f64::from(center[k]));
+                let length = |v: [f64; 2]| (v[0] * v[0] + v[1] * v[1]).sqrt();
+                let out = offset(position);
+                if length(out) <= reach {
+                    return position;
+                }
+                // Rounding may leave the result a little outside: shrink until it is in.
+                let mut scale = reach / length(out);
+                loop {
+                    let moved = [0, 1].map(|k| (f64::from(center[k]) + out[k] * scale) as f32);
+                    if length(offset(moved)) <= reach || scale < 1e-9 {
+                        return moved;
+                    }
+                    scale *= 1.0 - 1e-7;
+                }
+            }
+            Self::None | Self::Torus { .. } => position,
+        }
+    }
+
+    /// The position with the same meaning in the range of a torus.
+    #[inline]
+    pub fn wrap(&self, position: [f32; 2]) -> [f32; 2] {
+        let Self::Torus { size } = self else { return position };
+        let wrapped = |axis: usize| {
+            let (v, side) = (position[axis], size[axis]);
+            let v = if v < 0.0 || v >= side { v - (v / side).floor() * side } else { v };
+            // Rounding can leave a tiny negative number at the far side.
+            if v >= side || v < 0.0 { 0.0 } else { v }
+        };
+        [wrapped(0), wrapped(1)]
+    }
+
+    /// The walls near a particle, flat ones at their own index.
+    #[inline]
+    pub fn walls(&self, position: [f32; 2], radius: f32) -> [Option<Wall>; MAX_WALLS] {
+        let wall = |inward, gap| Some(Wall { inward, gap });
+        match self {
+            Self::None | Self::Torus { .. } => [None; MAX_WALLS],
+            Self::Box { min, max } => [
+                wall([1.0, 0.0], position[0] - radius - min[0]),
+                wall([-1.0, 0.0], max[0] - radius - position[0]),
+                wall([0.0, 1.0], position[1] - radius - min[1]),
+                wall([0.0, -1.0], max[1] - radius - position[1]),
+            ],
+            Self::Circle { center, radius: outer } => {
+                let offset = [center[0] - position[0], center[1] - position[1]];
+                let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+                if length == 0.0 {
+                    return [None; MAX_WALLS];
+                }
+                let inward = [offset[0] / length, offset[1] / length];
+                [wall(inward, outer - radius - length), None, None, None]
+            }
+        }
+    }
+}
+
+/// The largest float32 that is not above `value`.
+fn down(value: f64) -> f32 {
+    let near = value as f32;
+    if f64::from(near) > value { near.next_down() } else { near }
+}
+
+/// The smallest float32 that is not below `value`.
+fn up(value: f64) -> f32 {
+    -down(-value)
+}

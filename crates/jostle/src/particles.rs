@@ -1,0 +1,170 @@
+//! The particles of a world as rows: what they are, and what is refused.
+
+use crate::columns::{check_finite, check_size};
+use crate::error::{Error, Result};
+
+/// Coordinates and speeds beyond this are refused; nothing travels further.
+pub const FARTHEST: f32 = 1e18;
+
+/// Masses and their inverses stay well inside float32.
+const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
+
+/// Circles with a velocity and a mass, a row each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Particles {
+    /// Centres.
+    pub positions: Vec<[f32; 2]>,
+    /// World units a second. Zero where not movable.
+    pub velocities: Vec<[f32; 2]>,
+    /// Radii, at least 0.
+    pub radii: Vec<f32>,
+    /// Masses, more than 0.
+    pub masses: Vec<f32>,
+    /// Share of the speed that a bounce leaves, 0 to 1; a pair multiplies its two.
+    pub restitutions: Vec<f32>,
+    /// Whether anything can move the particle.
+    pub movable: Vec<bool>,
+}
+
+impl Particles {
+    /// Particles with the article's masses (density × radius²), elastic and movable.
+    pub fn new(
+        positions: Vec<[f32; 2]>,
+        velocities: Vec<[f32; 2]>,
+        radii: Vec<f32>,
+        density: f32,
+    ) -> Self {
+        let len = positions.len();
+        let masses = radii.iter().map(|r| density * r * r).collect();
+        let (restitutions, movable) = (vec![1.0; len], vec![true; len]);
+        Self { positions, velocities, radii, masses, restitutions, movable }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Refuses rows that no world can hold.
+    pub fn validate(&self) -> Result<()> {
+        let expected = self.len();
+        let lengths = [
+            ("velocities", self.velocities.len()),
+            ("radii", self.radii.len()),
+            ("masses", self.masses.len()),
+            ("restitutions", self.restitutions.len()),
+            ("movable", self.movable.len()),
+        ];
+        for (argument, found) in lengths {
+            if found != expected {
+                return Err(Error::Length { argument, found, expected });
+            }
+        }
+        check_vectors("positions", &self.positions)?;
+        check_vectors("velocities", &self.velocities)?;
+        check_radii(&self.radii)?;
+        check_masses(&self.masses)?;
+        check_restitutions(&self.restitutions)
+    }
+
+    /// Appends the rows of `other`.
+    pub fn extend(&mut self, other: &Self) {
+        self.positions.extend_from_slice(&other.positions);
+        self.velocities.extend_from_slice(&other.velocities);
+        self.radii.extend_from_slice(&other.radii);
+        self.masses.extend_from_slice(&other.masses);
+        self.restitutions.extend_from_slice(&other.restitutions);
+        self.movable.extend_from_slice(&other.movable);
+    }
+
+    /// Replaces the contents by the rows `order` of `source`, in that order.
+    pub fn gather(&mut self, source: &Self, order: &[u32]) {
+        fn take<V: Copy>(to: &mut Vec<V>, from: &[V], order: &[u32]) {
+            to.clear();
+            to.extend(order.iter().map(|&row| from[row as usize]));
+        }
+        take(&mut self.positions, &source.positions, order);
+        take(&mut self.velocities, &source.velocities, order);
+        take(&mut self.radii, &source.radii, order);
+        take(&mut self.masses, &source.masses, order);
+        take(&mut self.restitutions, &source.restitutions, order);
+        take(&mut self.movable, &source.movable, order);
+    }
+
+    /// Keeps the rows for which `keep` says so.
+    pub fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        fn filter<V>(column: &mut Vec<V>, keep: &impl Fn(usize) -> bool) {
+            let mut row = 0;
+            column.retain(|_| {
+                row += 1;
+                keep(row - 1)
+            });
+        }
+        filter(&mut self.positions, &keep);
+        filter(&mut self.velocities, &keep);
+        filter(&mut self.radii, &keep);
+        filter(&mut self.masses, &keep);
+        filter(&mut self.restitutions, &keep);
+        filter(&mut self.movable, &keep);
+    }
+
+    /// One over the mass; 0 for what nothing can move.
+    #[inline]
+    pub fn inverse_mass(&self, row: usize) -> f32 {
+        if self.movable[row] { 1.0 / self.masses[row] } else { 0.0 }
+    }
+}
+
+/// Refuses positions or velocities that are not finite or too large.
+pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()> {
+    for (index, &[x, y]) in vectors.iter().enumerate() {
+        check_finite(argument, &[x], &[y]).map_err(|_| {
+            Error::at(argument, index, format!("({x}, {y})"), "both coordinates must be finite")
+        })?;
+        if x.abs() > FARTHEST || y.abs() > FARTHEST {
+            let rule = format!("both coordinates must lie within ±{FARTHEST:e}");
+            return Err(Error::at(argument, index, format!("({x:e}, {y:e})"), &rule));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses radii that are negative, not finite or too large.
+pub fn check_radii(radii: &[f32]) -> Result<()> {
+    check_size("radii", "a radius", radii)?;
+    match radii.iter().position(|&r| r > FARTHEST) {
+        Some(index) => {
+            let rule = format!("a radius must be at most {FARTHEST:e}");
+            Err(Error::at("radii", index, format!("{:e}", radii[index]), &rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses masses that are not positive and reasonable.
+pub fn check_masses(masses: &[f32]) -> Result<()> {
+    let [least, most] = MASS_RANGE;
+    match masses.iter().position(|m| !(least..=most).contains(m)) {
+        Some(index) => {
+            let rule = format!("a mass must lie between {least:e} and {most:e}");
+            Err(Error::at("masses", index, masses[index], &rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses restitutions outside 0 to 1.
+pub fn check_restitutions(restitutions: &[f32]) -> Result<()> {
+    match restitutions.iter().position(|e| !(0.0..=1.0).contains(e)) {
+        Some(index) => {
+            let rule = "a restitution must lie between 0 and 1";
+            Err(Error::at("restitutions", index, restitutions[index], rule))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,86 @@
+//! Nothing passes through anything.
+//!
+//! The bounces of a sub-step are found in rounds, and a crowd of fast particles
+//! can have more of them than there are rounds. So before anything moves, the
+//! straight line from each fast pair's first offset to its last is looked at: if
+//! it cuts through the contact, both ways are shortened to where it enters. Ways
+//! only ever get shorter, and standing still is always allowed, so this ends.
+
+use crate::contacts::Contact;
+use crate::motion::Motions;
+
+/// Passes that shorten to the point of touching; later ones stop at the start.
+const GENTLE_PASSES: usize = 8;
+
+/// How deep a line may cut, as a share of the sum of radii: a rounded bounce is
+/// no passage.
+const TOLERANCE: f32 = 0.95;
+
+/// Shortens the ways of everything that would pass through something.
+pub fn guard(contacts: &[Contact], motions: &Motions) {
+    let fast: Vec<&Contact> = contacts.iter().filter(|contact| is_fast(contact, motions)).collect();
+    for pass in 0.. {
+        let mut any = false;
+        for contact in &fast {
+            if let Some(share) = free_share(contact, motions) {
+                shorten(contact, motions, if pass < GENTLE_PASSES { share } else { 0.0 });
+                any = true;
+            }
+        }
+        if !any {
+            break;
+        }
+    }
+}
+
+/// How the offset between the two changes.
+fn way(contact: &Contact, motions: &Motions) -> [f32; 2] {
+    let [a, b] = contact.places.map(|place| motions.get(place).travel);
+    [b[0] - a[0], b[1] - a[1]]
+}
+
+fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// What moves less than half the sum of radii cannot get to the other side.
+fn is_fast(contact: &Contact, motions: &Motions) -> bool {
+    let way = way(contact, motions);
+    dot(way, way) > 0.25 * contact.reach * contact.reach
+}
+
+/// The share of their ways that the two can go before the line between their
+/// offsets enters the contact; `None` if it never does.
+fn free_share(contact: &Contact, motions: &Motions) -> Option<f32> {
+    if !is_fast(contact, motions) {
+        return None;
+    }
+    let start = contact.normal.map(|v| v * (contact.gap + contact.reach));
+    let way = way(contact, motions);
+    let approach = dot(start, way);
+    if approach >= 0.0 {
+        return None;
+    }
+    if contact.gap <= 0.0 {
+        return Some(0.0);
+    }
+    let length = dot(way, way);
+    let nearest = (-approach / length).min(1.0);
+    let closest = [0, 1].map(|k| start[k] + way[k] * nearest);
+    let limit = TOLERANCE * contact.reach;
+    if dot(closest, closest) >= limit * limit {
+        return None;
+    }
+    let middle = -approach / length;
+    let apart = [0, 1].map(|k| start[k] + way[k] * middle);
+    let free = (contact.reach * contact.reach - dot(apart, apart)).max(0.0);
+    Some((middle - (free / length).sqrt()).clamp(0.0, 1.0))
+}
+
+fn shorten(contact: &Contact, motions: &Motions, share: f32) {
+    for place in contact.places {
+        let mut motion = motions.get(place);
+        motion.travel = motion.travel.map(|v| v * share);
+        motions.set(place, motion);
+    }
+}

@@ -1,0 +1,66 @@
+//! Remaining overlap is pushed apart. Only positions change, so no energy is
+//! made; each particle gives way by the other's share of the mass.
+
+use crate::contacts::Contact;
+use crate::motion::Motions;
+
+/// Overlap that is left alone, as a share of the sum of radii: a resting contact
+/// should stay one.
+const SLOP: f32 = 0.002;
+
+/// Share of the overlap that is removed at once.
+const SOFTNESS: f32 = 0.4;
+
+/// Directions for centres that coincide: sixteen points of the unit circle, in
+/// an order that sends neighbours apart.
+const DIRECTIONS: [[f32; 2]; 16] = [
+    [1.0, 0.0],
+    [-0.707_106_77, 0.707_106_77],
+    [0.0, -1.0],
+    [0.707_106_77, 0.707_106_77],
+    [-1.0, 0.0],
+    [0.707_106_77, -0.707_106_77],
+    [0.0, 1.0],
+    [-0.707_106_77, -0.707_106_77],
+    [0.923_879_5, 0.382_683_43],
+    [-0.923_879_5, 0.382_683_43],
+    [0.382_683_43, -0.923_879_5],
+    [0.382_683_43, 0.923_879_5],
+    [-0.923_879_5, -0.382_683_43],
+    [0.923_879_5, -0.382_683_43],
+    [-0.382_683_43, 0.923_879_5],
+    [-0.382_683_43, -0.923_879_5],
+];
+
+/// Moves two overlapping particles apart.
+pub fn push_apart(contact: &mut Contact, motions: &Motions) {
+    let [mut a, mut b] = contact.places.map(|place| motions.get(place));
+    let offset = [0, 1].map(|k| b.position[k] - a.position[k] + contact.image[k]);
+    let square = offset[0] * offset[0] + offset[1] * offset[1];
+    if square >= contact.reach * contact.reach {
+        return;
+    }
+    contact.touched = true;
+    let length = square.sqrt();
+    let excess = contact.reach - length - SLOP * contact.reach;
+    if excess <= 0.0 {
+        return;
+    }
+    let normal = if length > 0.0 {
+        offset.map(|v| v / length)
+    } else {
+        DIRECTIONS[(contact.places[1] - contact.places[0]) as usize % DIRECTIONS.len()]
+    };
+    let [inverse_a, inverse_b] = contact.inverse_masses;
+    let push = SOFTNESS * excess / (inverse_a + inverse_b);
+    for k in 0..2 {
+        a.position[k] -= normal[k] * push * inverse_a;
+        b.position[k] += normal[k] * push * inverse_b;
+    }
+    if inverse_a > 0.0 {
+        motions.set(contact.places[0], a);
+    }
+    if inverse_b > 0.0 {
+        motions.set(contact.places[1], b);
+    }
+}

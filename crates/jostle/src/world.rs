@@ -1,0 +1,538 @@
+//! The world: particles that move and collide, and the one function that knows
+//! the order of a step.
+//!
+//! Particles are kept in the canonical order of the last step (Z-order of their
+//! sweeps, ties by state), so that neighbours in space are neighbours in memory
+//! and every sum and every loop runs in an order that comes from the state.
+//! `rows` leads back to the order of adding, which is all that callers see.
+
+use std::cmp::Ordering;
+use std::ops::Range;
+
+use crate::columns::Columns;
+use crate::contacts::Contacts;
+use crate::container::{Container, MAX_WALLS};
+use crate::error::{Error, Result};
+use crate::integrate::Sweep;
+use crate::motion::{Motion, Motions};
+use crate::pairs::{self, SortScratch};
+use crate::particles::{self, Particles};
+use crate::quadtree::Quadtree;
+use crate::resolve::{self, Rules, Scene};
+use crate::settings::{DEFAULT_MAX_PAIRS, Method, Settings};
+
+/// Bounces slower than this many steps' worth of gravity are not bounces.
+const REST_STEPS: f32 = 3.0;
+
+/// Parts into which a step on a torus is cut at most.
+const MAX_PARTS: f32 = 1000.0;
+
+/// The rules of a world, apart from its particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldSettings {
+    /// Acceleration of everything movable, world units per second squared.
+    pub gravity: [f32; 2],
+    /// Rate at which speeds die away, per second: dv/dt = −drag · v.
+    pub drag: f32,
+    /// The world's share of every bounce, 0 to 1.
+    pub restitution: f32,
+    /// The walls.
+    pub container: Container,
+    /// How pairs are found. Both give the same world.
+    pub method: Method,
+    /// Parts of a step in which contacts are solved, at least 1.
+    pub substeps: usize,
+    /// Leaf capacity, maximum depth and threads.
+    pub tree: Settings,
+}
+
+/// Enough for piles to rest; a gas needs only one.
+pub const DEFAULT_SUBSTEPS: usize = 4;
+
+impl Default for WorldSettings {
+    fn default() -> Self {
+        Self {
+            gravity: [0.0; 2],
+            drag: 0.0,
+            restitution: 1.0,
+            container: Container::None,
+            method: Method::Quadtree,
+            substeps: DEFAULT_SUBSTEPS,
+            tree: Settings::default(),
+        }
+    }
+}
+
+impl WorldSettings {
+    fn validate(&self) -> Result<()> {
+        particles::check_vectors("gravity", &[self.gravity]).map_err(|_| {
+            let value = format!("({}, {})", self.gravity[0], self.gravity[1]);
+            Error::of("gravity", value, "both components must be finite and at most 1e18")
+        })?;
+        if !(self.drag >= 0.0 && self.drag.is_finite()) {
+            return Err(Error::of("drag", self.drag, "it must be finite and at least 0"));
+        }
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return Err(Error::of("restitution", self.restitution, "it must lie between 0 and 1"));
+        }
+        if self.substeps == 0 || self.substeps > 1000 {
+            return Err(Error::of("substeps", self.substeps, "it must lie between 1 and 1000"));
+        }
+        self.container.validate()?;
+        self.tree.validate()
+    }
+}
+
+/// The stages of a step, in the order of the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// How far the step may carry every particle.
+    Integrate,
+    /// The tree, and the particles in its order.
+    Build,
+    /// The pairs that may touch.
+    Pairs,
+    /// Contacts from pairs, coloured.
+    Contacts,
+    /// Velocities and positions from contacts.
+    Resolve,
+}
+
+/// What the last step's search looked like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Boxes of the tree.
+    pub nodes: usize,
+    /// Boxes that did not split.
+    pub leaves: usize,
+    /// Subdivisions above the deepest box.
+    pub depth: usize,
+    /// Pairs tested.
+    pub tests: u64,
+}
+
+/// Two particles that touched during the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// Their rows, the smaller first.
+    pub pair: [u32; 2],
+    /// Unit vector from the first to the second.
+    pub normal: [f32; 2],
+    /// How far they overlapped when the step ended; negative where they had parted.
+    pub depth: f32,
+}
+
+/// Particles, walls and rules.
+///
+/// ```
+/// use jostle::{Particles, World, WorldSettings};
+/// let (left, right) = ([-2.0, 0.0], [2.0, 0.0]);
+/// let discs = Particles::new(vec![left, right], vec![[1.0, 0.0], [0.0, 0.0]], vec![1.0; 2], 1.0);
+/// let mut world = World::new(discs, WorldSettings::default())?;
+/// world.step(0.1, 40, &mut |_| ())?;
+/// assert_eq!(world.particles().velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
+/// # Ok::<(), jostle::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct World {
+    settings: WorldSettings,
+    /// In canonical order, as everything below.
+    particles: Particles,
+    /// The row, in the order of adding, of the particle at each place.
+    rows: Vec<u32>,
+    wall_pushes: Vec<[f32; MAX_WALLS]>,
+    contacts: Contacts,
+    time: f64,
+    stats: Stats,
+    memory: Memory,
+}
+
+/// What a step needs and the next one uses again.
+#[derive(Debug, Default)]
+struct Memory {
+    sweeps: Vec<Sweep>,
+    shapes: Columns<f32>,
+    tree: Quadtree<f32>,
+    motions: Motions,
+    sorting: SortScratch,
+    particles: Particles,
+    rows: Vec<u32>,
+    wall_pushes: Vec<[f32; MAX_WALLS]>,
+    old_sweeps: Vec<Sweep>,
+}
+
+impl World {
+    /// A world of `particles`. Refuses what no world can hold.
+    pub fn new(particles: Particles, settings: WorldSettings) -> Result<Self> {
+        let mut world = Self::default();
+        world.configure(settings)?;
+        world.add(particles)?;
+        Ok(world)
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The rules.
+    pub fn settings(&self) -> &WorldSettings {
+        &self.settings
+    }
+
+    /// Changes the rules. Refused rules leave the old ones.
+    pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
+        settings.validate()?;
+        settings.container.check_fit(&self.particles().radii)?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Adds particles behind the others and returns their rows.
+    pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
+        particles.validate()?;
+        self.settings.container.check_fit(&particles.radii)?;
+        rest_the_immovable(&mut particles);
+        let (old, new) = (self.len(), self.len() + particles.len());
+        if new > u32::MAX as usize / 2 {
+            return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
+        }
+        self.particles.extend(&particles);
+        self.rows.extend(old as u32..new as u32);
+        self.wall_pushes.resize(new, [0.0; MAX_WALLS]);
+        self.contacts.forget();
+        Ok(old as u32..new as u32)
+    }
+
+    /// Removes the particles in `rows`; the rows behind them close up.
+    pub fn remove(&mut self, rows: &[u32]) -> Result<()> {
+        self.check_rows(rows)?;
+        let mut gone = vec![false; self.len()];
+        rows.iter().for_each(|&row| gone[row as usize] = true);
+        let mut shifted = Vec::with_capacity(self.len());
+        let mut left = 0;
+        for &gone in &gone {
+            shifted.push(left);
+            left += u32::from(!gone);
+        }
+        let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
+        self.particles.retain(|place| keep[place]);
+        let mut place = 0;
+        self.wall_pushes.retain(|_| {
+            place += 1;
+            keep[place - 1]
+        });
+        self.rows.retain(|&row| !gone[row as usize]);
+        self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+        self.contacts.forget();
+        Ok(())
+    }
+
+    /// A copy of all particles in the order of adding.
+    pub fn particles(&self) -> Particles {
+        let mut copy = Particles::default();
+        copy.gather(&self.particles, &self.places());
+        copy
+    }
+
+    /// Changes columns of the particles in `rows` (`None`: of all): `change` gets
+    /// a copy of the particles in the order of adding. Refused values change nothing.
+    pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
+        let mut copy = self.particles();
+        change(&mut copy)?;
+        if copy.len() != self.len() {
+            let (found, expected) = (copy.len(), self.len());
+            return Err(Error::Length { argument: "positions", found, expected });
+        }
+        copy.validate()?;
+        self.settings.container.check_fit(&copy.radii)?;
+        rest_the_immovable(&mut copy);
+        self.particles.gather(&copy, &self.rows);
+        Ok(())
+    }
+
+    /// Refuses rows that no particle has, and rows named twice.
+    pub fn check_rows(&self, rows: &[u32]) -> Result<()> {
+        let mut seen = vec![false; self.len()];
+        for (index, &row) in rows.iter().enumerate() {
+            match seen.get_mut(row as usize) {
+                None => {
+                    let rule = format!("there are {} particles, so it must be below", self.len());
+                    return Err(Error::at("ids", index, row, &rule));
+                }
+                Some(true) => return Err(Error::at("ids", index, row, "it is named twice")),
+                Some(seen) => *seen = true,
+            }
+        }
+        Ok(())
+    }
+
+    /// The place of each row.
+    fn places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.len()];
+        for (place, &row) in self.rows.iter().enumerate() {
+            places[row as usize] = place as u32;
+        }
+        places
+    }
+
+    /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends.
+    pub fn step(&mut self, dt: f32, steps: usize, watch: &mut dyn FnMut(Stage)) -> Result<()> {
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(Error::of("dt", dt, "it must be finite and above 0"));
+        }
+        for _ in 0..steps {
+            let parts = self.parts(dt);
+            for _ in 0..parts {
+                self.step_once(dt / parts as f32, watch)?;
+            }
+            self.time += f64::from(dt);
+        }
+        Ok(())
+    }
+
+    /// How many parts a step needs so that nothing outruns its images.
+    fn parts(&self, dt: f32) -> usize {
+        let gravity = self.settings.gravity;
+        let longest = self.particles.velocities.iter().fold(0.0f32, |most, v| {
+            let way = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
+            most.max(way(0)).max(way(1))
+        });
+        (longest / self.settings.container.reach()).ceil().clamp(1.0, MAX_PARTS) as usize
+    }
+
+    /// The order of a step, spelled once: positions → sweeps → tree → candidate
+    /// pairs → contacts → resolved velocities and positions.
+    fn step_once(&mut self, dt: f32, watch: &mut dyn FnMut(Stage)) -> Result<()> {
+        self.sweep(dt);
+        watch(Stage::Integrate);
+        self.order();
+        watch(Stage::Build);
+        let pairs = self.candidates()?;
+        watch(Stage::Pairs);
+        let images = self.settings.container.images();
+        let image = |which: usize| if which == 0 { [0.0; 2] } else { images[which - 1] };
+        let listed = pairs.iter().enumerate();
+        let listed = listed.flat_map(|(which, list)| list.iter().map(move |&pair| (pair, which)));
+        self.contacts.collect(
+            listed.map(|(pair, which)| (pair, image(which))),
+            &self.particles,
+            self.settings.restitution,
+            self.memory.tree.rows(),
+        );
+        watch(Stage::Contacts);
+        self.resolve(dt);
+        watch(Stage::Resolve);
+        Ok(())
+    }
+
+    /// Finds out how far each particle may get.
+    fn sweep(&mut self, dt: f32) {
+        let Memory { sweeps, shapes, .. } = &mut self.memory;
+        let (particles, settings) = (&mut self.particles, &self.settings);
+        for position in &mut particles.positions {
+            *position = settings.container.wrap(*position);
+        }
+        sweeps.clear();
+        sweeps.extend((0..particles.len()).map(|place| {
+            let position = particles.positions[place];
+            if particles.movable[place] {
+                let (velocity, radius) = (particles.velocities[place], particles.radii[place]);
+                Sweep::new(position, velocity, radius, settings.gravity, dt)
+            } else {
+                Sweep::still(position)
+            }
+        }));
+        shapes.refill(sweeps.len(), |place| {
+            let (center, half_size) = sweeps[place].as_box();
+            (center, half_size, particles.radii[place])
+        });
+    }
+
+    /// Builds the tree of the sweeps and brings everything into its order.
+    fn order(&mut self) {
+        let particles = &self.particles;
+        let memory = &mut self.memory;
+        let tie = |a: usize, b: usize| compare_particles(particles, a, b);
+        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
+        let order = memory.tree.rows();
+        memory.particles.gather(&self.particles, order);
+        std::mem::swap(&mut memory.particles, &mut self.particles);
+        gather(&mut memory.rows, &mut self.rows, order);
+        gather(&mut memory.wall_pushes, &mut self.wall_pushes, order);
+        gather(&mut memory.old_sweeps, &mut memory.sweeps, order);
+    }
+
+    /// The pairs of places whose sweeps overlap, sorted: first those of the plane,
+    /// then those across each seam.
+    fn candidates(&mut self) -> Result<Vec<Vec<[u32; 2]>>> {
+        let Memory { tree, sorting, .. } = &mut self.memory;
+        let threads = self.settings.tree.threads;
+        let max = DEFAULT_MAX_PAIRS;
+        let brute = self.settings.method == Method::Brute;
+        let images = self.settings.container.images();
+        let mut found = vec![if brute {
+            pairs::brute(tree.columns(), threads, max)?
+        } else {
+            pairs::places_within(tree, max)?
+        }];
+        for image in images {
+            let mut across = if brute {
+                pairs::brute_between(tree.columns(), tree.columns(), image, max)?
+            } else {
+                pairs::places_between(tree, tree, image, max)?
+            };
+            across.pairs.retain(|pair| pair[0] != pair[1]);
+            found.push(across);
+        }
+        self.stats = Stats {
+            nodes: tree.nodes().len(),
+            leaves: tree.leaf_count(),
+            depth: tree.depth(),
+            tests: found.iter().map(|part| part.tests).sum(),
+        };
+        let sorted = |mut part: pairs::Found| {
+            pairs::sort_places(&mut part.pairs, tree.len(), sorting);
+            part.pairs
+        };
+        Ok(found.into_iter().map(sorted).collect())
+    }
+
+    fn resolve(&mut self, dt: f32) {
+        let settings = &self.settings;
+        let [gx, gy] = settings.gravity;
+        let rules = Rules {
+            gravity: settings.gravity,
+            drag: settings.drag,
+            restitution: settings.restitution,
+            container: settings.container,
+            rest_speed: REST_STEPS * dt * (gx * gx + gy * gy).sqrt(),
+            threads: settings.tree.threads,
+        };
+        let memory = &mut self.memory;
+        memory.motions.resize(self.particles.len());
+        let states = self.particles.positions.iter().zip(&self.particles.velocities);
+        for (place, (&position, &velocity)) in states.enumerate() {
+            memory.motions.set(place as u32, Motion { position, velocity, ..Motion::default() });
+        }
+        let mut scene = Scene {
+            particles: &self.particles,
+            motions: &memory.motions,
+            sweeps: &memory.sweeps,
+            contacts: &mut self.contacts,
+            wall_pushes: &mut self.wall_pushes,
+        };
+        for _ in 0..settings.substeps {
+            resolve::substep(&mut scene, &rules, dt / settings.substeps as f32);
+        }
+        resolve::measure_all(&mut scene, &rules);
+        self.contacts.remember(self.particles.len());
+        for place in 0..self.particles.len() {
+            let motion = memory.motions.get(place as u32);
+            let limit = particles::FARTHEST;
+            let position = motion.position.map(|v| v.clamp(-limit, limit));
+            self.particles.positions[place] = settings.container.wrap(position);
+            self.particles.velocities[place] = motion.velocity.map(|v| v.clamp(-limit, limit));
+        }
+    }
+
+    /// The pairs that touched during the last step, in canonical order.
+    pub fn contacts(&self) -> Vec<Touch> {
+        let row = |place: u32| self.rows[place as usize];
+        let touch = |contact: &crate::contacts::Contact| {
+            let [i, j] = contact.places.map(row);
+            let sign = if i < j { 1.0 } else { -1.0 };
+            let normal = contact.normal.map(|v| v * sign);
+            Touch { pair: [i.min(j), i.max(j)], normal, depth: -contact.gap }
+        };
+        self.contacts.touching().map(touch).collect()
+    }
+
+    /// Sum of mass times velocity.
+    pub fn momentum(&self) -> [f64; 2] {
+        let Particles { masses, velocities, .. } = &self.particles;
+        let all = masses.iter().zip(velocities);
+        all.fold([0.0; 2], |sum, (&m, v)| {
+            [0, 1].map(|k| sum[k] + f64::from(m) * f64::from(v[k]))
+        })
+    }
+
+    /// Sum of ½ m v².
+    pub fn kinetic_energy(&self) -> f64 {
+        let Particles { masses, velocities, .. } = &self.particles;
+        let energy = |(&m, v): (&f32, &[f32; 2])| {
+            let [x, y] = v.map(f64::from);
+            0.5 * f64::from(m) * (x * x + y * y)
+        };
+        masses.iter().zip(velocities).map(energy).sum()
+    }
+
+    /// Sum of −m g·x over everything movable: energy in the field of gravity.
+    pub fn potential_energy(&self) -> f64 {
+        let Particles { masses, positions, movable, .. } = &self.particles;
+        let [gx, gy] = self.settings.gravity.map(f64::from);
+        let all = masses.iter().zip(positions).zip(movable);
+        let energy = |((&m, p), _): ((&f32, &[f32; 2]), &bool)| {
+            -f64::from(m) * (gx * f64::from(p[0]) + gy * f64::from(p[1]))
+        };
+        all.filter(|&(_, &movable)| movable).map(energy).sum()
+    }
+
+    /// Seconds that have passed.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// What the last step's search looked like.
+    pub fn stats(&self) -> Stats {
+        self.stats
+    }
+
+    /// 64 bits that are the same for the same particles on every platform.
+    pub fn state_hash(&self) -> u64 {
+        let all = self.particles();
+        let mut hash = 0xcbf2_9ce4_8422_2325u64;
+        let mut mix = |word: u32| {
+            hash = (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
+        };
+        mix(all.len() as u32);
+        for row in 0..all.len() {
+            let ([x, y], [u, v]) = (all.positions[row], all.velocities[row]);
+            let own = [all.radii[row], all.masses[row], all.restitutions[row]];
+            [x, y, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
+            mix(u32::from(all.movable[row]));
+        }
+        hash
+    }
+}
+
+/// What nothing can move stands still.
+fn rest_the_immovable(particles: &mut Particles) {
+    for (velocity, &movable) in particles.velocities.iter_mut().zip(&particles.movable) {
+        if !movable {
+            *velocity = [0.0; 2];
+        }
+    }
+}
+
+/// Reorders a column into its spare and swaps the two.
+fn gather<V: Copy>(spare: &mut Vec<V>, column: &mut Vec<V>, order: &[u32]) {
+    spare.clear();
+    spare.extend(order.iter().map(|&place| column[place as usize]));
+    std::mem::swap(spare, column);
+}
+
+/// Orders particles whose sweeps have the same centre by everything else.
+fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
+    let numbers = |place: usize| {
+        let ([x, y], [u, v]) = (all.positions[place], all.velocities[place]);
+        [x, y, u, v, all.radii[place], all.masses[place], all.restitutions[place]]
+    };
+    let by_numbers = numbers(a).partial_cmp(&numbers(b)).unwrap_or(Ordering::Equal);
+    by_numbers.then_with(|| all.movable[a].cmp(&all.movable[b]))
+}

@@ -1,0 +1,98 @@
+"""The run without a screen: the same picture as a film, and a still of its end."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from jostle.app.camera import Size
+from jostle.app.overlays import TreeView
+from jostle.app.picture import Picture
+from jostle.app.recorder import Recorder, save_png
+from jostle.app.simulation import Simulation
+
+SIZE = (1280, 720)
+FRAMES_A_SECOND = 30
+DEFAULT_SECONDS = 10
+
+
+@dataclass(frozen=True)
+class Film:
+    """What a run without a screen leaves behind."""
+
+    video: Path
+    still: Path
+    steps: int
+    frames: int
+    step_seconds: float  # spent in the simulation alone
+
+
+def default_steps(simulation: Simulation) -> int:
+    """Return the steps of a ten-second film."""
+    return round(DEFAULT_SECONDS / simulation.time_step)
+
+
+def make_film(
+    simulation: Simulation, steps: int, out: Path, console: Console, size: Size = SIZE
+) -> Film:
+    """Step the simulation, record every thirtieth of a second, and save the last picture.
+
+    Parameters
+    ----------
+    simulation
+        What to film, from its present state.
+    steps
+        How many steps to go on by.
+    out
+        A folder that exists; the files are named for the scene and the method.
+    console
+        Where the progress bar goes.
+    size
+        Of the film in pixels, both even.
+    """
+    name = (
+        simulation.scene
+        if simulation.method == "quadtree"
+        else (f"{simulation.scene}-{simulation.method}")
+    )
+    video, still = out / f"{name}.mp4", out / f"{name}.png"
+    picture = Picture(size, simulation)
+    stride = max(round(1 / FRAMES_A_SECOND / simulation.time_step), 1)
+    spent, frames = 0.0, 0
+
+    def draw(step: int) -> None:
+        # The scene alone first, the tree over it in the second half: the film shows both.
+        picture.tree_view = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
+        rate = step / spent if spent else None
+        picture.draw(simulation, ("steps a second", rate), step * simulation.time_step)
+
+    with Recorder(video, size, FRAMES_A_SECOND) as recorder, _progress(console) as progress:
+        task = progress.add_task(f"filming {name}", total=steps)
+        for step in range(steps + 1):
+            if step:
+                start = time.perf_counter()
+                simulation.step()
+                spent += time.perf_counter() - start
+                picture.readout.measure(**simulation.stage_times)
+                progress.advance(task)
+            if step % stride == 0:
+                draw(step)
+                recorder.add(picture.canvas)
+                frames += 1
+    draw(steps)
+    save_png(picture.canvas, still)
+    return Film(video, still, steps, frames, spent)
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:,}/{task.total:,} steps"),
+        TimeRemainingColumn(),
+        console=console,
+    )

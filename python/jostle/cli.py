@@ -1,0 +1,203 @@
+"""The command: `jostle run`, `jostle scenes`."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Annotated, NoReturn
+
+_INSTALL = 'the command needs {}, which is not installed; pip install "jostle[app]" brings it'
+
+try:
+    import typer
+    from rich.console import Console
+    from rich.table import Table
+except ImportError as missing:
+    raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
+
+import jostle
+from jostle.app.simulation import METHODS
+from jostle.app.start import Options, start
+
+DEFAULT_SCENE = "pile"
+MOST_PARTICLES = 100_000_000
+
+app = typer.Typer(
+    help="A quadtree that finds every touching pair, and a particle simulator on top of it.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console()
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        console.print(f"jostle {jostle.__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def scenes() -> None:
+    """List the scenes and what to look at in each."""
+    table = Table(show_header=True, header_style="bold", box=None, padding=(0, 2, 0, 0))
+    table.add_column("scene", style="cyan", no_wrap=True)
+    table.add_column("particles", justify="right")
+    table.add_column("what to look at")
+    for name in jostle.scenes.names():
+        count = len(jostle.scenes.create(name))
+        table.add_row(name, f"{count:,}", jostle.scenes.describe(name))
+    console.print(table)
+
+
+@app.command()
+def run(
+    scene: Annotated[
+        str, typer.Argument(help="A scene, as `jostle scenes` lists them.")
+    ] = DEFAULT_SCENE,
+    n: Annotated[
+        int | None, typer.Option("-n", help="Number of particles; the scene's own if not given.")
+    ] = None,
+    method: Annotated[str, typer.Option(help=f"One of {', '.join(METHODS)}.")] = METHODS[0],
+    leaf_capacity: Annotated[
+        int | None, typer.Option(help="Most particles in a leaf of the tree.")
+    ] = None,
+    max_depth: Annotated[int | None, typer.Option(help="Most subdivisions of the tree.")] = None,
+    seed: Annotated[int, typer.Option(help="The same seed gives the same run.")] = 0,
+    steps: Annotated[
+        int | None, typer.Option(help="Stop after so many steps; a film is 10 s if not given.")
+    ] = None,
+    headless: Annotated[
+        bool, typer.Option("--headless", help="Make a film even where there is a display.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Folder for the film and the picture.")] = Path("out"),
+) -> None:
+    """Run a scene in a window, or as a film where there is no display."""
+    _check_scene(scene)
+    _check_method(method, leaf_capacity, max_depth)
+    _check_range("-n", n, 0, MOST_PARTICLES)
+    _check_range("--leaf-capacity", leaf_capacity, 1, 2**31 - 1)
+    _check_range("--max-depth", max_depth, 0, 2**31 - 1)
+    _check_range("--seed", seed, 0, 2**63 - 1)
+    _check_range("--steps", steps, 1, 2**31 - 1)
+    _check_extra()
+    options = Options(scene, n, seed, method, leaf_capacity, max_depth)
+    if not headless and _has_display():
+        problem = _show(options, steps)
+        if problem is None:
+            return
+        console.print(f"No window could be opened ({problem}), so this run becomes a film.")
+    elif not headless:
+        console.print("There is no display here, so this run becomes a film.")
+    _check_folder(out)
+    _film(options, steps, out)
+
+
+def _show(options: Options, steps: int | None) -> str | None:
+    """Run in a window; return why not, where none can be opened."""
+    import pygame
+
+    from jostle.app.window import Window
+
+    simulation = start(options)
+    try:
+        window = Window(simulation, steps=steps)
+    except pygame.error as error:
+        return str(error)
+    window.run()
+    return None
+
+
+def _film(options: Options, steps: int | None, out: Path) -> None:
+    """Run without a window, and print what came of it."""
+    from jostle.app.headless import default_steps, make_film
+    from jostle.app.report import report
+
+    simulation = start(options)
+    film = make_film(simulation, steps or default_steps(simulation), out, console)
+    console.print(report(simulation, film, options))
+    console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
+
+
+def _has_display() -> bool:
+    """Tell whether a window has a chance: Linux says so in the environment, others always can."""
+    if os.environ.get("SDL_VIDEODRIVER") in ("dummy", "offscreen"):
+        return False
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _check_scene(scene: str) -> None:
+    names = jostle.scenes.names()
+    if scene not in names:
+        _refuse(f"there is no scene {scene!r}; the scenes are {', '.join(names)}")
+
+
+def _check_method(method: str, leaf_capacity: int | None, max_depth: int | None) -> None:
+    if method not in METHODS:
+        _refuse(f"--method is {method!r}; it must be one of {', '.join(METHODS)}")
+    if method.startswith("article-") and not leaf_capacity is max_depth is None:
+        _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
+
+
+def _check_range(name: str, value: int | None, least: int, most: int) -> None:
+    if value is None:
+        return
+    if value < least:
+        _refuse(f"{name} is {value}; it must be at least {least}")
+    if value > most:
+        _refuse(f"{name} is {value}; it must be at most {most:,}")
+
+
+def _check_folder(out: Path) -> None:
+    """Make the folder, and prove that a file can be written there before an hour of work."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        _refuse(f"--out is {str(out)!r}, where no file can be written: {error.strerror}")
+
+
+def _check_extra() -> None:
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    for module in ("pygame", "imageio_ffmpeg"):
+        if importlib.util.find_spec(module) is None:
+            _refuse(_INSTALL.format(module))
+
+
+def _refuse(sentence: str) -> NoReturn:
+    print(f"jostle: {sentence}", file=sys.stderr)
+    raise typer.Exit(2)
+
+
+def main() -> None:
+    """Run the command; a mistake in its arguments becomes one sentence and exit code 2."""
+    # The base class of every complaint about arguments; which package holds it depends on
+    # typer's version.
+    complaint = typer.BadParameter.__mro__[2]
+    try:
+        code = app(standalone_mode=False)
+    except complaint as error:
+        print(f"jostle: {error.format_message()}", file=sys.stderr)  # type: ignore[attr-defined]
+        code = 2
+    except (typer.Abort, KeyboardInterrupt):
+        code = 130
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,231 @@
+"""The rules of the house (ARCHITECTURE.md): who may know whom, and what a file may name."""
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+ROOT = Path(__file__).parents[1]
+CORE = ROOT / "crates" / "jostle" / "src"
+PACKAGE = ROOT / "python" / "jostle"
+APP = PACKAGE / "app"
+
+
+def toml(path: str) -> dict:
+    return tomllib.loads((ROOT / path).read_text(encoding="utf-8"))
+
+
+def names_of(paths: list[Path], base: Path) -> list[str]:
+    """Test ids: the paths as seen from a folder."""
+    return [path.relative_to(base).as_posix() for path in paths]
+
+
+# ---- who depends on whom -------------------------------------------------------------------------
+
+MAY_DEPEND_ON = {"jostle": {"rayon"}, "jostle-py": {"jostle", "numpy", "pyo3"}}
+MANIFESTS = sorted(ROOT.glob("crates/*/Cargo.toml"))
+
+
+@pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda path: path.parent.name)
+def test_crate_depends_only_on_what_its_room_allows(manifest: Path) -> None:
+    crate = tomllib.loads(manifest.read_text(encoding="utf-8"))
+    assert set(crate["dependencies"]) <= MAY_DEPEND_ON[crate["package"]["name"]]
+    assert not {"build-dependencies", "target"} & set(crate)
+
+
+def test_the_core_can_do_without_threads() -> None:
+    core = toml("crates/jostle/Cargo.toml")
+    assert core["dependencies"]["rayon"]["optional"]
+    assert core["features"]["parallel"] == ["dep:rayon"]
+
+
+def test_the_wheel_needs_numpy_alone() -> None:
+    project = toml("pyproject.toml")["project"]
+    assert list(map(name_of_requirement, project["dependencies"])) == ["numpy"]
+
+
+def test_make_run_installs_all_that_the_app_needs() -> None:
+    project = toml("pyproject.toml")["project"]
+    wanted = {*project["dependencies"], *project["optional-dependencies"]["app"]}
+    pinned = (ROOT / "requirements" / "run.txt").read_text(encoding="utf-8").splitlines()
+    assert set(map(name_of_requirement, wanted)) <= set(map(name_of_requirement, pinned))
+
+
+def name_of_requirement(line: str) -> str:
+    return re.match(r"[\w.-]*", line)[0]
+
+
+# ---- the core ------------------------------------------------------------------------------------
+
+FORBIDDEN_IN_CORE = (
+    *("pyo3", "numpy", "wasm_bindgen", "web_sys", "js_sys"),
+    *("std::time", "std::fs", "std::env", "std::net", "std::process", "std::thread"),
+    *("print!", "println!", "eprint!", "eprintln!", "dbg!"),
+)
+SOURCES = sorted(CORE.rglob("*.rs"))
+MODULES = re.findall(r"^(?:pub(?:\(crate\))? )?mod (\w+);", (CORE / "lib.rs").read_text(), re.M)
+
+
+def rust_code(path: Path) -> str:
+    """The source without its comments and the text of its strings."""
+    token = r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"'
+    blank = re.compile(token, re.DOTALL)
+    return blank.sub(lambda match: '""' if match[0][0] == '"' else "", path.read_text("utf-8"))
+
+
+def rust_paths(code: str) -> Iterator[str]:
+    """Every `a::b::c` of some code; those of `use a::{b, c::d};` are written out."""
+    for tree in re.findall(r"\buse ([^;]*);", code):
+        yield from branches("".join(re.sub(r"\bas \w+", "", tree).split()))
+    yield from re.findall(r"\w+(?:::\w+)+", re.sub(r"\buse [^;]*;", "", code))
+
+
+def branches(tree: str) -> Iterator[str]:
+    """Writes out `a::{b,c::{d,e}}` as a::b, a::c::d, a::c::e."""
+    innermost = re.search(r"(?:^|[{,])([\w:]*)\{([^{}]*)\}", tree)
+    if not innermost:
+        yield from filter(None, tree.split(","))
+        return
+    spread = ",".join(innermost[1] + leaf for leaf in innermost[2].split(",") if leaf)
+    yield from branches(tree[: innermost.start(1)] + spread + tree[innermost.end() :])
+
+
+def from_the_root(path: str, file: Path) -> str | None:
+    """The path as seen from lib.rs, without `crate::`; None if it leads elsewhere."""
+    parts = path.split("::")
+    if parts[0] == "crate":
+        return "::".join(parts[1:])
+    supers = next((k for k, part in enumerate(parts) if part != "super"), len(parts))
+    place = file.relative_to(CORE).with_suffix("").parts
+    depth = len(place) - (place[-1] == "mod")
+    return "::".join(parts[supers:]) if supers >= depth else None
+
+
+def test_writes_out_the_paths_of_rust() -> None:
+    code = "use a::{b, c::{d as e, f}, self}; use super::g; x = crate::h::i(j::K);"
+    written = {"a::b", "a::c::d", "a::c::f", "a::self", "super::g", "crate::h::i", "j::K"}
+    assert set(rust_paths(code)) == written
+
+
+def test_the_modules_of_the_core_are_found() -> None:
+    assert {*MODULES, "lib"} == {path.stem for path in CORE.iterdir()}
+
+
+@pytest.mark.parametrize("source", SOURCES, ids=names_of(SOURCES, CORE))
+def test_core_knows_no_world_outside(source: Path) -> None:
+    code = rust_code(source)
+    said = " ".join([*rust_paths(code), *re.findall(r"\w+!", code)])
+    found = [name for name in FORBIDDEN_IN_CORE if re.search(rf"\b{name}(?!\w)", said)]
+    assert not found
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_core_module_uses_only_those_above_it(module: str) -> None:
+    above = MODULES[: MODULES.index(module) + 1]
+    files = [CORE / f"{module}.rs", *sorted((CORE / module).rglob("*.rs"))]
+    for file in filter(Path.exists, files):
+        for path in rust_paths(rust_code(file)):
+            target = from_the_root(path, file)
+            if target is None:
+                continue
+            head = target.split("::")[0]
+            assert head in above or head not in MODULES, f"{file.name}: {path} is below {module}"
+            assert head in MODULES or not path.startswith("crate::"), (
+                f"{file.name}: {path} goes through lib.rs; name the module that it comes from"
+            )
+
+
+# ---- the Python package --------------------------------------------------------------------------
+
+LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name != "cli.py"]
+# The files of the app that act on a simulation; all others look at it.
+ACTING = {"world_simulation", "article_simulation", "hand", "window", "headless", "report"}
+LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
+ACTS = {"step", "restart", "switch_method", "pull", "release", "add", "remove", "set"}
+
+
+def imports(path: Path) -> Iterator[str]:
+    """The full name of everything that a file imports, wherever in the file it does."""
+    package = ["jostle", *path.relative_to(PACKAGE).parts[:-1]]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else []
+            home = ".".join([*above, *filter(None, [node.module])])
+            yield from (f"{home}.{alias.name}" for alias in node.names)
+
+
+@pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
+def test_library_never_imports_the_app(path: Path) -> None:
+    assert not [name for name in imports(path) if re.match(r"jostle\.(app|cli)\b", name)]
+
+
+@pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
+def test_library_imports_numpy_alone(path: Path) -> None:
+    """An adapter, named after the library that it adapts to, may import that one too."""
+    allowed = {"jostle", "numpy", path.stem, *sys.stdlib_module_names}
+    assert {name.split(".")[0] for name in imports(path)} <= allowed
+
+
+def test_importing_jostle_loads_no_part_of_the_app() -> None:
+    code = "import sys, jostle, jostle.article; print(*sys.modules)"
+    command = [sys.executable, "-c", code]
+    loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    assert not {"pygame", "rich", "typer", "imageio_ffmpeg", "jostle.app"} & set(loaded)
+
+
+@pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))
+def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
+    """It may hold a simulation, but neither sets anything in it nor tells it to act."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        written = isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del))
+        told = isinstance(node, ast.Attribute) and node.attr in ACTS
+        if (written or told) and isinstance(node, (ast.Attribute, ast.Subscript)):
+            owner = set(re.findall(r"\w+", ast.unparse(node.value)))
+            assert not owner & {"simulation", "world", "frame"}, f"line {node.lineno} writes"
+
+
+# ---- what no file may name -----------------------------------------------------------------------
+
+
+def files_of_the_repository() -> list[Path]:
+    """Those that git keeps or would keep."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    try:
+        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("there is no git to ask for the files of the repository")
+    return [path for path in map(ROOT.joinpath, listed.stdout.splitlines()) if path.is_file()]
+
+
+# Taken apart, or this file would name them.
+HOSTS = [
+    "py" + "pi.org",
+    "pythonhosted" + ".org",
+    "crates" + ".io",
+    "npm" + "js.",
+    "deb" + "ian.org",
+]
+PLACES = ["work", "root", "home"]
+
+
+def test_no_file_names_a_registry_or_a_place_on_one_machine() -> None:
+    """Cargo.lock may name the index of its crates, which is the same for everybody."""
+    hosts = "|".join(map(re.escape, HOSTS))
+    places = "|".join(PLACES)
+    named = re.compile(rf"(?:{hosts})(?!-index)|(?<![\w.~])/(?:{places})/")
+    found = []
+    for path in files_of_the_repository():
+        text = path.read_bytes().decode("utf-8", errors="replace")
+        found += [f"{path.relative_to(ROOT)}: {match[0]}" for match in named.finditer(text)]
+    assert not found
