@@ -48,12 +48,7 @@ impl Error {
 
     /// Refuses `argument` as a whole.
     pub fn of(argument: &'static str, value: impl fmt::Display, rule: &str) -> Self {
-        Self::Value {
-            argument,
-            index: None,
-            value: value.to_string(),
-            rule: rule.to_string(),
-        }
+        Self::Value { argument, index: None, value: value.to_string(), rule: rule.to_string() }
     }
 }
 
@@ -67,7 +62,10 @@ impl fmt::Display for Error {
                 write!(f, "{argument} is {value}; {rule}")
             }
             Self::Length { argument, found, expected } => {
-                write!(f, "{argument} has {found} rows; it must have {expected}, one for each shape")
+                write!(
+                    f,
+                    "{argument} has {found} rows; it must have {expected}, one for each shape"
+                )
             }
             Self::TooManyPairs { max_pairs } => write!(
                 f,

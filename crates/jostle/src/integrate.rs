@@ -19,7 +19,13 @@ const MARGIN: [f32; 2] = [0.05, 0.5];
 impl Sweep {
     /// The sweep of a step of `dt` seconds: the straight way under `gravity`,
     /// and about as much again to every side for what a bounce may do.
-    pub fn new(position: [f32; 2], velocity: [f32; 2], radius: f32, gravity: [f32; 2], dt: f32) -> Self {
+    pub fn new(
+        position: [f32; 2],
+        velocity: [f32; 2],
+        radius: f32,
+        gravity: [f32; 2],
+        dt: f32,
+    ) -> Self {
         let way = [0, 1].map(|k| velocity[k] * dt);
         let bent = [0, 1].map(|k| way[k] + gravity[k] * dt * dt);
         let longest = way.iter().chain(&bent).fold(0.0f32, |most, v| most.max(v.abs()));

@@ -17,10 +17,11 @@ pub mod integrate;
 pub mod contacts;
 pub mod resolve;
 pub mod world;
+pub mod scenes;
 
 pub use columns::Columns;
-pub use error::{Error, Result};
 pub use container::Container;
+pub use error::{Error, Result};
 pub use geometry::{Cover, Scalar, Shape};
 pub use particles::Particles;
 pub use quadtree::{Node, Quadtree};

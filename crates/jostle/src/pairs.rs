@@ -112,7 +112,8 @@ pub fn brute<T: Scalar>(
     let budget = Budget::new(max_pairs);
     let parts = parallel::map(threads, bands, |band| {
         let mut output = Output::new(&budget);
-        let block = Block { a: columns, rows: edge(band)..edge(band + 1), b: columns, others: 0..len };
+        let block =
+            Block { a: columns, rows: edge(band)..edge(band + 1), b: columns, others: 0..len };
         block.test([T::ZERO; 2], true, &mut output);
         output.finish()
     });
@@ -341,8 +342,7 @@ fn hits<T: Scalar, const BOXES: bool, const FILTERS: bool>(
         let half_x = &others.half_x[block.clone()];
         let half_y = &others.half_y[block.clone()];
         for lane in 0..LANES {
-            let half_sum =
-                [shape.half_size[0] + half_x[lane], shape.half_size[1] + half_y[lane]];
+            let half_sum = [shape.half_size[0] + half_x[lane], shape.half_size[1] + half_y[lane]];
             near[lane] = reaches(shape, x[lane], y[lane], half_sum, radius[lane]);
         }
     } else if BOXES {

@@ -29,11 +29,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            leaf_capacity: DEFAULT_LEAF_CAPACITY,
-            max_depth: DEFAULT_MAX_DEPTH,
-            threads: None,
-        }
+        Self { leaf_capacity: DEFAULT_LEAF_CAPACITY, max_depth: DEFAULT_MAX_DEPTH, threads: None }
     }
 }
 

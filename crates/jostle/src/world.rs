@@ -457,9 +457,7 @@ impl World {
     pub fn momentum(&self) -> [f64; 2] {
         let Particles { masses, velocities, .. } = &self.particles;
         let all = masses.iter().zip(velocities);
-        all.fold([0.0; 2], |sum, (&m, v)| {
-            [0, 1].map(|k| sum[k] + f64::from(m) * f64::from(v[k]))
-        })
+        all.fold([0.0; 2], |sum, (&m, v)| [0, 1].map(|k| sum[k] + f64::from(m) * f64::from(v[k])))
     }
 
     /// Sum of ½ m v².

@@ -26,7 +26,14 @@ pub fn nodes(order: &Order, settings: &Settings, nodes: &mut Vec<Node>) {
     nodes.clear();
     let Some(root) = order.keyed.first() else { return };
     let cell = root.grid.cell(root.keys[0], 0);
-    nodes.push(Node { start: 0, end: root.end as u32, children: 0, child_count: 0, depth: 0, cell });
+    nodes.push(Node {
+        start: 0,
+        end: root.end as u32,
+        children: 0,
+        child_count: 0,
+        depth: 0,
+        cell,
+    });
     let mut open = vec![Open { node: 0, keyed: 0, level: 0 }];
     while let Some(next) = open.pop() {
         let node = nodes[next.node];
@@ -45,7 +52,14 @@ pub fn nodes(order: &Order, settings: &Settings, nodes: &mut Vec<Node>) {
             let cell = common(own, cell);
             open.push(Open { node: nodes.len(), keyed: part.keyed, level: part.level });
             let end = part.end as u32;
-            nodes.push(Node { start, end, children: 0, child_count: 0, depth: node.depth + 1, cell });
+            nodes.push(Node {
+                start,
+                end,
+                children: 0,
+                child_count: 0,
+                depth: node.depth + 1,
+                cell,
+            });
             start = end;
         }
     }

@@ -40,9 +40,8 @@ impl Grid {
     /// The side is a power of two and the origin a multiple of an eighth of
     /// it: as the shapes move, the cells stay where they are.
     fn around(min: [f64; 2], max: [f64; 2]) -> Self {
-        let widest = |scale: f64| {
-            (max[0] * scale - min[0] * scale).max(max[1] * scale - min[1] * scale)
-        };
+        let widest =
+            |scale: f64| (max[0] * scale - min[0] * scale).max(max[1] * scale - min[1] * scale);
         let prescale = match widest(0.125) {
             extent if extent > 1e300 => 0.125,
             extent if extent < 1e-280 => 2f64.powi(64),
@@ -234,7 +233,8 @@ impl Order {
 /// The grid around the centres of `rows`; none where they all coincide.
 fn grid_of<T: Scalar>(columns: &Columns<T>, rows: &[u32]) -> Option<Grid> {
     let first = rows[0] as usize;
-    let (mut min, mut max) = ([columns.x[first], columns.y[first]], [columns.x[first], columns.y[first]]);
+    let (mut min, mut max) =
+        ([columns.x[first], columns.y[first]], [columns.x[first], columns.y[first]]);
     for &row in rows {
         let center = [columns.x[row as usize], columns.y[row as usize]];
         for axis in 0..2 {

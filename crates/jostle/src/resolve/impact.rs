@@ -31,7 +31,8 @@ pub fn between(contact: &mut Contact, motions: &Motions, rest_speed: f32, h: f32
     let [a, b] = contact.places.map(|place| motions.get(place));
     let w = both(|k| f64::from(b.velocity[k]) - f64::from(a.velocity[k]));
     let end = both(|k| {
-        let offset = f64::from(b.position[k]) - f64::from(a.position[k]) + f64::from(contact.image[k]);
+        let offset =
+            f64::from(b.position[k]) - f64::from(a.position[k]) + f64::from(contact.image[k]);
         offset + (f64::from(b.travel[k]) - f64::from(a.travel[k]))
     });
     let start = f64::from(a.since.max(b.since));

@@ -31,7 +31,7 @@ use crate::particles::Particles;
 const IMPACT_ROUNDS: usize = 4;
 
 /// Rounds over the resting contacts in a sub-step.
-const REST_ROUNDS: usize = 2;
+const REST_ROUNDS: usize = 8;
 
 /// What is the same for all particles during a step.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +79,11 @@ pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 }
 
 /// Calls `act` on every movable particle.
-fn each_particle(scene: &mut Scene<'_>, rules: &Rules, act: impl Fn(u32, &mut [f32; MAX_WALLS]) + Sync + Send) {
+fn each_particle(
+    scene: &mut Scene<'_>,
+    rules: &Rules,
+    act: impl Fn(u32, &mut [f32; MAX_WALLS]) + Sync + Send,
+) {
     let movable = &scene.particles.movable;
     parallel::for_chunks(rules.threads, scene.wall_pushes, |first, pushes| {
         for (offset, push) in pushes.iter_mut().enumerate() {

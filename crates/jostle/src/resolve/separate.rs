@@ -6,10 +6,10 @@ use crate::motion::Motions;
 
 /// Overlap that is left alone, as a share of the sum of radii: a resting contact
 /// should stay one.
-const SLOP: f32 = 0.002;
+const SLOP: f32 = 0.003;
 
 /// Share of the overlap that is removed at once.
-const SOFTNESS: f32 = 0.4;
+const SOFTNESS: f32 = 0.2;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that sends neighbours apart.
@@ -53,10 +53,8 @@ pub fn push_apart(contact: &mut Contact, motions: &Motions) {
     };
     let [inverse_a, inverse_b] = contact.inverse_masses;
     let push = SOFTNESS * excess / (inverse_a + inverse_b);
-    for k in 0..2 {
-        a.position[k] -= normal[k] * push * inverse_a;
-        b.position[k] += normal[k] * push * inverse_b;
-    }
+    a.position = [0, 1].map(|k| a.position[k] - normal[k] * push * inverse_a);
+    b.position = [0, 1].map(|k| b.position[k] + normal[k] * push * inverse_b);
     if inverse_a > 0.0 {
         motions.set(contact.places[0], a);
     }

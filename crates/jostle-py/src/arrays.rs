@@ -1,0 +1,398 @@
+//! Arrays and numbers between Python and Rust; nothing else converts them.
+//!
+//! In: whatever `numpy.asarray` understands, of any layout and byte order, is
+//! checked and copied, so that nobody can change it once other threads run.
+//! Out: vectors become arrays without a copy.
+
+use jostle::{Error, Scalar};
+use numpy::ndarray::Array2;
+use numpy::{
+    Element, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
+    PyUntypedArray, PyUntypedArrayMethods, dtype,
+};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBool, PyInt};
+
+use crate::error::{type_error, value_error};
+
+/// An argument that may be left out, which is not the same as giving None.
+#[derive(Default)]
+pub struct Given<'py>(Option<Bound<'py, PyAny>>);
+
+impl<'py> Given<'py> {
+    /// For the defaults of signatures.
+    pub const NOTHING: Self = Self(None);
+
+    /// The argument, unless it was left out.
+    pub fn value(&self) -> Option<&Bound<'py, PyAny>> {
+        self.0.as_ref()
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Given<'py> {
+    type Error = std::convert::Infallible;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> Result<Self, Self::Error> {
+        Ok(Self(Some(value.to_owned())))
+    }
+}
+
+/// What categories, masks and ids hold.
+const BIT_SET_RULE: &str = "between 0 and 4294967295";
+
+/// What an array argument may hold.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Real,
+    Integer,
+    Boolean,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Real => "real numbers",
+            Self::Integer => "integers",
+            Self::Boolean => "booleans",
+        }
+    }
+
+    fn allows(self, numpy_kind: u8) -> bool {
+        match self {
+            Self::Real => matches!(numpy_kind, b'f' | b'i' | b'u'),
+            Self::Integer => matches!(numpy_kind, b'i' | b'u'),
+            Self::Boolean => numpy_kind == b'b',
+        }
+    }
+}
+
+/// An argument as NumPy sees it, its type checked.
+pub struct Argument<'py> {
+    name: &'static str,
+    array: Bound<'py, PyUntypedArray>,
+    was_array: bool,
+}
+
+/// A value for every row, or one value for each.
+pub enum Each<V> {
+    /// One for all.
+    One(V),
+    /// A row each.
+    Rows(Vec<V>),
+}
+
+impl<V: Copy> Each<V> {
+    /// Lets the core check the value for all, as an argument without rows.
+    pub fn check_one(&self, check: impl Fn(&[V]) -> jostle::Result<()>) -> jostle::Result<()> {
+        let Self::One(value) = self else { return Ok(()) };
+        check(&[*value]).map_err(|error| match error {
+            Error::Value { argument, value, rule, .. } => Error::of(argument, value, &rule),
+            other => other,
+        })
+    }
+
+    /// Lets the core check every value.
+    pub fn check(&self, check: impl Fn(&[V]) -> jostle::Result<()>) -> jostle::Result<()> {
+        match self {
+            Self::One(_) => self.check_one(check),
+            Self::Rows(values) => check(values),
+        }
+    }
+
+    /// A value for each of `len` rows.
+    pub fn rows(self, len: usize) -> Vec<V> {
+        match self {
+            Self::One(value) => vec![value; len],
+            Self::Rows(values) => values,
+        }
+    }
+}
+
+impl<'py> Argument<'py> {
+    /// Reads an argument of real numbers.
+    pub fn reals(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        Self::new(name, value, Kind::Real)
+    }
+
+    /// Reads an argument of integers.
+    pub fn integers(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        Self::new(name, value, Kind::Integer)
+    }
+
+    /// Reads an argument of booleans.
+    pub fn booleans(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        Self::new(name, value, Kind::Boolean)
+    }
+
+    fn new(name: &'static str, value: &Bound<'py, PyAny>, kind: Kind) -> PyResult<Self> {
+        let was_array = value.cast::<PyUntypedArray>().is_ok();
+        let array = as_array(name, value)?;
+        let found = array.dtype();
+        // An empty list has no type of its own; NumPy makes it float64.
+        let nothing = array.len() == 0 && !was_array;
+        if nothing || kind.allows(found.kind()) {
+            return Ok(Self { name, array, was_array });
+        }
+        if kind == Kind::Integer && value.is_instance_of::<PyInt>() && !is_truth(value) {
+            // Too long even for NumPy, which makes it an object.
+            return Err(value_error(name, value, BIT_SET_RULE));
+        }
+        let wanted = kind.name();
+        let found = match array.ndim() {
+            0 if !was_array => value.get_type().name()?.to_string(),
+            _ => found.to_string(),
+        };
+        Err(PyTypeError::new_err(format!("{name} must hold {wanted}, not {found}")))
+    }
+
+    /// Whether it takes part in the choice between float32 and float64: one plain
+    /// number, or a plain pair, for all rows follows the arrays beside it.
+    fn has_precision(&self) -> bool {
+        self.array.ndim() > 0 && (self.was_array || self.array.shape() != [2])
+    }
+
+    /// Whether its numbers are float32, in any byte order.
+    fn is_single(&self) -> bool {
+        let found = self.array.dtype();
+        found.kind() == b'f' && found.itemsize() == 4
+    }
+
+    /// Whether it is a single number.
+    pub fn is_scalar(&self) -> bool {
+        self.array.ndim() == 0
+    }
+
+    /// Number of rows, where each is a pair.
+    pub fn pairs_len(&self) -> PyResult<usize> {
+        match self.array.shape() {
+            [rows, 2] => Ok(*rows),
+            [0] => Ok(0),
+            _ => Err(self.wrong_shape("(n, 2)")),
+        }
+    }
+
+    /// Number of rows, where each is a single value.
+    pub fn len(&self) -> PyResult<usize> {
+        match self.array.shape() {
+            [rows] => Ok(*rows),
+            _ => Err(self.wrong_shape("(n,)")),
+        }
+    }
+
+    /// `len` pairs, x and y in turn.
+    pub fn pairs<T: Scalar + Element>(&self, len: usize) -> PyResult<Vec<T>> {
+        match self.array.shape() {
+            [rows, 2] if *rows == len => self.real(),
+            [0] if len == 0 => Ok(Vec::new()),
+            _ => Err(self.wrong_shape(&format!("({len}, 2)"))),
+        }
+    }
+
+    /// A number for all or one for each of `len` rows.
+    pub fn real_each<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<T>> {
+        self.each(len, "a number", Self::real)
+    }
+
+    /// Half sizes: a number, a pair for all, or a pair for each of `len` rows.
+    pub fn half_sizes<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<[T; 2]>> {
+        match self.array.shape() {
+            [] => Ok(Each::One([self.real()?[0]; 2])),
+            [2] => Ok(Each::One(in_pairs(&self.real()?)[0])),
+            [rows, 2] if *rows == len => Ok(Each::Rows(in_pairs(&self.real()?))),
+            [0] if len == 0 => Ok(Each::Rows(Vec::new())),
+            _ => Err(self.wrong_shape(&format!("a number, (2,) or ({len}, 2)"))),
+        }
+    }
+
+    /// Bit sets: a number for all or one for each of `len` rows.
+    pub fn bits_each(&self, len: usize) -> PyResult<Each<u32>> {
+        self.each(len, "an integer", Self::unsigned)
+    }
+
+    /// Row numbers.
+    pub fn ids(&self) -> PyResult<Vec<u32>> {
+        self.len()?;
+        self.unsigned()
+    }
+
+    /// A truth for all or one for each of `len` rows.
+    pub fn truth_each(&self, len: usize) -> PyResult<Each<bool>> {
+        self.each(len, "True or False", |argument| argument.copied())
+    }
+
+    fn each<V: Copy>(
+        &self,
+        len: usize,
+        one: &str,
+        read: impl FnOnce(&Self) -> PyResult<Vec<V>>,
+    ) -> PyResult<Each<V>> {
+        match self.array.shape() {
+            [] => Ok(Each::One(read(self)?[0])),
+            [rows] if *rows == len => Ok(Each::Rows(read(self)?)),
+            _ => Err(self.wrong_shape(&format!("{one} or ({len},)"))),
+        }
+    }
+
+    /// All numbers as `T`, row after row.
+    fn real<T: Scalar + Element>(&self) -> PyResult<Vec<T>> {
+        if self.is_single() {
+            let singles = self.copied::<f32>()?;
+            return Ok(singles.into_iter().map(|v| T::from_f64(v.into())).collect());
+        }
+        let doubles = self.copied::<f64>()?;
+        Ok(doubles.into_iter().map(T::from_f64).collect())
+    }
+
+    /// All numbers as unsigned 32-bit integers.
+    fn unsigned(&self) -> PyResult<Vec<u32>> {
+        if self.array.dtype().is_equiv_to(&dtype::<u32>(self.array.py())) {
+            return self.copied();
+        }
+        // Every unsigned type fits into u64, every signed one into i64.
+        if self.array.dtype().kind() == b'u' {
+            self.narrow(&self.copied::<u64>()?)
+        } else {
+            self.narrow(&self.copied::<i64>()?)
+        }
+    }
+
+    fn narrow<V: Copy + TryInto<u32> + ToString>(&self, values: &[V]) -> PyResult<Vec<u32>> {
+        let narrowed = values.iter().enumerate().map(|(index, &value)| {
+            value.try_into().map_err(|_| {
+                let place = if self.is_scalar() { String::new() } else { format!("[{index}]") };
+                value_error(&format!("{}{place}", self.name), value.to_string(), BIT_SET_RULE)
+            })
+        });
+        narrowed.collect()
+    }
+
+    /// A copy of all values, row after row.
+    fn copied<V: Element + Copy>(&self) -> PyResult<Vec<V>> {
+        if let Ok(array) = self.array.cast::<PyArrayDyn<V>>()
+            && array.is_c_contiguous()
+            && let Ok(values) = array.try_readonly()?.as_slice()
+        {
+            return Ok(values.to_vec());
+        }
+        let wanted = dtype::<V>(self.array.py());
+        let copy = self.array.call_method1("astype", (wanted, "C", "unsafe", false))?;
+        Ok(copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.to_vec()?)
+    }
+
+    fn wrong_shape(&self, expected: &str) -> PyErr {
+        let found = match self.array.shape() {
+            [] => "()".to_string(),
+            [rows] => format!("({rows},)"),
+            shape => {
+                format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", "))
+            }
+        };
+        let name = self.name;
+        PyValueError::new_err(format!("{name} has shape {found}; it must be {expected}"))
+    }
+}
+
+/// `numpy.asarray(value)`; its errors name the argument.
+fn as_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+    if let Ok(array) = value.cast::<PyUntypedArray>() {
+        return Ok(array.clone());
+    }
+    static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    let array = AS_ARRAY.import(py, "numpy", "asarray")?.call1((value,)).map_err(|cause| {
+        let message = format!("{name} cannot be read as an array: {}", cause.value(py));
+        let error = if cause.is_instance_of::<PyValueError>(py) {
+            PyValueError::new_err(message)
+        } else if cause.is_instance_of::<PyTypeError>(py) {
+            PyTypeError::new_err(message)
+        } else {
+            return cause;
+        };
+        error.set_cause(py, Some(cause));
+        error
+    })?;
+    Ok(array.cast_into::<PyUntypedArray>()?)
+}
+
+/// Whether a call computes in float32: every array that was given is float32,
+/// and there is at least one.
+pub fn all_single(arguments: &[Option<&Argument<'_>>]) -> bool {
+    let mut with_precision =
+        arguments.iter().flatten().filter(|argument| argument.has_precision()).peekable();
+    with_precision.peek().is_some() && with_precision.all(|argument| argument.is_single())
+}
+
+/// x, y, x, y, … as pairs.
+pub fn in_pairs<V: Copy>(values: &[V]) -> Vec<[V; 2]> {
+    values.as_chunks().0.to_vec()
+}
+
+/// One real number.
+pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    match value.extract::<f64>() {
+        Ok(number) if !is_truth(value) => Ok(number),
+        _ => Err(type_error(name, "a number", value)),
+    }
+}
+
+/// Two real numbers.
+pub fn point(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f32; 2]> {
+    let argument = Argument::reals(name, value)?;
+    match argument.array.shape() {
+        [2] => Ok(in_pairs(&argument.real()?)[0]),
+        _ => Err(argument.wrong_shape("(2,)")),
+    }
+}
+
+/// One integer of at least `least`.
+pub fn count(name: &str, value: &Bound<'_, PyAny>, least: usize) -> PyResult<usize> {
+    if is_truth(value) {
+        return Err(type_error(name, "an integer", value));
+    }
+    match value.extract::<usize>() {
+        Ok(count) if count >= least => Ok(count),
+        Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
+            Err(type_error(name, "an integer", value))
+        }
+        Err(_) if value.gt(least)? => {
+            Err(value_error(name, value, &format!("at most {}", usize::MAX)))
+        }
+        _ => Err(value_error(name, value, &format!("at least {least}"))),
+    }
+}
+
+/// True or False; left out, it is False.
+pub fn truth(name: &str, given: &Given<'_>) -> PyResult<bool> {
+    let Some(value) = given.value() else { return Ok(false) };
+    value.extract::<bool>().map_err(|_| type_error(name, "True or False", value))
+}
+
+/// A word; None where it was left out.
+pub fn word(name: &str, given: &Given<'_>, rule: &str) -> PyResult<Option<String>> {
+    let read = |value: &Bound<'_, PyAny>| {
+        value.extract::<String>().map_err(|_| type_error(name, rule, value))
+    };
+    given.value().map(read).transpose()
+}
+
+/// True and False count as 1 and 0 in Python; as an argument that is a slip.
+fn is_truth(value: &Bound<'_, PyAny>) -> bool {
+    value.is_instance_of::<PyBool>()
+}
+
+/// A vector as an array, without a copy.
+pub fn column<V: Element>(py: Python<'_>, values: Vec<V>) -> Bound<'_, PyArray1<V>> {
+    values.into_pyarray(py)
+}
+
+/// Rows of `N` values as a two-dimensional array, without a copy.
+pub fn table<V: Element, const N: usize>(
+    py: Python<'_>,
+    rows: Vec<[V; N]>,
+) -> PyResult<Bound<'_, PyArray2<V>>> {
+    let shape = (rows.len(), N);
+    let table = Array2::from_shape_vec(shape, rows.into_flattened());
+    Ok(table.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
+}

@@ -1,0 +1,113 @@
+//! `jostle.find_pairs`.
+
+use jostle::{Method, Scalar, pairs};
+use numpy::{Element, PyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{Given, table, truth};
+use crate::error::refused;
+use crate::settings;
+use crate::shapes::{Rows, Shapes};
+
+/// Find every pair of overlapping shapes.
+///
+/// A shape is a rounded box: every point within `radius` of the axis-aligned box
+/// ``center ± half_size``. Circles have no half size, rectangles no radius.
+/// Touching is not overlapping.
+///
+/// Parameters
+/// ----------
+/// centers : array_like, shape (n, 2)
+///     Centres, in any unit of length.
+/// radii : array_like, a number or shape (n,), default 0.0
+///     Radii, in the same unit.
+/// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
+///     Half widths and half heights. Left out, every shape is a circle.
+/// method : {"auto", "brute", "quadtree"}, default "auto"
+///     How the pairs are found, never which: "auto" takes brute force where that
+///     is faster.
+/// sort : bool, default False
+///     Whether to sort the pairs by first, then by second shape. Without, their
+///     order says nothing.
+/// max_pairs : int, default 134217728
+///     The most pairs to return; the default is a gibibyte of them.
+/// threads : int, optional
+///     How many threads work; one for each core unless given. The answer is the
+///     same for every number.
+///
+/// Returns
+/// -------
+/// ndarray of uint32, shape (m, 2)
+///     Row numbers ``i < j`` of each pair, every pair once.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument does not hold numbers.
+/// ValueError
+///     If a shape is wrong, a value is not finite, a size is negative, or more
+///     than `max_pairs` pairs overlap.
+///
+/// Notes
+/// -----
+/// Arithmetic is float32 if every array given is float32, else float64. A plain
+/// number, or a plain pair of half sizes, takes the precision of the arrays
+/// beside it.
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
+/// array([[1, 2]], dtype=uint32)
+#[pyfunction]
+#[pyo3(
+    signature = (
+        centers, radii=Given::NOTHING, half_sizes=None,
+        *, method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING,
+        threads=None,
+    ),
+    text_signature = "(centers, radii=0.0, half_sizes=None, *, method='auto', sort=False, \
+                      max_pairs=134217728, threads=None)"
+)]
+#[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+pub fn find_pairs<'py>(
+    py: Python<'py>,
+    centers: &Bound<'py, PyAny>,
+    radii: Given<'py>,
+    half_sizes: Option<&Bound<'py, PyAny>>,
+    method: Given<'py>,
+    sort: Given<'py>,
+    max_pairs: Given<'py>,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    let search = Search {
+        method: settings::method_or_auto(&method)?,
+        sort: truth("sort", &sort)?,
+        max_pairs: settings::max_pairs(&max_pairs)?,
+        threads: settings::threads(threads)?,
+    };
+    let shapes = Shapes::read(centers, &radii, half_sizes, None, None)?;
+    let found = py.detach(|| match shapes {
+        Shapes::Single(rows) => search.run(rows),
+        Shapes::Double(rows) => search.run(rows),
+    });
+    table(py, found.map_err(refused)?)
+}
+
+struct Search {
+    method: Option<Method>,
+    sort: bool,
+    max_pairs: usize,
+    threads: Option<usize>,
+}
+
+impl Search {
+    fn run<T: Scalar + Element>(&self, rows: Rows<T>) -> jostle::Result<Vec<[u32; 2]>> {
+        let columns = rows.columns()?;
+        let mut found = pairs::find(&columns, self.method, self.threads, self.max_pairs)?;
+        if self.sort {
+            found.sort();
+        }
+        Ok(found.pairs)
+    }
+}

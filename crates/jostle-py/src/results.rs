@@ -1,0 +1,43 @@
+//! Answers of several arrays, as the named tuples of `jostle.results`.
+
+use numpy::Element;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use crate::arrays::{column, table};
+
+/// Normals and depths of some pairs.
+pub struct Touching<T> {
+    /// Row numbers, the smaller first.
+    pub pairs: Vec<[u32; 2]>,
+    /// Unit vectors from the first to the second.
+    pub normals: Vec<[T; 2]>,
+    /// How far they overlap.
+    pub depths: Vec<T>,
+}
+
+/// `jostle.Contacts`.
+pub fn contacts<T: Element>(py: Python<'_>, all: Touching<T>) -> PyResult<Bound<'_, PyAny>> {
+    static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (table(py, all.pairs)?, table(py, all.normals)?, column(py, all.depths));
+    CONTACTS.import(py, "jostle.results", "Contacts")?.call1(fields)
+}
+
+/// `jostle.Nodes`.
+pub fn nodes<'py>(py: Python<'py>, all: &[jostle::Node]) -> PyResult<Bound<'py, PyAny>> {
+    static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (
+        table(py, all.iter().map(|node| node.cell).collect())?,
+        column(py, all.iter().map(|node| u32::from(node.depth)).collect()),
+        column(py, all.iter().map(|node| node.len() as u32).collect()),
+        column(py, all.iter().map(jostle::Node::is_leaf).collect()),
+    );
+    NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
+}
+
+/// `jostle.Stats`.
+pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
+    static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (all.nodes, all.leaves, all.depth, all.tests);
+    STATS.import(py, "jostle.results", "Stats")?.call1(fields)
+}

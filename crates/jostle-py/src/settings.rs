@@ -1,0 +1,74 @@
+//! The knobs that calls share, and what they are when left out.
+
+use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
+use jostle::world::DEFAULT_SUBSTEPS;
+use jostle::{Method, Settings};
+use pyo3::prelude::*;
+
+use crate::arrays::{Given, count, word};
+use crate::error::value_error;
+
+// The signatures that Python shows spell these numbers out.
+const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
+const _: () = assert!(DEFAULT_LEAF_CAPACITY == 16);
+const _: () = assert!(DEFAULT_MAX_DEPTH == 4096);
+const _: () = assert!(DEFAULT_SUBSTEPS == 4);
+
+/// The most pairs to return.
+pub fn max_pairs(given: &Given<'_>) -> PyResult<usize> {
+    given.value().map_or(Ok(DEFAULT_MAX_PAIRS), |value| count("max_pairs", value, 0))
+}
+
+/// Shapes that a leaf may hold.
+pub fn leaf_capacity(given: &Given<'_>) -> PyResult<usize> {
+    given.value().map_or(Ok(DEFAULT_LEAF_CAPACITY), |value| count("leaf_capacity", value, 1))
+}
+
+/// Subdivisions allowed.
+pub fn max_depth(given: &Given<'_>) -> PyResult<usize> {
+    given.value().map_or(Ok(DEFAULT_MAX_DEPTH), |value| count("max_depth", value, 0))
+}
+
+/// None stands for one thread for each core.
+pub fn threads(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    value.map(|value| count("threads", value, 1)).transpose()
+}
+
+/// Parts of a step.
+pub fn substeps(given: &Given<'_>) -> PyResult<usize> {
+    given.value().map_or(Ok(DEFAULT_SUBSTEPS), |value| count("substeps", value, 1))
+}
+
+/// How `find_pairs` finds them; None stands for the faster way.
+pub fn method_or_auto(given: &Given<'_>) -> PyResult<Option<Method>> {
+    let rule = "'auto', 'brute' or 'quadtree'";
+    match word("method", given, rule)?.as_deref() {
+        None | Some("auto") => Ok(None),
+        Some("brute") => Ok(Some(Method::Brute)),
+        Some("quadtree") => Ok(Some(Method::Quadtree)),
+        Some(other) => Err(value_error("method", format!("'{other}'"), rule)),
+    }
+}
+
+/// How a world finds its pairs.
+pub fn method(given: &Given<'_>) -> PyResult<Method> {
+    let rule = "'quadtree' or 'brute'";
+    match word("method", given, rule)?.as_deref() {
+        None | Some("quadtree") => Ok(Method::Quadtree),
+        Some("brute") => Ok(Method::Brute),
+        Some(other) => Err(value_error("method", format!("'{other}'"), rule)),
+    }
+}
+
+/// The settings of a tree.
+pub fn tree(
+    leaf_capacity: &Given<'_>,
+    max_depth: &Given<'_>,
+    threads: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Settings> {
+    Ok(Settings {
+        leaf_capacity: self::leaf_capacity(leaf_capacity)?,
+        max_depth: self::max_depth(max_depth)?,
+        threads: self::threads(threads)?,
+    })
+}

@@ -1,0 +1,107 @@
+//! The shapes of a call: centres, radii, half sizes and filters, copied out of
+//! NumPy with one precision for all of them.
+
+use jostle::columns::check_size;
+use jostle::{Columns, Scalar};
+use numpy::Element;
+use pyo3::prelude::*;
+
+use crate::arrays::{Argument, Each, Given, all_single};
+
+/// Filters that a caller leaves out while giving the other half.
+const DEFAULT_CATEGORY: u32 = 1;
+const DEFAULT_MASK: u32 = u32::MAX;
+
+/// Shapes in the precision that their arrays ask for.
+pub enum Shapes {
+    /// Every array was float32.
+    Single(Rows<f32>),
+    /// Anything else.
+    Double(Rows<f64>),
+}
+
+/// Copied and of the right shapes; the values are not yet checked.
+pub struct Rows<T> {
+    /// x, y, x, y, …
+    centers: Vec<T>,
+    radii: Each<T>,
+    half_sizes: Option<Each<[T; 2]>>,
+    filters: Option<[Each<u32>; 2]>,
+}
+
+impl Shapes {
+    /// Copies the arguments that `find_pairs` and `Quadtree` share.
+    pub fn read<'py>(
+        centers: &Bound<'py, PyAny>,
+        radii: &Given<'py>,
+        half_sizes: Option<&Bound<'py, PyAny>>,
+        categories: Option<&Bound<'py, PyAny>>,
+        masks: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let centers = Argument::reals("centers", centers)?;
+        let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
+        let half_sizes =
+            half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;
+        let arguments = [Some(&centers), radii.as_ref(), half_sizes.as_ref()];
+        let filters = read_filters(categories, masks, centers.pairs_len()?)?;
+        Ok(if all_single(&arguments) {
+            Self::Single(Rows::read(&centers, radii.as_ref(), half_sizes.as_ref(), filters)?)
+        } else {
+            Self::Double(Rows::read(&centers, radii.as_ref(), half_sizes.as_ref(), filters)?)
+        })
+    }
+}
+
+fn read_filters(
+    categories: Option<&Bound<'_, PyAny>>,
+    masks: Option<&Bound<'_, PyAny>>,
+    len: usize,
+) -> PyResult<Option<[Each<u32>; 2]>> {
+    if categories.is_none() && masks.is_none() {
+        return Ok(None);
+    }
+    let read = |name, value: Option<&Bound<'_, PyAny>>, default| match value {
+        None => Ok(Each::One(default)),
+        Some(value) => Argument::integers(name, value)?.bits_each(len),
+    };
+    Ok(Some([
+        read("categories", categories, DEFAULT_CATEGORY)?,
+        read("masks", masks, DEFAULT_MASK)?,
+    ]))
+}
+
+impl<T: Scalar + Element> Rows<T> {
+    fn read(
+        centers: &Argument<'_>,
+        radii: Option<&Argument<'_>>,
+        half_sizes: Option<&Argument<'_>>,
+        filters: Option<[Each<u32>; 2]>,
+    ) -> PyResult<Self> {
+        let len = centers.pairs_len()?;
+        Ok(Self {
+            centers: centers.pairs(len)?,
+            radii: match radii {
+                None => Each::One(T::ZERO),
+                Some(radii) => radii.real_each(len)?,
+            },
+            half_sizes: half_sizes.map(|sizes| sizes.half_sizes(len)).transpose()?,
+            filters,
+        })
+    }
+
+    /// The core's columns; needs no Python.
+    pub fn columns(self) -> jostle::Result<Columns<T>> {
+        let len = self.centers.len() / 2;
+        self.radii.check_one(|one| check_size("radii", "a radius", one))?;
+        if let Some(sizes) = &self.half_sizes {
+            sizes.check_one(|one| check_size("half_sizes", "a half size", &one[0]))?;
+        }
+        let axis = |k: usize| self.centers.iter().skip(k).step_by(2).copied().collect::<Vec<T>>();
+        let half_sizes = self.half_sizes.map(|sizes| {
+            let sizes = sizes.rows(len);
+            [0, 1].map(|k| sizes.iter().map(|size| size[k]).collect::<Vec<T>>())
+        });
+        let filters = self.filters.map(|filters| filters.map(|each| each.rows(len)));
+        Columns::new(axis(0), axis(1), self.radii.rows(len), half_sizes, filters)
+    }
+}

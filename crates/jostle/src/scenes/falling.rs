@@ -1,0 +1,90 @@
+//! Scenes with gravity: what falls comes to rest. y grows downwards.
+
+use super::placing::{Area, lattice, scatter};
+use super::random::Random;
+use super::{area_of, boxed};
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+/// The article's display, in pixels, and its number of particles.
+const DISPLAY: [f32; 2] = [800.0, 500.0];
+const DISPLAY_COUNT: f32 = 500.0;
+
+/// The article's frames a second; its units are pixels and frames.
+const FRAMES: f32 = 30.0;
+
+pub fn article_view(n: usize) -> Area {
+    let scale = (n as f32 / DISPLAY_COUNT).sqrt().max(1.0);
+    [0.0, 0.0, DISPLAY[0] * scale, DISPLAY[1] * scale]
+}
+
+/// The article's particles and their numbers a second, under right physics.
+pub fn article(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let area = article_view(n);
+    let radii: Vec<f32> = (0..n).map(|_| random.whole(5, 10)).collect();
+    let places = scatter(&radii, area, random);
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * FRAMES)).collect();
+    let mut particles = Particles::new(places, velocities, radii, 1.0);
+    particles.masses.iter_mut().for_each(|mass| *mass *= random.whole(1, 20));
+    // Gravity 0.5 px a frame; its drag takes about 0.3 % a frame from a middling particle.
+    let settings = WorldSettings {
+        gravity: [0.0, 0.5 * FRAMES * FRAMES],
+        drag: 0.08,
+        restitution: 0.75,
+        ..boxed(area)
+    };
+    (particles, settings)
+}
+
+const PILE_RADII: [f32; 2] = [5.0, 10.0];
+
+fn pile_width(n: usize) -> f32 {
+    800.0 * (n as f32 / 1000.0).sqrt().max(0.2)
+}
+
+pub fn pile_view(n: usize) -> Area {
+    [0.0, 0.0, pile_width(n), pile_width(n) * 0.75]
+}
+
+pub fn pile(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let [_, _, width, height] = pile_view(n);
+    let spacing = 2.2 * PILE_RADII[1];
+    let columns = (width / spacing).floor().max(1.0);
+    let rows = (n as f32 / columns).ceil();
+    let fill = [0.0, height - rows * spacing, columns * spacing, height];
+    let places = lattice(n, fill, 0.05 * spacing, random);
+    let radii = (0..n).map(|_| random.between(PILE_RADII[0], PILE_RADII[1])).collect();
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 40.0)).collect();
+    let walls = [0.0, fill[1].min(0.0) - height, width, height];
+    let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.2, ..boxed(walls) };
+    (Particles::new(places, velocities, radii, 1.0), settings)
+}
+
+const RAIN_RADII: [f32; 2] = [3.0, 6.0];
+
+/// Share of the sky that the drops cover.
+const RAIN_COVERAGE: f32 = 0.08;
+
+pub fn rain_view(n: usize) -> Area {
+    let width = 800.0 * (n as f32 / 2000.0).sqrt().max(0.2);
+    [0.0, 0.0, width, width * 0.625]
+}
+
+pub fn rain(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let [_, _, width, height] = rain_view(n);
+    let middle = (RAIN_RADII[0] + RAIN_RADII[1]) / 2.0;
+    let sky = n as f32 * area_of(middle) / (RAIN_COVERAGE * width) + 4.0 * RAIN_RADII[1];
+    let radii: Vec<f32> = (0..n).map(|_| random.between(RAIN_RADII[0], RAIN_RADII[1])).collect();
+    // The lowest drops start just above the ground's half, the highest fall last.
+    let clouds = [0.0, height * 0.5 - sky, width, height * 0.5];
+    let places = scatter(&radii, clouds, random);
+    let velocities = vec![[0.0, 200.0]; n];
+    // Drag against gravity: no drop falls faster than 600 px/s.
+    let settings = WorldSettings {
+        gravity: [0.0, 900.0],
+        drag: 1.5,
+        restitution: 0.3,
+        ..boxed([0.0, clouds[1], width, height])
+    };
+    (Particles::new(places, velocities, radii, 1.0), settings)
+}

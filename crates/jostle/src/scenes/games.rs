@@ -1,0 +1,122 @@
+//! Scenes with a story: shots at pegs, a break, a swirl.
+
+use super::placing::{Area, lattice};
+use super::random::Random;
+use super::{area_of, boxed, side_for};
+use crate::container::Container;
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+const SHOT_RADIUS: f32 = 2.0;
+const PEG_RADIUS: f32 = 10.0;
+
+/// Movable shots for each peg.
+const SHOTS_PER_PEG: usize = 4;
+
+pub fn shots_view(n: usize) -> Area {
+    let pegs = n.div_ceil(SHOTS_PER_PEG) as f32 * area_of(PEG_RADIUS);
+    let side = side_for(pegs, 0.1, 200.0);
+    [0.0, 0.0, side, side]
+}
+
+/// `n` particles in all; every fifth is a peg that nothing moves.
+pub fn shots(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let area = shots_view(n);
+    let pegs = n / (SHOTS_PER_PEG + 1);
+    let peg_places = lattice(pegs, area, 0.0, random);
+    let spacing = area[2] / (pegs as f32).sqrt().ceil().max(1.0);
+    let count = n - pegs;
+    // Shots start in the gaps between the pegs' columns.
+    let shot_places = lattice(count, area, 0.0, random).into_iter().map(|[x, y]| {
+        let column = (x / spacing).round() * spacing;
+        [column.clamp(SHOT_RADIUS, area[2] - SHOT_RADIUS), y]
+    });
+    let places: Vec<[f32; 2]> = peg_places.into_iter().chain(shot_places).collect();
+    let mut velocities = vec![[0.0; 2]; pegs];
+    velocities.extend((0..count).map(|_| random.in_disc().map(|v| v * 3000.0)));
+    let radii = (0..n).map(|i| if i < pegs { PEG_RADIUS } else { SHOT_RADIUS }).collect();
+    let mut particles = Particles::new(places, velocities, radii, 1.0);
+    particles.movable[..pegs].fill(false);
+    (particles, WorldSettings { substeps: 2, ..boxed(area) })
+}
+
+const BALL_RADIUS: f32 = 10.0;
+
+/// Rows of the triangle that holds all balls but the cue ball.
+fn rack_rows(n: usize) -> usize {
+    let balls = n.saturating_sub(1);
+    (0..).find(|rows| rows * (rows + 1) / 2 >= balls).unwrap_or(0)
+}
+
+pub fn billiards_view(n: usize) -> Area {
+    let height = (rack_rows(n) as f32 * 4.0 * BALL_RADIUS).max(400.0);
+    [0.0, 0.0, 2.0 * height, height]
+}
+
+pub fn billiards(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let area = billiards_view(n);
+    let [width, height] = [area[2], area[3]];
+    // A hair of room, so that the rack does not start out overlapping.
+    let pitch = 2.0 * BALL_RADIUS * 1.002;
+    let rack = (0..).flat_map(|row| (0..=row).map(move |ball| (row, ball)));
+    let depth = pitch * 3f32.sqrt() / 2.0;
+    let mut places: Vec<[f32; 2]> = rack
+        .take(n.saturating_sub(1))
+        .map(|(row, ball)| {
+            let across = ball as f32 - row as f32 / 2.0;
+            [width * 0.6 + row as f32 * depth, height / 2.0 + across * pitch]
+        })
+        .collect();
+    let mut velocities = vec![[0.0; 2]; places.len()];
+    if n > 0 {
+        // Slightly off the axis: a perfect break is a boring one.
+        places.insert(0, [width * 0.2, height / 2.0 + random.between(-1.0, 1.0)]);
+        velocities.insert(0, [1500.0, 0.0]);
+    }
+    let settings = WorldSettings { drag: 0.25, restitution: 0.95, ..boxed(area) };
+    (Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0), settings)
+}
+
+const ORBIT_RADIUS: f32 = 4.0;
+const ORBIT_COVERAGE: f32 = 0.25;
+
+fn orbit_radius(n: usize) -> f32 {
+    side_for(n as f32 * area_of(ORBIT_RADIUS), ORBIT_COVERAGE, 100.0) / std::f32::consts::PI.sqrt()
+}
+
+pub fn orbit_view(n: usize) -> Area {
+    let radius = orbit_radius(n);
+    [-radius, -radius, radius, radius]
+}
+
+pub fn orbit(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let radius = orbit_radius(n);
+    let square = orbit_view(n);
+    // A lattice over the square, with enough cells for n of them to lie inside.
+    let mut cells = n;
+    let inside = loop {
+        let area = lattice(cells, square, 0.0, random);
+        let reach = radius - ORBIT_RADIUS;
+        let fits = |p: &[f32; 2]| p[0] * p[0] + p[1] * p[1] < reach * reach;
+        let inside: Vec<[f32; 2]> = area.into_iter().filter(fits).take(n).collect();
+        if inside.len() == n {
+            break inside;
+        }
+        cells += cells / 20 + 1;
+    };
+    // All turn about the centre, with some unrest; the rim keeps its speed at any size.
+    let turn = 240.0 / radius;
+    let velocities = inside
+        .iter()
+        .map(|&[x, y]| {
+            let [u, v] = random.in_disc().map(|v| v * 0.1 * turn * radius);
+            [-turn * y + u, turn * x + v]
+        })
+        .collect();
+    let settings = WorldSettings {
+        container: Container::Circle { center: [0.0; 2], radius },
+        substeps: 2,
+        ..WorldSettings::default()
+    };
+    (Particles::new(inside, velocities, vec![ORBIT_RADIUS; n], 1.0), settings)
+}

@@ -1,0 +1,95 @@
+//! Scenes without gravity: discs that fly and bounce.
+
+use super::placing::{Area, lattice, scatter};
+use super::random::Random;
+use super::{area_of, boxed, side_for};
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+/// Share of the area that the discs of a gas cover.
+const COVERAGE: f32 = 0.4;
+
+/// Fastest disc at the start, px/s.
+const SPEED: f32 = 120.0;
+
+const RADIUS: f32 = 5.0;
+
+/// Share of the particles that gather in clusters, and of the area they take.
+const CLUSTERED: f32 = 0.9;
+const CLUSTER_AREA: f32 = 0.01;
+const CLUSTERS: usize = 9;
+
+fn velocities(count: usize, random: &mut Random) -> Vec<[f32; 2]> {
+    (0..count).map(|_| random.in_disc().map(|v| v * SPEED)).collect()
+}
+
+pub fn gas_view(n: usize) -> Area {
+    let side = side_for(n as f32 * area_of(RADIUS), COVERAGE, 4.0 * RADIUS);
+    [0.0, 0.0, side, side]
+}
+
+pub fn gas(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let area = gas_view(n);
+    let gap = area[2] / (n as f32).sqrt().ceil().max(1.0) / 2.0 - RADIUS;
+    let places = lattice(n, area, 0.9 * gap.max(0.0), random);
+    let velocities = velocities(n, random);
+    let settings = WorldSettings { substeps: 1, ..boxed(area) };
+    (Particles::new(places, velocities, vec![RADIUS; n], 1.0), settings)
+}
+
+/// Radii from 1 to 100, every octave covering the same area: the density of
+/// radii falls with their cube.
+fn mixed_radius(quantile: f32) -> f32 {
+    let (small, large) = (1.0f32, 100.0f32);
+    let share = 1.0 - small * small / (large * large);
+    (small / (1.0 - quantile * share).sqrt()).min(large)
+}
+
+/// Radii at evenly spaced quantiles, so that the smallest and the largest are there.
+fn mixed_radii(n: usize) -> Vec<f32> {
+    let last = n.saturating_sub(1).max(1) as f32;
+    (0..n).map(|i| mixed_radius(i as f32 / last)).collect()
+}
+
+pub fn mixed_view(n: usize) -> Area {
+    let covered = mixed_radii(n).iter().map(|&r| area_of(r)).sum();
+    let side = side_for(covered, COVERAGE, 250.0);
+    [0.0, 0.0, side, side]
+}
+
+pub fn mixed(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let area = mixed_view(n);
+    let radii = mixed_radii(n);
+    let places = scatter(&radii, area, random);
+    let velocities = velocities(n, random);
+    (Particles::new(places, velocities, radii, 1.0), WorldSettings { substeps: 2, ..boxed(area) })
+}
+
+pub fn clusters_view(n: usize) -> Area {
+    let clustered = CLUSTERED * n as f32 * area_of(RADIUS);
+    let side = side_for(clustered / COVERAGE, CLUSTER_AREA, 40.0 * RADIUS);
+    [0.0, 0.0, side, side]
+}
+
+pub fn clusters(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+    let area = clusters_view(n);
+    let side = area[2];
+    let gathered = (CLUSTERED * n as f32) as usize;
+    let width = side * (CLUSTER_AREA / CLUSTERS as f32).sqrt();
+    let mut places = Vec::with_capacity(n);
+    for cluster in 0..CLUSTERS {
+        let count = gathered * (cluster + 1) / CLUSTERS - gathered * cluster / CLUSTERS;
+        // One cluster in each ninth of the square, so that none lies on another.
+        let third = side / 3.0;
+        let corner = [(cluster % 3) as f32 * third, (cluster / 3) as f32 * third];
+        let free = third - width;
+        let [x, y] = corner.map(|c| c + free * random.between(0.1, 0.9));
+        places.extend(lattice(count, [x, y, x + width, y + width], 0.0, random));
+    }
+    places.extend(lattice(n - gathered, area, 0.0, random));
+    let velocities = velocities(n, random);
+    (
+        Particles::new(places, velocities, vec![RADIUS; n], 1.0),
+        WorldSettings { substeps: 1, ..boxed(area) },
+    )
+}

@@ -1,0 +1,86 @@
+//! Places for discs that do not overlap to begin with.
+
+use std::collections::HashMap;
+
+use super::random::Random;
+
+/// A rectangle: min x, min y, max x, max y.
+pub type Area = [f32; 4];
+
+/// Tries before a disc is put down wherever it fell.
+const TRIES: usize = 200;
+
+/// `count` places on a square lattice that fills `area`, each moved by up to
+/// `jitter` along both axes.
+pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Vec<[f32; 2]> {
+    let [width, height] = [area[2] - area[0], area[3] - area[1]];
+    let columns = ((count as f32 * width / height).sqrt().ceil() as usize).max(1);
+    let rows = count.div_ceil(columns).max(1);
+    let step = [width / columns as f32, height / rows as f32];
+    let place = |index: usize| {
+        let cell = [(index % columns) as f32 + 0.5, (index / columns) as f32 + 0.5];
+        [0, 1].map(|k| area[k] + cell[k] * step[k] + random.between(-jitter, jitter))
+    };
+    (0..count).map(place).collect()
+}
+
+/// Random places in `area`, one for each radius, free of overlap as long as there
+/// is room: the largest are put down first, and each looks for company only in a
+/// grid of its own size and in those of the larger ones.
+pub fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> {
+    let mut by_size: Vec<usize> = (0..radii.len()).collect();
+    by_size.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
+    let mut places = vec![[0.0; 2]; radii.len()];
+    let mut grids: Vec<Grid> = Vec::new();
+    for index in by_size {
+        let radius = radii[index];
+        if grids.last().is_none_or(|grid| radius < grid.largest / 2.0) {
+            grids.push(Grid { largest: radius, cells: HashMap::new() });
+        }
+        let mut try_place = || {
+            let along =
+                |k: usize, u: f32| area[k] + radius + u * (area[k + 2] - area[k] - 2.0 * radius);
+            [along(0, random.unit()), along(1, random.unit())]
+        };
+        let mut place = try_place();
+        for _ in 0..TRIES {
+            if grids.iter().all(|grid| grid.is_free(place, radius, &places, radii)) {
+                break;
+            }
+            place = try_place();
+        }
+        places[index] = place;
+        if let Some(grid) = grids.last_mut() {
+            grid.put(place, index);
+        }
+    }
+    places
+}
+
+/// Discs of about one size, by cells as wide as the largest disc.
+struct Grid {
+    largest: f32,
+    cells: HashMap<(i32, i32), Vec<usize>>,
+}
+
+impl Grid {
+    fn cell(&self, place: [f32; 2]) -> (i32, i32) {
+        let side = 2.0 * self.largest;
+        ((place[0] / side).floor() as i32, (place[1] / side).floor() as i32)
+    }
+
+    fn put(&mut self, place: [f32; 2], index: usize) {
+        self.cells.entry(self.cell(place)).or_default().push(index);
+    }
+
+    fn is_free(&self, place: [f32; 2], radius: f32, places: &[[f32; 2]], radii: &[f32]) -> bool {
+        let (x, y) = self.cell(place);
+        let around =
+            (y - 1..=y + 1).flat_map(|row| (x - 1..=x + 1).map(move |column| (column, row)));
+        around.filter_map(|cell| self.cells.get(&cell)).flatten().all(|&other| {
+            let offset = [0, 1].map(|k| places[other][k] - place[k]);
+            let reach = radii[other] + radius;
+            offset[0] * offset[0] + offset[1] * offset[1] >= reach * reach
+        })
+    }
+}

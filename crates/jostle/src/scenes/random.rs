@@ -1,0 +1,46 @@
+//! Seeded numbers that are the same on every platform.
+
+/// SplitMix64 (G. Steele et al., *Fast Splittable Pseudorandom Number Generators*,
+/// 2014): small, fast and good enough to scatter discs.
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+impl Random {
+    /// Numbers that follow from `seed` alone.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ mixed >> 31
+    }
+
+    /// Uniform in [0, 1), with all 24 bits of a float32.
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+
+    /// A whole number from `low` to `high`, both included.
+    pub fn whole(&mut self, low: u32, high: u32) -> f32 {
+        (low + (self.next() >> 32) as u32 % (high - low + 1)) as f32
+    }
+
+    /// Uniform in the unit disc, by rejection: a library sine would differ
+    /// between platforms.
+    pub fn in_disc(&mut self) -> [f32; 2] {
+        loop {
+            let point = [self.between(-1.0, 1.0), self.between(-1.0, 1.0)];
+            if point[0] * point[0] + point[1] * point[1] <= 1.0 {
+                return point;
+            }
+        }
+    }
+}

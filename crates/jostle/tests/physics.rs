@@ -1,0 +1,530 @@
+//! The gates of the world's physics, each against an answer that does not come
+//! from the world: analysis, conservation laws, geometry.
+
+use jostle::scenes::{STEP, random::Random};
+use jostle::settings::DEFAULT_MAX_PAIRS;
+use jostle::{Columns, Container, Particles, Settings, World, WorldSettings, geometry, pairs};
+
+fn world(particles: Particles, settings: WorldSettings) -> World {
+    World::new(particles, settings).expect("the test's particles are valid")
+}
+
+fn run(world: &mut World, dt: f32, steps: usize) {
+    world.step(dt, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Two discs and a rule; what becomes of them.
+struct Two {
+    positions: [[f32; 2]; 2],
+    velocities: [[f32; 2]; 2],
+    radii: [f32; 2],
+    masses: [f32; 2],
+    restitution: f32,
+}
+
+impl Two {
+    fn world(&self, substeps: usize) -> World {
+        let particles = Particles {
+            positions: self.positions.to_vec(),
+            velocities: self.velocities.to_vec(),
+            radii: self.radii.to_vec(),
+            masses: self.masses.to_vec(),
+            restitutions: vec![1.0; 2],
+            movable: vec![true; 2],
+        };
+        let restitution = self.restitution;
+        world(particles, WorldSettings { restitution, substeps, ..WorldSettings::default() })
+    }
+
+    /// The velocities after the collision, from the moment of impact.
+    fn analytic(&self) -> [[f64; 2]; 2] {
+        let at = |v: [[f32; 2]; 2], k: usize| f64::from(v[1][k]) - f64::from(v[0][k]);
+        let q = [at(self.positions, 0), at(self.positions, 1)];
+        let w = [at(self.velocities, 0), at(self.velocities, 1)];
+        let reach = f64::from(self.radii[0]) + f64::from(self.radii[1]);
+        let (a, b, c) = (dot(w, w), dot(q, w), dot(q, q) - reach * reach);
+        let time = (-b - (b * b - a * c).sqrt()) / a;
+        let n = [(q[0] + w[0] * time) / reach, (q[1] + w[1] * time) / reach];
+        let [m1, m2] = self.masses.map(f64::from);
+        let impulse = -(1.0 + f64::from(self.restitution)) * dot(w, n) / (1.0 / m1 + 1.0 / m2);
+        let after = |which: usize, share: f64| {
+            [0, 1].map(|k| f64::from(self.velocities[which][k]) + share * impulse * n[k])
+        };
+        [after(0, -1.0 / m1), after(1, 1.0 / m2)]
+    }
+
+    /// Largest deviation of the world from the analysis, relative to the speed.
+    fn error(&self, dt: f32, steps: usize, substeps: usize) -> f64 {
+        let mut world = self.world(substeps);
+        run(&mut world, dt, steps);
+        let found = world.particles().velocities;
+        let scale = self.velocities.iter().flatten().fold(0.0f32, |m, v| m.max(v.abs()));
+        let expected = self.analytic();
+        let deviation = |i: usize, k: usize| (f64::from(found[i][k]) - expected[i][k]).abs();
+        let all = [deviation(0, 0), deviation(0, 1), deviation(1, 0), deviation(1, 1)];
+        all.into_iter().fold(0.0, f64::max) / f64::from(scale)
+    }
+}
+
+#[test]
+fn head_on_collisions_follow_the_analysis() {
+    for restitution in [1.0, 0.8, 0.5] {
+        for masses in [[1.0, 1.0], [1.0, 3.0], [100.0, 1.0], [1e-3, 1e3]] {
+            for [x, y] in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8], [-0.28, 0.96]] {
+                for substeps in [1, 4] {
+                    let two = Two {
+                        positions: [[0.0, 0.0], [30.0 * x, 30.0 * y]],
+                        velocities: [[100.0 * x, 100.0 * y], [-20.0 * x, -20.0 * y]],
+                        radii: [5.0, 8.0],
+                        masses,
+                        restitution,
+                    };
+                    let error = two.error(STEP, 30, substeps);
+                    assert!(error < 1e-5, "e {restitution} m {masses:?} ({x}, {y}): {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn equal_masses_swap_their_velocities() {
+    let two = Two {
+        positions: [[0.0, 0.0], [25.0, 0.0]],
+        velocities: [[60.0, 0.0], [0.0, 0.0]],
+        radii: [10.0; 2],
+        masses: [2.0; 2],
+        restitution: 1.0,
+    };
+    let mut world = two.world(4);
+    run(&mut world, STEP, 60);
+    assert_eq!(world.particles().velocities, [[0.0, 0.0], [60.0, 0.0]]);
+}
+
+#[test]
+fn oblique_collisions_take_the_normal_of_the_moment_of_impact() {
+    let mut random = Random::new(1);
+    let mut worst = 0.0f64;
+    for _ in 0..2000 {
+        let radii = [random.between(2.0, 10.0), random.between(2.0, 10.0)];
+        let reach = radii[0] + radii[1];
+        // Up to the smaller radius in a step, hit anywhere but at the very edge.
+        let speed = random.between(0.05, 1.0) * radii[0].min(radii[1]) / STEP;
+        let aside = random.between(-0.95, 0.95) * reach;
+        let way = random.between(1.01, 3.0) * reach;
+        let two = Two {
+            positions: [[0.0, 0.0], [way, aside]],
+            velocities: [[speed, 0.0], [0.0, 0.0]],
+            radii,
+            masses: [random.between(0.5, 5.0), random.between(0.5, 5.0)],
+            restitution: random.between(0.3, 1.0),
+        };
+        let steps = (2.0 * (way + reach) / (speed * STEP)) as usize + 2;
+        for substeps in [1, 4] {
+            worst = worst.max(two.error(STEP, steps, substeps));
+        }
+    }
+    assert!(worst < 0.01, "worst deviation {worst}");
+}
+
+#[test]
+fn what_overlaps_and_parts_is_not_kicked() {
+    for along in [[1.0, 0.0], [0.0, 1.0], [0.6, -0.8]] {
+        let two = Two {
+            positions: [[0.0, 0.0], along.map(|v: f32| 12.0 * v)],
+            velocities: [along.map(|v| -7.0 * v), along.map(|v| 13.0 * v)],
+            radii: [10.0; 2],
+            masses: [1.0, 2.0],
+            restitution: 1.0,
+        };
+        let mut world = two.world(4);
+        run(&mut world, STEP, 120);
+        assert_eq!(world.particles().velocities, two.velocities);
+    }
+}
+
+/// Discs on a jittered lattice over a square of `side`, velocities up to `speed`.
+fn cloud(count: usize, side: f32, radius: f32, speed: f32, seed: u64) -> Particles {
+    let mut random = Random::new(seed);
+    let columns = (count as f32).sqrt().ceil() as usize;
+    let step = side / columns as f32;
+    let position =
+        |i: usize| [(i % columns) as f32, (i / columns) as f32].map(|c| (c + 0.5) * step);
+    let velocities = (0..count).map(|_| random.in_disc().map(|v| v * speed)).collect();
+    Particles::new((0..count).map(position).collect(), velocities, vec![radius; count], 1.0)
+}
+
+#[test]
+fn momentum_of_a_closed_system_stays() {
+    let mut particles = cloud(1000, 480.0, 5.0, 200.0, 2);
+    // Everything flies inwards, so that it keeps colliding.
+    for (position, velocity) in particles.positions.iter().zip(&mut particles.velocities) {
+        *velocity = [0, 1].map(|k| velocity[k] + 0.5 * (240.0 - position[k]));
+    }
+    let size = |p: &Particles| -> f64 {
+        let speeds = p.velocities.iter().map(|v| f64::from(v[0].hypot(v[1])));
+        speeds.zip(&p.masses).map(|(v, &m)| v * f64::from(m)).sum()
+    };
+    let total = size(&particles);
+    let mut world = world(particles, WorldSettings::default());
+    let before = world.momentum();
+    run(&mut world, STEP, 1000);
+    let after = world.momentum();
+    let drift = (after[0] - before[0]).hypot(after[1] - before[1]) / total;
+    assert!(drift <= 1e-5, "momentum drifted by {drift:e}");
+}
+
+#[test]
+fn an_elastic_gas_keeps_its_energy() {
+    let mut world = jostle::scenes::find("gas").unwrap().create(Some(10_000), 3).unwrap();
+    let start = world.kinetic_energy();
+    let mut last = start;
+    for hundred in 0..100 {
+        run(&mut world, STEP, 100);
+        let now = world.kinetic_energy();
+        assert!((now / start - 1.0).abs() <= 0.01, "energy {} after {hundred}00", now / start);
+        assert!(now / last <= 1.001, "energy rose by {} in a hundred steps", now / last - 1.0);
+        last = now;
+    }
+}
+
+#[test]
+fn an_inelastic_gas_never_gains_energy() {
+    for restitution in [0.0, 0.5, 0.9] {
+        let settings = WorldSettings {
+            restitution,
+            container: Container::Box { min: [0.0; 2], max: [600.0; 2] },
+            ..WorldSettings::default()
+        };
+        let mut world = world(cloud(2000, 600.0, 5.0, 200.0, 4), settings);
+        let mut last = world.kinetic_energy();
+        for step in 0..1000 {
+            run(&mut world, STEP, 1);
+            let now = world.kinetic_energy();
+            assert!(now <= last * (1.0 + 1e-6), "e {restitution}, step {step}: {last} → {now}");
+            last = now;
+        }
+    }
+}
+
+/// Deepest overlap as a share of the smaller radius.
+fn deepest_overlap(particles: &Particles) -> f32 {
+    let column = |k: usize| particles.positions.iter().map(|p| p[k]).collect();
+    let radii = particles.radii.clone();
+    let discs = Columns::new(column(0), column(1), radii, None, None).unwrap();
+    let found = pairs::brute(&discs, None, DEFAULT_MAX_PAIRS).unwrap();
+    let depth = |&[i, j]: &[u32; 2]| {
+        let (a, b) = (discs.shape(i as usize), discs.shape(j as usize));
+        geometry::contact(&a, &b).1 / a.radius.min(b.radius)
+    };
+    found.pairs.iter().map(depth).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_pile_comes_to_rest_and_stays() {
+    for seed in [0, 1] {
+        let mut world = jostle::scenes::find("pile").unwrap().create(Some(1000), seed).unwrap();
+        for seconds in [20, 25, 30, 35, 40] {
+            let missing = f64::from(seconds) - world.time();
+            run(&mut world, STEP, (missing * 60.0).round() as usize);
+            let particles = world.particles();
+            let overlap = deepest_overlap(&particles);
+            let speeds = particles.velocities.iter().map(|v| v[0].hypot(v[1]));
+            let speed = speeds.sum::<f32>() / particles.len() as f32;
+            println!("seed {seed}, {seconds} s: overlap {overlap:.4}, speed {speed:.4} px/s");
+            assert!(overlap <= 0.02, "seed {seed}, {seconds} s: overlap {overlap}");
+            assert!(speed <= 1.0, "seed {seed}, {seconds} s: mean speed {speed} px/s");
+        }
+    }
+}
+
+#[test]
+fn no_shot_passes_through_a_disc() {
+    let mut random = Random::new(5);
+    for shot in 0..10_000 {
+        let radius = random.between(1.0, 5.0);
+        let target = random.between(1.0, 20.0);
+        let way = random.between(1.0, 1000.0) * radius;
+        let distance = (radius + target) + random.unit() * way;
+        // Aimed by up to 0.9 of the sum of radii beside the centre.
+        let aside = random.between(-0.9, 0.9) * (radius + target);
+        let direction = loop {
+            let [x, y] = random.in_disc();
+            if x * x + y * y > 0.01 {
+                break [x, y].map(|v| v / (x * x + y * y).sqrt());
+            }
+        };
+        let [x, y] = direction;
+        let start = [-distance * x - aside * y, -distance * y + aside * x];
+        let particles = Particles {
+            positions: vec![start, [0.0; 2]],
+            velocities: vec![direction.map(|v| v * way / STEP), [0.0; 2]],
+            radii: vec![radius, target],
+            masses: vec![1.0, random.between(0.1, 10.0)],
+            restitutions: vec![1.0; 2],
+            movable: vec![true, shot % 2 == 0],
+        };
+        let substeps = 1 + shot % 4;
+        let mut world = world(particles, WorldSettings { substeps, ..WorldSettings::default() });
+        let before = world.particles().velocities[0];
+        run(&mut world, STEP, 2 + (distance / way) as usize);
+        let after = world.particles().velocities[0];
+        assert_ne!(before, after, "shot {shot} went through at {} radii a step", way / radius);
+    }
+}
+
+#[test]
+fn no_shot_passes_through_a_curtain_of_discs() {
+    for seed in 0..100 {
+        let mut random = Random::new(seed);
+        let side = 400.0;
+        // Discs that nothing moves, a shot's radius apart, across the whole box.
+        let (peg, shot) = (10.0, 2.0);
+        let pegs = (side / (2.0 * peg + shot)) as usize + 1;
+        let spacing = side / pegs as f32;
+        let mut positions: Vec<[f32; 2]> =
+            (0..pegs).map(|i| [200.0, (i as f32 + 0.5) * spacing]).collect();
+        let mut velocities = vec![[0.0; 2]; pegs];
+        for _ in 0..100 {
+            positions.push([random.between(5.0, 180.0), random.between(5.0, side - 5.0)]);
+            velocities.push(random.in_disc().map(|v| v * 1000.0 * shot / STEP));
+        }
+        let radii = [vec![peg; pegs], vec![shot; 100]].concat();
+        let mut particles = Particles::new(positions, velocities, radii, 1.0);
+        particles.movable[..pegs].fill(false);
+        let settings = WorldSettings {
+            container: Container::Box { min: [0.0; 2], max: [side; 2] },
+            substeps: 1 + seed as usize % 3,
+            ..WorldSettings::default()
+        };
+        let mut world = world(particles, settings);
+        for step in 0..20 {
+            run(&mut world, STEP, 1);
+            let all = world.particles();
+            for (index, [x, y]) in all.positions[pegs..].iter().enumerate() {
+                let inside = (shot..=side - shot).contains(x) && (shot..=side - shot).contains(y);
+                assert!(inside, "seed {seed}, step {step}: shot {index} left at ({x}, {y})");
+                assert!(
+                    *x < 200.0,
+                    "seed {seed}, step {step}: shot {index} is behind at ({x}, {y})"
+                );
+            }
+        }
+    }
+}
+
+/// The reader's own check, in float64.
+fn is_inside(container: &Container, [x, y]: [f32; 2], radius: f32) -> bool {
+    let [x, y, r] = [x, y, radius].map(f64::from);
+    match *container {
+        Container::None => true,
+        Container::Box { min, max } => {
+            let ([left, top], [right, bottom]) = (min.map(f64::from), max.map(f64::from));
+            x - r >= left && y - r >= top && x + r <= right && y + r <= bottom
+        }
+        Container::Circle { center, radius } => {
+            let [u, v] = center.map(f64::from);
+            ((x - u).powi(2) + (y - v).powi(2)).sqrt() <= f64::from(radius) - r
+        }
+        Container::Torus { size: [w, h] } => {
+            x >= 0.0 && y >= 0.0 && x < f64::from(w) && y < f64::from(h)
+        }
+    }
+}
+
+#[test]
+fn nothing_leaves_a_container() {
+    let containers = [
+        Container::Box { min: [-3.0, 1.0], max: [333.3, 301.7] },
+        Container::Circle { center: [160.0, 150.5], radius: 170.1 },
+        Container::Torus { size: [320.0, 300.0] },
+    ];
+    for container in containers {
+        for gravity in [[0.0, 0.0], [300.0, 900.0]] {
+            let mut particles = cloud(300, 300.0, 5.0, 300.0, 6);
+            // Some slow, some at hundreds of radii a step, some of odd size.
+            for row in 0..particles.len() {
+                if row % 10 == 0 {
+                    particles.velocities[row] = particles.velocities[row].map(|v| v * 200.0);
+                }
+                particles.radii[row] = 0.1 + (row % 7) as f32 * 1.3;
+            }
+            let settings =
+                WorldSettings { container, gravity, restitution: 0.9, ..WorldSettings::default() };
+            let mut world = world(particles, settings);
+            for step in 0..300 {
+                run(&mut world, STEP, 1);
+                let all = world.particles();
+                for (row, (&position, &radius)) in all.positions.iter().zip(&all.radii).enumerate()
+                {
+                    let inside = is_inside(&container, position, radius);
+                    assert!(inside, "{container:?}, step {step}: {row} at {position:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_flight_around_a_torus_comes_back() {
+    for speed in [10.0, 500.0, 20_000.0] {
+        let particles = Particles::new(vec![[50.0, 20.0]], vec![[speed, -speed]], vec![1.0], 1.0);
+        let container = Container::Torus { size: [100.0, 100.0] };
+        let mut world = world(particles, WorldSettings { container, ..WorldSettings::default() });
+        run(&mut world, 0.01, 1000);
+        let [x, y] = world.particles().positions[0];
+        let gone = f64::from(speed) * 10.0;
+        let expected = [(50.0 + gone).rem_euclid(100.0), (20.0 - gone).rem_euclid(100.0)];
+        let off = (f64::from(x) - expected[0]).abs().max((f64::from(y) - expected[1]).abs());
+        assert!(off < 0.1, "speed {speed}: at ({x}, {y}), not {expected:?}");
+    }
+}
+
+#[test]
+fn pairs_across_the_seams_of_a_torus_collide() {
+    let size = [100.0f32, 80.0];
+    for [a, b] in [
+        [[4.0, 40.0], [96.0, 40.0]],
+        [[50.0, 4.0], [50.0, 76.0]],
+        [[4.0, 4.0], [96.0, 76.0]],
+        [[4.0, 76.0], [96.0, 4.0]],
+    ] {
+        for first in [[a, b], [b, a]] {
+            // Each flies straight at the nearest image of the other.
+            let toward = |from: [f32; 2], to: [f32; 2]| {
+                [0, 1].map(|k| {
+                    let way = to[k] - from[k];
+                    20.0 * (way - (way / size[k]).round() * size[k]).signum()
+                        * (way != 0.0) as u8 as f32
+                })
+            };
+            let velocities = vec![toward(first[0], first[1]), toward(first[1], first[0])];
+            let particles = Particles::new(first.to_vec(), velocities.clone(), vec![2.0; 2], 1.0);
+            let container = Container::Torus { size };
+            let mut world =
+                world(particles, WorldSettings { container, ..WorldSettings::default() });
+            run(&mut world, STEP, 30);
+            let after = world.particles().velocities;
+            for k in 0..2 {
+                let swapped = (after[0][k] - velocities[1][k]).abs() < 1e-3;
+                assert!(swapped, "{first:?}: {velocities:?} became {after:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_swirl_in_a_round_container_keeps_its_spin() {
+    let mut world = jostle::scenes::find("orbit").unwrap().create(Some(500), 7).unwrap();
+    let spin = |world: &World| -> f64 {
+        let all = world.particles();
+        let each = all.positions.iter().zip(&all.velocities).zip(&all.masses);
+        each.map(|((p, v), &m)| {
+            let ([x, y], [u, w]) = (p.map(f64::from), v.map(f64::from));
+            f64::from(m) * (x * w - y * u)
+        })
+        .sum()
+    };
+    let before = spin(&world);
+    run(&mut world, STEP, 1000);
+    // Positions are corrected where bounces overlap, so not to rounding.
+    assert!((spin(&world) / before - 1.0).abs() < 0.01, "{before} became {}", spin(&world));
+}
+
+#[test]
+fn a_free_flight_follows_gravity_and_drag() {
+    let particles = Particles::new(vec![[0.0; 2]], vec![[30.0, 0.0]], vec![1.0], 1.0);
+    let settings = WorldSettings { gravity: [0.0, 100.0], drag: 0.5, ..WorldSettings::default() };
+    let mut world = world(particles, settings);
+    run(&mut world, 1e-3, 2000);
+    let [[u, v]] = world.particles().velocities[..] else { panic!("one particle") };
+    // dv/dt = g − d v from v₀: v = g/d + (v₀ − g/d) exp(−d t).
+    let fade = (-0.5f64 * 2.0).exp();
+    assert!((f64::from(u) - 30.0 * fade).abs() < 0.01, "{u}");
+    assert!((f64::from(v) - 200.0 * (1.0 - fade)).abs() < 0.05, "{v}");
+}
+
+#[test]
+fn coincident_centres_separate() {
+    for gravity in [[0.0, 0.0], [0.0, 500.0]] {
+        let particles =
+            Particles::new(vec![[200.0, 200.0]; 200], vec![[0.0; 2]; 200], vec![5.0; 200], 1.0);
+        let settings = WorldSettings {
+            gravity,
+            restitution: 0.2,
+            container: Container::Box { min: [0.0; 2], max: [400.0; 2] },
+            ..WorldSettings::default()
+        };
+        let mut world = world(particles, settings);
+        run(&mut world, STEP, 1200);
+        let overlap = deepest_overlap(&world.particles());
+        assert!(overlap < 0.05, "gravity {gravity:?}: still {overlap} deep");
+    }
+}
+
+#[test]
+fn immovable_particles_stay() {
+    let mut particles = cloud(100, 200.0, 6.0, 300.0, 8);
+    particles.movable[..50].fill(false);
+    let places = particles.positions[..50].to_vec();
+    let settings = WorldSettings {
+        gravity: [0.0, 900.0],
+        container: Container::Box { min: [0.0; 2], max: [200.0; 2] },
+        ..WorldSettings::default()
+    };
+    let mut world = world(particles, settings);
+    run(&mut world, STEP, 300);
+    assert_eq!(world.particles().positions[..50], places);
+    assert!(world.particles().velocities[..50].iter().all(|v| *v == [0.0; 2]));
+}
+
+#[test]
+fn a_restitution_of_each_particle_multiplies() {
+    let mut particles = Particles::new(
+        vec![[0.0; 2], [30.0, 0.0]],
+        vec![[60.0, 0.0], [0.0; 2]],
+        vec![10.0; 2],
+        1.0,
+    );
+    particles.restitutions = vec![0.5, 0.8];
+    let settings = WorldSettings { restitution: 0.5, ..WorldSettings::default() };
+    let mut world = world(particles, settings);
+    run(&mut world, STEP, 60);
+    let after = world.particles().velocities;
+    let parting = after[1][0] - after[0][0];
+    assert!((parting / 60.0 - 0.5 * 0.8 * 0.5).abs() < 1e-5, "parting at {parting}");
+}
+
+#[test]
+fn contacts_tell_what_touched() {
+    let particles = Particles::new(
+        vec![[30.0, 0.0], [0.0; 2]],
+        vec![[0.0; 2], [60.0, 0.0]],
+        vec![10.0; 2],
+        1.0,
+    );
+    let mut world = world(particles, WorldSettings::default());
+    let mut touches = Vec::new();
+    for _ in 0..30 {
+        run(&mut world, STEP, 1);
+        touches.extend(world.contacts());
+    }
+    assert_eq!(touches.len(), 1, "{touches:?}");
+    assert_eq!(touches[0].pair, [0, 1]);
+    assert_eq!(touches[0].normal, [-1.0, 0.0]);
+}
+
+#[test]
+fn a_world_without_particles_steps() {
+    let mut world = world(Particles::default(), WorldSettings::default());
+    run(&mut world, STEP, 10);
+    assert_eq!((world.len(), world.momentum()), (0, [0.0; 2]));
+    assert!((world.time() - 10.0 * f64::from(STEP)).abs() < 1e-12);
+    let one_thread = Settings { threads: Some(1), ..Settings::default() };
+    world.configure(WorldSettings { tree: one_thread, ..*world.settings() }).unwrap();
+    run(&mut world, STEP, 1);
+}
