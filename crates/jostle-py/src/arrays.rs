@@ -396,3 +396,8 @@ pub fn table<V: Element, const N: usize>(
     let table = Array2::from_shape_vec(shape, rows.into_flattened());
     Ok(table.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
 }
+
+/// A float32 as the float64 with the same shortest decimals: 0.1 stays 0.1.
+pub fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}

@@ -60,6 +60,14 @@ pub fn method(given: &Given<'_>) -> PyResult<Method> {
     }
 }
 
+/// What Python calls it.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Quadtree => "quadtree",
+        Method::Brute => "brute",
+    }
+}
+
 /// The settings of a tree.
 pub fn tree(
     leaf_capacity: &Given<'_>,

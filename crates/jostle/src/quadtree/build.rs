@@ -107,7 +107,8 @@ fn common(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0].max(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].min(b[3])]
 }
 
-/// Fills in the covers, children before parents.
+/// Fills in the covers, children before parents, and lets each cell hold its
+/// centres: in a world 1e30 wide, keys round a centre across its cell's border.
 pub fn covers<T: Scalar>(tree: &mut Quadtree<T>) {
     let Quadtree { columns, nodes, covers, .. } = tree;
     covers.clear();
@@ -116,12 +117,16 @@ pub fn covers<T: Scalar>(tree: &mut Quadtree<T>) {
     covers.resize(nodes.len(), nothing);
     for index in (0..nodes.len()).rev() {
         let node = &nodes[index];
-        covers[index] = if node.is_leaf() {
+        let cover = if node.is_leaf() {
             let shapes = node.range().map(|place| Cover::of(&columns.shape(place)));
             shapes.reduce(Cover::join).unwrap_or(nothing)
         } else {
             let children = node.children().map(|child| covers[child]);
             children.reduce(Cover::join).unwrap_or(nothing)
         };
+        let ([left, top], [right, bottom]) = (cover.min.map(T::to_f64), cover.max.map(T::to_f64));
+        let cell = &mut nodes[index].cell;
+        *cell = [cell[0].min(left), cell[1].min(top), cell[2].max(right), cell[3].max(bottom)];
+        covers[index] = cover;
     }
 }

@@ -43,10 +43,11 @@ fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// What moves less than half the sum of radii cannot get to the other side.
+/// Whether the two move by more than a tenth of the sum of radii against each
+/// other. What is slower cannot get far into the other before the next sub-step.
 fn is_fast(contact: &Contact, motions: &Motions) -> bool {
     let way = way(contact, motions);
-    dot(way, way) > 0.25 * contact.reach * contact.reach
+    dot(way, way) > 0.01 * contact.reach * contact.reach
 }
 
 /// The share of their ways that the two can go before the line between their

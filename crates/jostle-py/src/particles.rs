@@ -1,0 +1,130 @@
+//! Columns of particles on their way into a world.
+
+use jostle::particles::{check_masses, check_radii, check_restitutions, check_vectors};
+use jostle::{Error, Particles};
+use pyo3::prelude::*;
+
+use crate::arrays::{Argument, Each, in_pairs};
+
+/// An argument that may be left out or None.
+type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Copied columns, of the right shapes; the values are not yet checked.
+#[derive(Default)]
+pub struct Draft {
+    pub positions: Option<Vec<[f32; 2]>>,
+    pub velocities: Option<Vec<[f32; 2]>>,
+    pub radii: Option<Each<f32>>,
+    pub masses: Option<Each<f32>>,
+    pub densities: Option<Each<f32>>,
+    pub restitutions: Option<Each<f32>>,
+    pub movable: Option<Each<bool>>,
+}
+
+impl Draft {
+    /// The columns that every new particle needs.
+    pub fn of_new<'py>(
+        positions: &Bound<'py, PyAny>,
+        velocities: &Bound<'py, PyAny>,
+        radii: &Bound<'py, PyAny>,
+    ) -> PyResult<(Self, usize)> {
+        let len = Argument::reals("positions", positions)?.pairs_len()?;
+        let draft = Self {
+            positions: vectors("positions", Some(positions), len)?,
+            velocities: vectors("velocities", Some(velocities), len)?,
+            radii: reals("radii", Some(radii), len)?,
+            ..Self::default()
+        };
+        Ok((draft, len))
+    }
+
+    /// New particles of these columns; what was left out takes its default. Needs no Python.
+    pub fn particles(mut self, len: usize) -> jostle::Result<Particles> {
+        self.check()?;
+        let blank = vec![[0.0; 2]; len];
+        let mut particles = Particles::new(blank.clone(), blank, vec![0.0; len], 1.0);
+        let densities = self.densities.take().unwrap_or(Each::One(1.0)).rows(len);
+        let has_masses = self.masses.is_some();
+        self.write(&mut particles, None);
+        if !has_masses {
+            let pairs = particles.radii.iter().zip(densities);
+            particles.masses = pairs.map(|(r, density)| density * r * r).collect();
+        }
+        Ok(particles)
+    }
+
+    /// Refuses values that no world can hold, by the index that the caller gave them.
+    pub fn check(&self) -> jostle::Result<()> {
+        check_vectors("positions", self.positions.as_deref().unwrap_or_default())?;
+        check_vectors("velocities", self.velocities.as_deref().unwrap_or_default())?;
+        check_column(self.radii.as_ref(), check_radii)?;
+        check_column(self.densities.as_ref(), check_densities)?;
+        check_column(self.masses.as_ref(), check_masses)?;
+        check_column(self.restitutions.as_ref(), check_restitutions)
+    }
+
+    /// Writes the columns over those of the particles `ids`, or of all.
+    pub fn write(self, particles: &mut Particles, ids: Option<&[u32]>) {
+        put(self.positions.map(Each::Rows), &mut particles.positions, ids);
+        put(self.velocities.map(Each::Rows), &mut particles.velocities, ids);
+        put(self.radii, &mut particles.radii, ids);
+        put(self.masses, &mut particles.masses, ids);
+        put(self.restitutions, &mut particles.restitutions, ids);
+        put(self.movable, &mut particles.movable, ids);
+    }
+}
+
+/// `len` pairs of float32.
+pub fn vectors(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Vec<[f32; 2]>>> {
+    value.map(|value| Ok(in_pairs(&Argument::reals(name, value)?.pairs(len)?))).transpose()
+}
+
+/// A float32 for all or one for each of `len` particles.
+pub fn reals(name: &'static str, value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<f32>>> {
+    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
+}
+
+/// A truth for all or one for each of `len` particles.
+pub fn truths(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<bool>>> {
+    value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
+}
+
+fn check_column(
+    column: Option<&Each<f32>>,
+    check: impl Fn(&[f32]) -> jostle::Result<()>,
+) -> jostle::Result<()> {
+    column.map_or(Ok(()), |column| column.check(check))
+}
+
+/// The core knows masses only.
+fn check_densities(densities: &[f32]) -> jostle::Result<()> {
+    match densities.iter().position(|d| !(*d > 0.0 && d.is_finite())) {
+        Some(index) => {
+            let rule = "a density must be finite and above 0";
+            Err(Error::at("densities", index, densities[index], rule))
+        }
+        None => Ok(()),
+    }
+}
+
+fn put<V: Copy>(values: Option<Each<V>>, column: &mut [V], ids: Option<&[u32]>) {
+    match (values, ids) {
+        (None, _) => {}
+        (Some(Each::One(value)), None) => column.fill(value),
+        (Some(Each::Rows(values)), None) => column.copy_from_slice(&values),
+        (Some(Each::One(value)), Some(ids)) => {
+            ids.iter().for_each(|&id| column[id as usize] = value);
+        }
+        (Some(Each::Rows(values)), Some(ids)) => {
+            ids.iter().zip(values).for_each(|(&id, value)| column[id as usize] = value);
+        }
+    }
+}

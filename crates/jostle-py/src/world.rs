@@ -1,0 +1,715 @@
+//! `jostle.World`.
+
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use jostle::{Error, Stage, World, WorldSettings};
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Argument, Each, Given, column, count, decimal, number, point, table};
+use crate::containers;
+use crate::error::refused;
+use crate::particles::{Draft, reals, truths, vectors};
+use crate::results::{self, Touching};
+use crate::settings;
+
+/// Between whole steps, a long call looks about this often whether the user has
+/// pressed Ctrl-C and lets other threads at the world.
+const LOOK_UP: Duration = Duration::from_millis(50);
+
+/// Names of the stages, in the order of [`Stage`].
+const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"];
+
+/// Circles that move, collide and bounce off walls.
+///
+/// Particles are rows, in the order of adding; their row numbers are their ids.
+/// Everything is float32; other numbers are converted. The same input gives the
+/// same bits on every machine, for every number of threads and for both methods.
+///
+/// Parameters
+/// ----------
+/// positions : array_like, shape (n, 2)
+///     Centres, in units of length.
+/// velocities : array_like, shape (n, 2)
+///     In units of length a second.
+/// radii : array_like, a number or shape (n,)
+///     In units of length, at least 0.
+/// masses : array_like, a number or shape (n,), optional
+///     Above 0. Left out, density times radius squared, as in the article.
+/// densities : array_like, a number or shape (n,), default 1.0
+///     Used where `masses` are left out.
+/// movable : array_like of bool, one or shape (n,), optional
+///     Whether anything can move the particle. Left out, all are movable. What is
+///     not movable stands still: its velocity becomes 0.
+/// gravity : array_like, shape (2,), default (0.0, 0.0)
+///     Acceleration, in units of length a second squared.
+/// drag : float, default 0.0
+///     Rate at which speeds die away, per second: dv/dt = -drag v.
+/// restitution : array_like, a number or shape (n,), default 1.0
+///     Share of its speed that a bounce gives back, 0 to 1. A number is the world's,
+///     an array has one for each particle. Two particles bounce with the product of
+///     the world's and both of theirs, one and a wall with that of the world's and
+///     its own.
+/// container : Box, Circle, Torus or None, optional
+///     The walls.
+/// method : {"quadtree", "brute"}, default "quadtree"
+///     How pairs are found, never which.
+/// threads : int, optional
+///     How many threads work; one for each core unless given.
+/// leaf_capacity : int, default 16
+///     Particles that a box of the tree may hold before it splits.
+/// max_depth : int, default 4096
+///     Subdivisions that the tree may make; the default never stops a split.
+/// substeps : int, default 4
+///     Parts of a step in which contacts are solved. Piles rest with the default; a
+///     gas needs one.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument does not hold what it should.
+/// ValueError
+///     If a shape is wrong, a value is out of range, or a particle does not fit
+///     between the walls; the sentence says which.
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+/// >>> world.step(0.1, steps=20)  # the left disc meets the right one after a second
+/// >>> world.velocities
+/// array([[0., 0.],
+///        [1., 0.]], dtype=float32)
+#[pyclass(module = "jostle", name = "World", frozen)]
+pub struct PyWorld {
+    state: Mutex<State>,
+}
+
+struct State {
+    world: World,
+    /// What each stage of the last step took.
+    profile: [Duration; STAGES.len()],
+}
+
+#[pymethods]
+impl PyWorld {
+    #[new]
+    #[pyo3(
+        signature = (
+            positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
+            gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
+            container=None, method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING,
+            max_depth=Given::NOTHING, substeps=Given::NOTHING,
+        ),
+        text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
+                          movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
+                          container=None, method='quadtree', threads=None, leaf_capacity=16, \
+                          max_depth=4096, substeps=4)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn new<'py>(
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+        velocities: &Bound<'py, PyAny>,
+        radii: &Bound<'py, PyAny>,
+        masses: Option<&Bound<'py, PyAny>>,
+        densities: Given<'py>,
+        movable: Option<&Bound<'py, PyAny>>,
+        gravity: Given<'py>,
+        drag: Given<'py>,
+        restitution: Given<'py>,
+        container: Option<&Bound<'py, PyAny>>,
+        method: Given<'py>,
+        threads: Option<&Bound<'py, PyAny>>,
+        leaf_capacity: Given<'py>,
+        max_depth: Given<'py>,
+        substeps: Given<'py>,
+    ) -> PyResult<Self> {
+        let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
+        draft.masses = reals("masses", masses, len)?;
+        draft.densities = reals("densities", densities.value(), len)?;
+        draft.movable = truths("movable", movable, len)?;
+        let mut rules = WorldSettings {
+            container: containers::read(container)?,
+            method: settings::method(&method)?,
+            substeps: settings::substeps(&substeps)?,
+            tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
+            ..WorldSettings::default()
+        };
+        if let Some(gravity) = gravity.value() {
+            rules.gravity = point("gravity", gravity)?;
+        }
+        if let Some(drag) = drag.value() {
+            rules.drag = number("drag", drag)? as f32;
+        }
+        match reals("restitution", restitution.value(), len)? {
+            Some(Each::One(one)) => rules.restitution = one,
+            rows => draft.restitutions = rows,
+        }
+        let world = py.detach(|| World::new(draft.particles(len)?, rules));
+        Ok(Self::of(world.map_err(refused)?))
+    }
+
+    /// Let time pass.
+    ///
+    /// Other threads may look at the world meanwhile; they see it between two steps.
+    ///
+    /// Parameters
+    /// ----------
+    /// dt : float
+    ///     Length of a step in seconds, above 0.
+    /// steps : int, default 1
+    ///     Number of steps.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If `dt` is not finite and above 0.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(8, 0)], radii=1.0)
+    /// >>> world.step(0.25, steps=2)
+    /// >>> world.positions
+    /// array([[4., 0.]], dtype=float32)
+    #[pyo3(signature = (dt, steps=Given::NOTHING), text_signature = "($self, dt, steps=1)")]
+    fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
+        let dt = number("dt", dt)? as f32;
+        let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
+        loop {
+            left = self.long(py, |state| state.step(dt, left))??;
+            if left == 0 {
+                return Ok(());
+            }
+            py.check_signals()?;
+        }
+    }
+
+    /// Add particles behind the others.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions, velocities : array_like, shape (k, 2)
+    /// radii : array_like, a number or shape (k,)
+    /// masses : array_like, a number or shape (k,), optional
+    ///     Left out, density times radius squared.
+    /// densities : array_like, a number or shape (k,), default 1.0
+    /// restitutions : array_like, a number or shape (k,), default 1.0
+    /// movable : array_like of bool, one or shape (k,), optional
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint32, shape (k,)
+    ///     Their ids: the rows that they have in every column.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for a new world; then nothing is added.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
+    /// >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
+    /// array([1, 2], dtype=uint32)
+    #[pyo3(
+        signature = (
+            positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
+            restitutions=Given::NOTHING, movable=None,
+        ),
+        text_signature = "($self, positions, velocities, radii, *, masses=None, densities=1.0, \
+                          restitutions=1.0, movable=None)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn add<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+        velocities: &Bound<'py, PyAny>,
+        radii: &Bound<'py, PyAny>,
+        masses: Option<&Bound<'py, PyAny>>,
+        densities: Given<'py>,
+        restitutions: Given<'py>,
+        movable: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
+        draft.masses = reals("masses", masses, len)?;
+        draft.densities = reals("densities", densities.value(), len)?;
+        draft.restitutions = reals("restitutions", restitutions.value(), len)?;
+        draft.movable = truths("movable", movable, len)?;
+        let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
+        Ok(column(py, ids.map_err(refused)?.collect()))
+    }
+
+    /// Remove particles; the rows behind them close up.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : array_like of int, shape (k,)
+    ///     Row numbers, none of them twice.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such particle or one is named twice; then none is removed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove([1])
+    /// >>> world.positions
+    /// array([[0., 0.],
+    ///        [9., 0.]], dtype=float32)
+    fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
+        let ids = Argument::integers("ids", ids)?.ids()?;
+        self.long(py, |state| state.world.remove(&ids))?.map_err(refused)
+    }
+
+    /// Change some columns of some particles.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : array_like of int, shape (k,)
+    ///     Row numbers, none of them twice.
+    /// positions, velocities : array_like, shape (k, 2), optional
+    /// radii, masses, restitutions : array_like, a number or shape (k,), optional
+    ///     A new radius leaves the mass as it is.
+    /// movable : array_like of bool, one or shape (k,), optional
+    ///     What is left out stays as it is.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for a new world, or if there is no such particle or one is named twice;
+    ///     then nothing is changed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0)
+    /// >>> world.set([1], velocities=[(2, 0)], masses=3.0)
+    /// >>> world.momentum
+    /// (6.0, 0.0)
+    #[pyo3(signature = (
+        ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
+        movable=None,
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn set(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        positions: Option<&Bound<'_, PyAny>>,
+        velocities: Option<&Bound<'_, PyAny>>,
+        radii: Option<&Bound<'_, PyAny>>,
+        masses: Option<&Bound<'_, PyAny>>,
+        restitutions: Option<&Bound<'_, PyAny>>,
+        movable: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let ids = Argument::integers("ids", ids)?.ids()?;
+        let len = ids.len();
+        let draft = Draft {
+            positions: vectors("positions", positions, len)?,
+            velocities: vectors("velocities", velocities, len)?,
+            radii: reals("radii", radii, len)?,
+            masses: reals("masses", masses, len)?,
+            restitutions: reals("restitutions", restitutions, len)?,
+            movable: truths("movable", movable, len)?,
+            densities: None,
+        };
+        self.long(py, |state| state.write_some(draft, &ids))?.map_err(refused)
+    }
+
+    /// Centres: ndarray of float32, shape (n, 2), a copy. Assign to change all.
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        table(py, self.long(py, |state| state.world.particles().positions)?)
+    }
+
+    #[setter]
+    fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let positions = vectors("positions", Some(value), len)?;
+            Ok(Draft { positions, ..Draft::default() })
+        })
+    }
+
+    /// Velocities: ndarray of float32, shape (n, 2), units of length a second, a copy.
+    /// Assign to change all.
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        table(py, self.long(py, |state| state.world.particles().velocities)?)
+    }
+
+    #[setter]
+    fn set_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let velocities = vectors("velocities", Some(value), len)?;
+            Ok(Draft { velocities, ..Draft::default() })
+        })
+    }
+
+    /// Radii: ndarray of float32, shape (n,), a copy. Assign an array or one number to
+    /// change all; masses stay as they are.
+    #[getter]
+    fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(column(py, self.long(py, |state| state.world.particles().radii)?))
+    }
+
+    #[setter]
+    fn set_radii(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let radii = reals("radii", Some(value), len)?;
+            Ok(Draft { radii, ..Draft::default() })
+        })
+    }
+
+    /// Masses: ndarray of float32, shape (n,), a copy. Assign an array or one number to
+    /// change all.
+    #[getter]
+    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(column(py, self.long(py, |state| state.world.particles().masses)?))
+    }
+
+    #[setter]
+    fn set_masses(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let masses = reals("masses", Some(value), len)?;
+            Ok(Draft { masses, ..Draft::default() })
+        })
+    }
+
+    /// The particles' own restitutions: ndarray of float32, shape (n,), a copy. Assign
+    /// an array or one number to change all.
+    #[getter]
+    fn restitutions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(column(py, self.long(py, |state| state.world.particles().restitutions)?))
+    }
+
+    #[setter]
+    fn set_restitutions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let restitutions = reals("restitutions", Some(value), len)?;
+            Ok(Draft { restitutions, ..Draft::default() })
+        })
+    }
+
+    /// What can be moved: ndarray of bool, shape (n,), a copy. Assign an array or one
+    /// truth to change all.
+    #[getter]
+    fn movable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        Ok(column(py, self.long(py, |state| state.world.particles().movable)?))
+    }
+
+    #[setter]
+    fn set_movable(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let movable = truths("movable", Some(value), len)?;
+            Ok(Draft { movable, ..Draft::default() })
+        })
+    }
+
+    /// Acceleration of everything movable, (x, y), units of length a second squared.
+    #[getter]
+    fn gravity(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
+        Ok(self.rules(py)?.gravity.map(decimal).into())
+    }
+
+    #[setter]
+    fn set_gravity(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let gravity = point("gravity", value)?;
+        self.change_rules(py, |rules| rules.gravity = gravity)
+    }
+
+    /// Rate at which speeds die away, per second.
+    #[getter]
+    fn drag(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(decimal(self.rules(py)?.drag))
+    }
+
+    #[setter]
+    fn set_drag(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let drag = number("drag", value)? as f32;
+        self.change_rules(py, |rules| rules.drag = drag)
+    }
+
+    /// The world's share of every bounce, 0 to 1; `restitutions` are the particles' own.
+    #[getter]
+    fn restitution(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(decimal(self.rules(py)?.restitution))
+    }
+
+    #[setter]
+    fn set_restitution(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let restitution = number("restitution", value)? as f32;
+        self.change_rules(py, |rules| rules.restitution = restitution)
+    }
+
+    /// The walls: a Box, Circle, Torus or None.
+    #[getter]
+    fn container(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        containers::show(py, self.rules(py)?.container)
+    }
+
+    #[setter]
+    fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let container = containers::read(value)?;
+        self.change_rules(py, |rules| rules.container = container)
+    }
+
+    /// How pairs are found: "quadtree" or "brute".
+    #[getter]
+    fn method(&self, py: Python<'_>) -> PyResult<&'static str> {
+        Ok(settings::method_name(self.rules(py)?.method))
+    }
+
+    #[setter]
+    fn set_method(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let method = settings::method(&value)?;
+        self.change_rules(py, |rules| rules.method = method)
+    }
+
+    /// How many threads work; None for one on each core.
+    #[getter]
+    fn threads(&self, py: Python<'_>) -> PyResult<Option<usize>> {
+        Ok(self.rules(py)?.tree.threads)
+    }
+
+    #[setter]
+    fn set_threads(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let threads = settings::threads(value)?;
+        self.change_rules(py, |rules| rules.tree.threads = threads)
+    }
+
+    /// Particles that a box of the tree may hold before it splits.
+    #[getter]
+    fn leaf_capacity(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.rules(py)?.tree.leaf_capacity)
+    }
+
+    #[setter]
+    fn set_leaf_capacity(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let leaf_capacity = settings::leaf_capacity(&value)?;
+        self.change_rules(py, |rules| rules.tree.leaf_capacity = leaf_capacity)
+    }
+
+    /// Subdivisions that the tree may make.
+    #[getter]
+    fn max_depth(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.rules(py)?.tree.max_depth)
+    }
+
+    #[setter]
+    fn set_max_depth(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let max_depth = settings::max_depth(&value)?;
+        self.change_rules(py, |rules| rules.tree.max_depth = max_depth)
+    }
+
+    /// Parts of a step in which contacts are solved.
+    #[getter]
+    fn substeps(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.rules(py)?.substeps)
+    }
+
+    #[setter]
+    fn set_substeps(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let substeps = settings::substeps(&value)?;
+        self.change_rules(py, |rules| rules.substeps = substeps)
+    }
+
+    /// The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
+    /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), how far they
+    /// overlapped when it ended, negative where they had parted again.
+    #[getter]
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let touching = self.long(py, |state| {
+            let touches = state.world.contacts();
+            Touching {
+                pairs: touches.iter().map(|touch| touch.pair).collect(),
+                normals: touches.iter().map(|touch| touch.normal).collect(),
+                depths: touches.iter().map(|touch| touch.depth).collect(),
+            }
+        });
+        results::contacts(py, touching?)
+    }
+
+    /// Sum of mass times velocity, (x, y).
+    #[getter]
+    fn momentum(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
+        Ok(self.long(py, |state| state.world.momentum())?.into())
+    }
+
+    /// Sum of ½ m v².
+    #[getter]
+    fn kinetic_energy(&self, py: Python<'_>) -> PyResult<f64> {
+        self.long(py, |state| state.world.kinetic_energy())
+    }
+
+    /// Energy of everything movable in the field of gravity, 0 at the origin.
+    #[getter]
+    fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
+        self.long(py, |state| state.world.potential_energy())
+    }
+
+    /// Seconds that have passed.
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.state(py)?.world.time())
+    }
+
+    /// Milliseconds that each stage of the last step took: a dict of "integrate",
+    /// "build", "pairs", "contacts" and "resolve".
+    #[getter]
+    fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let times = self.state(py)?.profile;
+        let profile = PyDict::new(py);
+        for (stage, time) in STAGES.iter().zip(times) {
+            profile.set_item(stage, time.as_secs_f64() * 1e3)?;
+        }
+        Ok(profile)
+    }
+
+    /// What the search of the last step looked like: a `Stats` of four integers, `nodes`,
+    /// `leaves` and `depth` of the tree, and `tests`, the pairs that were tested.
+    #[getter]
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let stats = self.state(py)?.world.stats();
+        results::stats(py, stats)
+    }
+
+    /// Sum up all particles in 64 bits.
+    ///
+    /// Returns
+    /// -------
+    /// int
+    ///     The same for the same particles on every machine.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> worlds = [jostle.World([(0, 0)], [(1, 0)], radii=1.0) for _ in range(2)]
+    /// >>> worlds[0].state_hash() == worlds[1].state_hash()
+    /// True
+    fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {
+        self.long(py, |state| state.world.state_hash())
+    }
+
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        self.len(py)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let state = self.state(py)?;
+        let (len, time) = (state.world.len(), state.world.time());
+        Ok(format!("<jostle.World of {len} particles after {time:.3} s>"))
+    }
+}
+
+impl PyWorld {
+    /// The Python face of a world.
+    pub fn of(world: World) -> Self {
+        Self { state: Mutex::new(State { world, profile: Default::default() }) }
+    }
+
+    /// For a glance: other Python threads wait.
+    fn state(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, State>> {
+        self.state.lock_py_attached(py).map_err(|_| broken())
+    }
+
+    /// For work that depends on the number of particles: other Python threads run.
+    fn long<R: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut State) -> R + Send) -> PyResult<R> {
+        let done = py.detach(|| self.state.lock().ok().map(|mut state| act(&mut state)));
+        done.ok_or_else(broken)
+    }
+
+    fn len(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.state(py)?.world.len())
+    }
+
+    fn rules(&self, py: Python<'_>) -> PyResult<WorldSettings> {
+        Ok(*self.state(py)?.world.settings())
+    }
+
+    fn change_rules(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut WorldSettings) + Send,
+    ) -> PyResult<()> {
+        let changed = self.long(py, |state| {
+            let mut rules = *state.world.settings();
+            change(&mut rules);
+            state.world.configure(rules)
+        });
+        changed?.map_err(refused)
+    }
+
+    /// Writes whole columns, which `read` makes for so many particles.
+    fn write_all(
+        &self,
+        py: Python<'_>,
+        read: impl FnOnce(usize) -> PyResult<Draft>,
+    ) -> PyResult<()> {
+        let len = self.len(py)?;
+        let draft = read(len)?;
+        self.long(py, |state| state.write_all(draft, len))?.map_err(refused)
+    }
+}
+
+impl State {
+    /// Does some of the steps, and returns how many are left.
+    fn step(&mut self, dt: f32, mut left: usize) -> PyResult<usize> {
+        let start = Instant::now();
+        loop {
+            let mut profile = <[Duration; STAGES.len()]>::default();
+            let mut since = Instant::now();
+            let watch = &mut |stage: Stage| {
+                let now = Instant::now();
+                profile[stage as usize] += now - since;
+                since = now;
+            };
+            // None is left for `steps=0`; the core looks at `dt` all the same.
+            self.world.step(dt, left.min(1), watch).map_err(refused)?;
+            if left > 0 {
+                self.profile = profile;
+                left -= 1;
+            }
+            if left == 0 || start.elapsed() >= LOOK_UP {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn write_all(&mut self, draft: Draft, found: usize) -> jostle::Result<()> {
+        draft.check()?;
+        let expected = self.world.len();
+        if found != expected {
+            // Another thread has added or removed particles meanwhile.
+            return Err(Error::Length { argument: "the new column", found, expected });
+        }
+        self.world.edit(|particles| {
+            draft.write(particles, None);
+            Ok(())
+        })
+    }
+
+    fn write_some(&mut self, draft: Draft, ids: &[u32]) -> jostle::Result<()> {
+        draft.check()?;
+        self.world.check_rows(ids)?;
+        self.world.edit(|particles| {
+            draft.write(particles, Some(ids));
+            Ok(())
+        })
+    }
+}
+
+/// A panic is a bug; what it leaves behind is not to be trusted.
+fn broken() -> PyErr {
+    PyRuntimeError::new_err("this world broke down in the middle of an earlier call")
+}

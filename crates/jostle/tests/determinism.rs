@@ -1,0 +1,140 @@
+//! Same input, same bits: whatever the threads, the method and the order of adding.
+
+use jostle::scenes::{SCENES, STEP, Scene, random::Random};
+use jostle::{Method, Particles, Settings, World, WorldSettings};
+
+/// State of each scene after 1,000 steps of 1/60 s, with at most 1,000 particles
+/// and seed 0. A change of the physics changes them: see CONTRIBUTING.
+const PINNED: [(&str, u64); 9] = [
+    ("article", 0xe5fb_7873_6581_dfa8),
+    ("gas", 0x721f_c20a_27b1_ef0f),
+    ("pile", 0x49eb_257d_b3aa_7c05),
+    ("rain", 0xfc6d_3ed9_aed0_86e4),
+    ("mixed", 0xf224_692b_6146_b13a),
+    ("clusters", 0x0ea0_ecdf_9a7c_1472),
+    ("shots", 0xc4a9_276f_37e4_ef63),
+    ("billiards", 0x1b63_3c37_4277_4d10),
+    ("orbit", 0xf883_d800_fa95_9a12),
+];
+
+fn make(scene: &Scene, count: usize) -> World {
+    scene.create(Some(count.min(scene.default_count)), 0).expect("a scene is valid")
+}
+
+fn run(world: &mut World, steps: usize) {
+    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn with(world: &mut World, change: impl Fn(&mut WorldSettings)) {
+    let mut settings = *world.settings();
+    change(&mut settings);
+    world.configure(settings).expect("the settings are valid");
+}
+
+#[test]
+fn every_scene_ends_in_its_pinned_state() {
+    let mut wrong = Vec::new();
+    for (scene, (name, pinned)) in SCENES.iter().zip(PINNED) {
+        assert_eq!(scene.name, name);
+        let mut world = make(scene, 1000);
+        run(&mut world, 1000);
+        if world.state_hash() != pinned {
+            wrong.push(format!("(\"{name}\", {:#018x}),", world.state_hash()));
+        }
+    }
+    assert!(wrong.is_empty(), "these states are not the pinned ones:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn threads_do_not_show() {
+    for scene in &SCENES {
+        let hashes = [1, 2, 8].map(|threads| {
+            // Enough particles for every parallel path to be taken.
+            let mut world = scene.create(Some(5000), 1).expect("a scene is valid");
+            with(&mut world, |settings| settings.tree.threads = Some(threads));
+            run(&mut world, 20);
+            world.state_hash()
+        });
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);
+    }
+}
+
+#[test]
+fn brute_force_and_the_tree_make_the_same_world() {
+    for scene in &SCENES {
+        let [brute, tree] = [Method::Brute, Method::Quadtree].map(|method| {
+            let mut world = make(scene, 700);
+            with(&mut world, |settings| settings.method = method);
+            run(&mut world, 200);
+            (world.state_hash(), world.contacts())
+        });
+        assert_eq!(brute, tree, "{}", scene.name);
+    }
+}
+
+#[test]
+fn leaf_capacity_and_depth_do_not_show() {
+    for scene in &SCENES {
+        let hashes =
+            [(1, 4096), (16, 4096), (64, 4096), (4, 2), (1, 0)].map(|(capacity, depth)| {
+                let mut world = make(scene, 300);
+                with(&mut world, |settings| {
+                    settings.tree =
+                        Settings { leaf_capacity: capacity, max_depth: depth, ..settings.tree };
+                });
+                run(&mut world, 50);
+                world.state_hash()
+            });
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);
+    }
+}
+
+/// A permutation of 0..len.
+fn shuffled(len: usize, seed: u64) -> Vec<u32> {
+    let mut random = Random::new(seed);
+    let mut order: Vec<u32> = (0..len as u32).collect();
+    for last in (1..len).rev() {
+        order.swap(last, random.whole(0, last as u32) as usize);
+    }
+    order
+}
+
+#[test]
+fn a_permutation_permutes_and_changes_nothing_else() {
+    for scene in &SCENES {
+        let mut straight = make(scene, 700);
+        let order = shuffled(straight.len(), 9);
+        let mut particles = Particles::default();
+        particles.gather(&straight.particles(), &order);
+        let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
+        run(&mut straight, 200);
+        run(&mut mixed_up, 200);
+        let mut expected = Particles::default();
+        expected.gather(&straight.particles(), &order);
+        assert!(mixed_up.particles() == expected, "{} depends on the order of adding", scene.name);
+        assert_eq!(mixed_up.kinetic_energy(), straight.kinetic_energy());
+        assert_eq!(mixed_up.momentum(), straight.momentum());
+    }
+}
+
+#[test]
+fn one_call_or_many_make_the_same_world() {
+    let scene = &SCENES[0];
+    let (mut once, mut often) = (make(scene, 300), make(scene, 300));
+    run(&mut once, 60);
+    (0..60).for_each(|_| run(&mut often, 1));
+    assert_eq!(once.state_hash(), often.state_hash());
+}
+
+#[test]
+fn a_hash_tells_states_apart() {
+    let mut world = make(&SCENES[0], 100);
+    let before = world.state_hash();
+    world
+        .edit(|all| {
+            all.positions[57][1] = all.positions[57][1].next_up();
+            Ok(())
+        })
+        .expect("a valid change");
+    assert_ne!(world.state_hash(), before);
+}

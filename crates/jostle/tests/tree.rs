@@ -1,0 +1,344 @@
+//! The tree against brute force, on shapes made to break it.
+
+use jostle::settings::{DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
+use jostle::{Columns, Error, Quadtree, Scalar, Settings, pairs};
+use proptest::prelude::*;
+
+/// Raw shapes, to be read in either type.
+#[derive(Clone, Debug)]
+struct Shapes {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    radius: Vec<f64>,
+    half: Option<[Vec<f64>; 2]>,
+    filter: Option<[Vec<u32>; 2]>,
+}
+
+impl Shapes {
+    fn columns<T: Scalar>(&self) -> Columns<T> {
+        let read = |v: &Vec<f64>| v.iter().map(|&v| T::from_f64(v)).collect::<Vec<T>>();
+        let half = self.half.as_ref().map(|half| [read(&half[0]), read(&half[1])]);
+        let filter = self.filter.clone();
+        Columns::new(read(&self.x), read(&self.y), read(&self.radius), half, filter)
+            .expect("the generated shapes are valid")
+    }
+}
+
+/// Coordinates of every kind: ordinary, on the borders of cells, coincident,
+/// nearly coincident, huge, tiny.
+fn coordinate() -> impl Strategy<Value = f64> + Clone {
+    prop_oneof![
+        6 => -100.0..100.0f64,
+        3 => (-16i32..16).prop_map(f64::from),
+        2 => Just(0.0),
+        1 => (-8i32..8).prop_map(|k| 7.0 + f64::from(k) * 1e-6),
+        1 => prop_oneof![Just(1e30), Just(-1e30), Just(1e-30), Just(-1e-30), Just(1e7), Just(-1e7)],
+    ]
+}
+
+fn size() -> impl Strategy<Value = f64> + Clone {
+    prop_oneof![
+        6 => 0.0..10.0f64,
+        3 => (0i32..4).prop_map(f64::from),
+        2 => Just(0.0),
+        1 => prop_oneof![Just(1e-6), Just(1e6), Just(1e3)],
+    ]
+}
+
+fn bits() -> impl Strategy<Value = u32> + Clone {
+    prop_oneof![Just(0u32), Just(1), Just(2), Just(3), Just(u32::MAX), any::<u32>()]
+}
+
+/// x, y, radius, half width, half height, category, mask.
+type Row = (f64, f64, f64, f64, f64, u32, u32);
+
+fn shapes() -> impl Strategy<Value = Shapes> {
+    let one = (coordinate(), coordinate(), size(), size(), size(), bits(), bits());
+    let count = prop_oneof![0usize..4, 4usize..40, 40usize..250];
+    let rows = count.prop_flat_map(move |count| prop::collection::vec(one.clone(), count));
+    (rows, any::<bool>(), any::<bool>(), any::<bool>()).prop_map(|(rows, boxes, filters, line)| {
+        let column = |pick: fn(&Row) -> f64| rows.iter().map(pick).collect::<Vec<f64>>();
+        Shapes {
+            x: column(|row| row.0),
+            y: if line { vec![3.0; rows.len()] } else { column(|row| row.1) },
+            radius: column(|row| row.2),
+            half: boxes.then(|| [column(|row| row.3), column(|row| row.4)]),
+            filter: filters.then(|| {
+                [rows.iter().map(|row| row.5).collect(), rows.iter().map(|row| row.6).collect()]
+            }),
+        }
+    })
+}
+
+fn settings() -> impl Strategy<Value = Settings> {
+    let depth = prop_oneof![Just(0usize), Just(1), Just(2), Just(5), Just(DEFAULT_MAX_DEPTH)];
+    (1usize..40, depth, 1usize..4).prop_map(|(leaf_capacity, max_depth, threads)| Settings {
+        leaf_capacity,
+        max_depth,
+        threads: Some(threads),
+    })
+}
+
+fn built<T: Scalar>(columns: &Columns<T>, settings: Settings) -> Quadtree<T> {
+    let tree = Quadtree::new(columns, settings).expect("valid settings");
+    tree.check().expect("the tree's invariants hold");
+    tree
+}
+
+/// The plainest oracle there is, with the formula of the contract written out.
+fn by_the_book<T: Scalar>(a: &Columns<T>, b: &Columns<T>, itself: bool) -> Vec<[u32; 2]> {
+    let mut all = Vec::new();
+    for i in 0..a.len() {
+        for j in if itself { i + 1 } else { 0 }..b.len() {
+            let (p, q) = (a.shape(i), b.shape(j));
+            let d = [0, 1]
+                .map(|k| (p.center[k] - q.center[k]).abs() - (p.half_size[k] + q.half_size[k]));
+            let e = d.map(|d| if d > T::ZERO { d } else { T::ZERO });
+            let reach = p.radius + q.radius;
+            let round = e[0] * e[0] + e[1] * e[1] < reach * reach;
+            let square = d[0] < T::ZERO && d[1] < T::ZERO;
+            let agree = p.category & q.mask != 0 && q.category & p.mask != 0;
+            if (round || square) && agree {
+                all.push([i as u32, j as u32]);
+            }
+        }
+    }
+    all
+}
+
+fn agree<T: Scalar>(shapes: &Shapes, settings: Settings) {
+    let columns = shapes.columns::<T>();
+    let expected = by_the_book(&columns, &columns, true);
+    let brute = pairs::brute(&columns, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
+    assert_eq!(brute.pairs, expected, "brute force");
+    let tree = built(&columns, settings);
+    let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    found.sort();
+    assert_eq!(found.pairs, expected, "the tree");
+    let auto = pairs::find(&columns, None, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
+    assert_eq!(auto.pairs.len(), expected.len(), "the faster of the two");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+
+    #[test]
+    fn pairs_are_those_of_brute_force(shapes in shapes(), settings in settings()) {
+        agree::<f32>(&shapes, settings);
+        agree::<f64>(&shapes, settings);
+    }
+
+    #[test]
+    fn pairs_between_two_trees_are_those_of_brute_force(
+        first in shapes(), second in shapes(), settings in settings(),
+    ) {
+        let (a, b) = (first.columns::<f32>(), second.columns::<f32>());
+        let (tree_a, tree_b) = (built(&a, settings), built(&b, Settings::default()));
+        let mut found = pairs::between(&tree_a, &tree_b, DEFAULT_MAX_PAIRS).unwrap();
+        found.sort();
+        prop_assert_eq!(&found.pairs, &by_the_book(&a, &b, false));
+        let mut brute = pairs::brute_between(&a, &b, [0.0; 2], DEFAULT_MAX_PAIRS).unwrap();
+        brute.sort();
+        prop_assert_eq!(&found.pairs, &brute.pairs);
+    }
+
+    #[test]
+    fn a_shifted_join_is_brute_force_with_the_same_shift(
+        shapes in shapes(), settings in settings(), shift in [-120.0f32..120.0, -120.0f32..120.0],
+    ) {
+        let tree = built(&shapes.columns::<f32>(), settings);
+        let columns = tree.columns();
+        let mut found = pairs::places_between(&tree, &tree, shift, DEFAULT_MAX_PAIRS).unwrap();
+        found.sort();
+        let brute = pairs::brute_between(columns, columns, shift, DEFAULT_MAX_PAIRS).unwrap();
+        prop_assert_eq!(found.pairs, brute.pairs);
+    }
+
+    #[test]
+    fn the_order_of_the_input_does_not_show(shapes in shapes(), seed in any::<u64>()) {
+        let columns = shapes.columns::<f32>();
+        let mut order: Vec<u32> = (0..columns.len() as u32).collect();
+        let mut state = seed | 1;
+        for last in (1..order.len()).rev() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            order.swap(last, (state >> 33) as usize % (last + 1));
+        }
+        let mut mixed_up = Columns::default();
+        mixed_up.gather(&columns, &order);
+        let straight = built(&columns, Settings::default());
+        let permuted = built(&mixed_up, Settings::default());
+        // The same shapes stand at the same places, so pairs come in the same order.
+        for place in 0..columns.len() {
+            prop_assert_eq!(straight.columns().shape(place), permuted.columns().shape(place));
+        }
+        prop_assert_eq!(
+            pairs::places_within(&straight, DEFAULT_MAX_PAIRS).unwrap(),
+            pairs::places_within(&permuted, DEFAULT_MAX_PAIRS).unwrap()
+        );
+    }
+}
+
+/// Discs of equal radius at given places.
+fn discs(places: impl Iterator<Item = [f64; 2]>, radius: f64) -> Columns<f64> {
+    let places: Vec<[f64; 2]> = places.collect();
+    let column = |k: usize| places.iter().map(|p| p[k]).collect::<Vec<f64>>();
+    Columns::new(column(0), column(1), vec![radius; places.len()], None, None).unwrap()
+}
+
+/// Low-discrepancy points of the unit square.
+fn spread_out(count: usize) -> impl Iterator<Item = [f64; 2]> {
+    (0..count).map(|i| {
+        [(i as f64 * 0.754_877_666_246_693).fract(), (i as f64 * 0.569_840_290_998_053_2).fract()]
+    })
+}
+
+fn tests_made(columns: &Columns<f64>) -> u64 {
+    let tree = built(columns, Settings { threads: Some(1), ..Settings::default() });
+    pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap().tests
+}
+
+#[test]
+fn a_dense_cluster_in_a_vast_world_costs_what_it_costs_alone() {
+    let cluster = || spread_out(100_000);
+    let far = [[-1e7, -1e7], [1e7, 1e7]];
+    let alone = tests_made(&discs(cluster(), 0.001));
+    let together = tests_made(&discs(cluster().chain(far), 0.001));
+    assert!(together < alone * 3 / 2, "{alone} tests became {together}");
+}
+
+#[test]
+fn coincident_points_have_no_pairs_and_cost_nothing() {
+    let points = discs((0..100_000).map(|_| [3.0, -4.0]), 0.0);
+    assert_eq!(tests_made(&points), 0);
+    // One disc on top of them meets them all, and only the disc is tested.
+    let mut with_a_disc = points;
+    with_a_disc.radius[500] = 1.0;
+    let tree = built(&with_a_disc, Settings::default());
+    let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    assert_eq!(found.pairs.len(), 99_999);
+    assert!(found.tests < 5_000_000, "{} tests", found.tests);
+}
+
+#[test]
+fn one_huge_disc_among_many_tiny_ones_costs_one_sweep() {
+    let tiny = 100_000;
+    let mut all = discs(spread_out(tiny).chain([[0.5, 0.5]]), 1e-6);
+    all.radius[tiny] = 10.0;
+    let tree = built(&all, Settings { threads: Some(1), ..Settings::default() });
+    let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    assert_eq!(found.pairs.iter().filter(|pair| pair[1] == tiny as u32).count(), tiny);
+    assert!(found.tests < 40 * tiny as u64, "{} tests", found.tests);
+}
+
+#[test]
+fn a_line_of_discs_stays_cheap() {
+    let line = discs((0..100_000).map(|i| [f64::from(i), 7.0]), 0.6);
+    let made = tests_made(&line);
+    assert!(made < 100 * 100_000, "{made} tests");
+}
+
+#[test]
+fn octaves_of_clusters_keep_memory_and_depth_in_bounds() {
+    // Each cluster lies a thousand times nearer to the origin than the one before.
+    let scales = (0..40).map(|k| 1e60 * 1e-3f64.powi(k));
+    let places: Vec<[f64; 2]> =
+        scales.flat_map(|scale| spread_out(200).map(move |p| p.map(|v| v * scale))).collect();
+    let tree = built(&discs(places.into_iter(), 0.0), Settings::default());
+    assert!(tree.nodes().len() < 3 * tree.len(), "{} nodes", tree.nodes().len());
+    assert!(tree.depth() < 400, "depth {}", tree.depth());
+}
+
+#[test]
+fn bullets_that_ignore_each_other_are_not_tested() {
+    let count = 50_000;
+    let places: Vec<[f64; 2]> = spread_out(count).collect();
+    let column = |k: usize| places.iter().map(|p| p[k]).collect::<Vec<f64>>();
+    // Bullets are 1 and meet ships, which are 2; the last ten are ships.
+    let is_ship = |i: usize| i >= count - 10;
+    let filter = [
+        (0..count).map(|i| 1 + u32::from(is_ship(i))).collect(),
+        (0..count).map(|i| 2 - u32::from(is_ship(i))).collect(),
+    ];
+    let all = Columns::new(column(0), column(1), vec![0.01; count], None, Some(filter)).unwrap();
+    let tree = built(&all, Settings::default());
+    let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    assert!(!found.pairs.is_empty());
+    assert!(found.pairs.iter().all(|&[i, j]| is_ship(i as usize) != is_ship(j as usize)));
+    assert!(found.tests < 5 * count as u64, "{} tests", found.tests);
+}
+
+#[test]
+fn too_many_pairs_are_an_error_that_names_the_limit() {
+    let all = discs((0..2000).map(|_| [0.0; 2]), 1.0);
+    let exact = 2000 * 1999 / 2;
+    for threads in [1, 2] {
+        let tree = built(&all, Settings { threads: Some(threads), ..Settings::default() });
+        assert_eq!(pairs::within(&tree, exact).unwrap().pairs.len(), exact);
+        for max_pairs in [exact - 1, 1000, 0] {
+            let error = Error::TooManyPairs { max_pairs };
+            assert_eq!(pairs::within(&tree, max_pairs), Err(error.clone()));
+            assert_eq!(pairs::brute(&all, Some(threads), max_pairs), Err(error));
+        }
+    }
+}
+
+#[test]
+fn a_limit_stops_the_search_long_before_the_end() {
+    // Five hundred thousand million pairs: only a search that stops returns.
+    let all = discs((0..1_000_000).map(|_| [0.0; 2]), 1.0);
+    let tree = Quadtree::new(&all, Settings { max_depth: 0, ..Settings::default() }).unwrap();
+    assert!(pairs::within(&tree, 1_000_000).is_err());
+    assert!(pairs::brute(&all, None, 1_000_000).is_err());
+}
+
+#[test]
+fn a_small_tree_has_these_boxes() {
+    let four = discs([[1.0, 1.0], [6.0, 2.0], [2.0, 7.0], [7.0, 7.0]].into_iter(), 0.5);
+    let settings = Settings { leaf_capacity: 1, ..Settings::default() };
+    let cells: Vec<[f64; 4]> = built(&four, settings).nodes().iter().map(|n| n.cell).collect();
+    // Extent 6, so the side is 8, and the origin a multiple of 1.
+    assert_eq!(cells[0], [1.0, 1.0, 9.0, 9.0]);
+    assert_eq!(
+        cells[1..],
+        [[1.0, 1.0, 5.0, 5.0], [5.0, 1.0, 9.0, 5.0], [1.0, 5.0, 5.0, 9.0], [5.0, 5.0, 9.0, 9.0],]
+    );
+}
+
+#[test]
+fn max_depth_counts_subdivisions() {
+    let many = discs(spread_out(5000), 0.0);
+    for max_depth in [0, 1, 2, 3] {
+        let tree = built(&many, Settings { leaf_capacity: 1, max_depth, ..Settings::default() });
+        assert_eq!(tree.depth(), max_depth);
+        assert_eq!(tree.leaf_count(), 4usize.pow(max_depth as u32));
+    }
+}
+
+#[test]
+fn refusals_name_argument_index_and_value() {
+    let refuse = |x: Vec<f32>, radius: Vec<f32>, half: Option<[Vec<f32>; 2]>| {
+        let y = vec![0.0; x.len()];
+        Columns::new(x, y, radius, half, None).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refuse(vec![0.0; 3], vec![1.0, 1.0, -0.5], None),
+        "radii[2] is -0.5; a radius must be finite and at least 0"
+    );
+    assert_eq!(
+        refuse(vec![0.0, f32::NAN], vec![1.0; 2], None),
+        "centers[1] is (NaN, 0); both coordinates must be finite"
+    );
+    assert_eq!(
+        refuse(vec![0.0, f32::INFINITY], vec![1.0; 2], None),
+        "centers[1] is (inf, 0); both coordinates must be finite"
+    );
+    assert_eq!(
+        refuse(vec![0.0; 2], vec![1.0], None),
+        "radii has 1 rows; it must have 2, one for each shape"
+    );
+    let negative = Some([vec![1.0], vec![-1.0]]);
+    assert_eq!(
+        refuse(vec![0.0], vec![1.0], negative),
+        "half_sizes[0] is -1; a half size must be finite and at least 0"
+    );
+}
