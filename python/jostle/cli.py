@@ -19,7 +19,7 @@ except ImportError as missing:
     raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
 
 import jostle
-from jostle.app.simulation import METHODS
+from jostle.app.simulation import METHODS, Simulation
 from jostle.app.start import Options, start
 
 DEFAULT_SCENE = "pile"
@@ -111,7 +111,7 @@ def _show(options: Options, steps: int | None) -> str | None:
 
     from jostle.app.window import Window
 
-    simulation = start(options)
+    simulation = _start(options)
     try:
         window = Window(simulation, steps=steps)
     except pygame.error as error:
@@ -125,10 +125,24 @@ def _film(options: Options, steps: int | None, out: Path) -> None:
     from jostle.app.headless import default_steps, make_film
     from jostle.app.report import report
 
-    simulation = start(options)
-    film = make_film(simulation, steps or default_steps(simulation), out, console)
+    simulation = _start(options)
+    try:
+        film = make_film(simulation, steps or default_steps(simulation), out, console)
+    except OSError as error:
+        _refuse(f"the film could not be written: {error}")
+    except KeyboardInterrupt:
+        console.print(f"Stopped. What was filmed so far is in {out}.")
+        raise
     console.print(report(simulation, film, options))
     console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
+
+
+def _start(options: Options) -> Simulation:
+    """Return the simulation; what the library refuses becomes the command's sentence."""
+    try:
+        return start(options)
+    except (ValueError, OverflowError, MemoryError) as error:
+        _refuse(str(error) or f"there is not enough memory for {options.n:,} particles")
 
 
 def _has_display() -> bool:
@@ -188,7 +202,7 @@ def main() -> None:
     """Run the command; a mistake in its arguments becomes one sentence and exit code 2."""
     # The base class of every complaint about arguments; which package holds it depends on
     # typer's version.
-    complaint = typer.BadParameter.__mro__[2]
+    complaint: type[Exception] = typer.BadParameter.__mro__[2]
     try:
         code = app(standalone_mode=False)
     except complaint as error:

@@ -21,9 +21,9 @@ mod _core {
     use super::scenes::{create, describe, names, view};
 
     #[pymodule_export]
-    use super::find_pairs::find_pairs;
-    #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
+    #[pymodule_export]
+    use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]

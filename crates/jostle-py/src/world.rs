@@ -60,7 +60,7 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 ///     How pairs are found, never which.
 /// threads : int, optional
 ///     How many threads work; one for each core unless given.
-/// leaf_capacity : int, default 16
+/// leaf_capacity : int, default 32
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
 ///     Subdivisions that the tree may make; the default never stops a split.
@@ -107,7 +107,7 @@ impl PyWorld {
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, method='quadtree', threads=None, leaf_capacity=16, \
+                          container=None, method='quadtree', threads=None, leaf_capacity=32, \
                           max_depth=4096, substeps=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
@@ -624,7 +624,11 @@ impl PyWorld {
     }
 
     /// For work that depends on the number of particles: other Python threads run.
-    fn long<R: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut State) -> R + Send) -> PyResult<R> {
+    fn long<R: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl FnOnce(&mut State) -> R + Send,
+    ) -> PyResult<R> {
         let done = py.detach(|| self.state.lock().ok().map(|mut state| act(&mut state)));
         done.ok_or_else(broken)
     }

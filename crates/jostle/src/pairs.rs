@@ -11,13 +11,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::columns::{Columns, LANES};
 use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape};
+use crate::geometry::{Cover, Scalar, Shape, overlap};
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::settings::{DEFAULT_LEAF_CAPACITY, Method, Settings};
+use crate::settings::{Method, Settings};
 
 /// Below this many shapes brute force is faster than building a tree.
-const BRUTE_FORCE_LIMIT: usize = 8 * DEFAULT_LEAF_CAPACITY;
+const BRUTE_FORCE_LIMIT: usize = 144;
 
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
@@ -114,7 +114,7 @@ pub fn brute<T: Scalar>(
         let mut output = Output::new(&budget);
         let block =
             Block { a: columns, rows: edge(band)..edge(band + 1), b: columns, others: 0..len };
-        block.test([T::ZERO; 2], true, &mut output);
+        block.test([T::ZERO; 2], Wanted::Behind, &mut output);
         output.finish()
     });
     budget.collect(parts)
@@ -129,7 +129,7 @@ pub fn brute_between<T: Scalar>(
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
     let mut output = Output::new(&budget);
-    Block { a, rows: 0..a.len(), b, others: 0..b.len() }.test(shift, false, &mut output);
+    Block { a, rows: 0..a.len(), b, others: 0..b.len() }.test(shift, Wanted::All, &mut output);
     let part = output.finish();
     budget.collect(vec![part])
 }
@@ -271,7 +271,8 @@ impl<T: Scalar> Join<'_, T> {
         let others = self.b.nodes()[b as usize].range();
         let itself = self.itself && a == b;
         let block = Block { a: self.a.columns(), rows, b: self.b.columns(), others };
-        block.test(self.shift, itself, output);
+        let near = Wanted::Near(&self.b.covers()[b as usize]);
+        block.test(self.shift, if itself { Wanted::Behind } else { near }, output);
     }
 }
 
@@ -283,47 +284,97 @@ struct Block<'a, T> {
     others: Range<usize>,
 }
 
+/// Which pairs of a block are wanted.
+#[derive(Clone, Copy)]
+enum Wanted<'a, T> {
+    /// Every row with every other.
+    All,
+    /// Both sides are the same rows: the second has to lie behind the first.
+    Behind,
+    /// Every row that reaches this cover of the others with every other.
+    Near(&'a Cover<T>),
+}
+
 impl<T: Scalar> Block<'_, T> {
-    /// Emits every overlapping pair; with `itself` only those whose second row
-    /// lies behind the first.
-    fn test(&self, shift: [T; 2], itself: bool, output: &mut Output) {
+    /// Emits every wanted overlapping pair. The kernels for circles and for what
+    /// pairs with everything are spared the other numbers.
+    fn test(&self, shift: [T; 2], wanted: Wanted<'_, T>, output: &mut Output) {
         let boxes = self.a.has_boxes() || self.b.has_boxes();
         let filters = self.a.has_filters() || self.b.has_filters();
         match (boxes, filters) {
-            (false, false) => self.kernel::<false, false>(shift, itself, output),
-            (true, false) => self.kernel::<true, false>(shift, itself, output),
-            (false, true) => self.kernel::<false, true>(shift, itself, output),
-            (true, true) => self.kernel::<true, true>(shift, itself, output),
+            (false, false) => self.rows::<false, false>(shift, wanted, output),
+            (true, false) => self.rows::<true, false>(shift, wanted, output),
+            (false, true) => self.rows::<false, true>(shift, wanted, output),
+            (true, true) => self.rows::<true, true>(shift, wanted, output),
         }
     }
 
-    fn kernel<const BOXES: bool, const FILTERS: bool>(
+    #[inline]
+    fn rows<const BOXES: bool, const FILTERS: bool>(
         &self,
         shift: [T; 2],
-        itself: bool,
+        wanted: Wanted<'_, T>,
         output: &mut Output,
     ) {
-        for row in self.rows.clone() {
-            let from = if itself { self.others.start.max(row + 1) } else { self.others.start };
-            if from >= self.others.end || output.is_full() {
-                continue;
-            }
-            let mut shape = self.a.shape(row);
-            shape.center = [shape.center[0] - shift[0], shape.center[1] - shift[1]];
-            output.tests += (self.others.end - from) as u64;
-            for start in (from..self.others.end).step_by(LANES) {
-                let mut hits = hits::<T, BOXES, FILTERS>(&shape, self.b, start);
-                let inside = self.others.end - start;
-                if inside < LANES {
-                    hits &= (1 << inside) - 1;
+        let Range { start, end } = self.rows;
+        match wanted {
+            Wanted::All => {
+                for row in start..end {
+                    self.row::<BOXES, FILTERS>(row, self.others.start, shift, output);
                 }
-                while hits != 0 {
-                    let other = start + hits.trailing_zeros() as usize;
-                    output.push([row as u32, other as u32]);
-                    hits &= hits - 1;
+            }
+            Wanted::Behind => {
+                for row in start..end {
+                    let from = self.others.start.max(row + 1);
+                    self.row::<BOXES, FILTERS>(row, from, shift, output);
+                }
+            }
+            Wanted::Near(cover) => {
+                for block in (start..end).step_by(LANES) {
+                    let near = reaching(self.a, block, shift, cover) & first_lanes(end - block);
+                    for_each_bit(near, |lane| {
+                        let from = self.others.start;
+                        self.row::<BOXES, FILTERS>(block + lane, from, shift, output);
+                    });
                 }
             }
         }
+    }
+
+    /// Tests one row against the others from `from`.
+    #[inline(always)]
+    fn row<const BOXES: bool, const FILTERS: bool>(
+        &self,
+        row: usize,
+        from: usize,
+        shift: [T; 2],
+        output: &mut Output,
+    ) {
+        let end = self.others.end;
+        if from >= end || output.is_full() {
+            return;
+        }
+        let mut shape = self.a.shape(row);
+        shape.center = [shape.center[0] - shift[0], shape.center[1] - shift[1]];
+        output.tests += (end - from) as u64;
+        for start in (from..end).step_by(LANES) {
+            let hits = hits::<T, BOXES, FILTERS>(&shape, self.b, start) & first_lanes(end - start);
+            for_each_bit(hits, |lane| output.push([row as u32, (start + lane) as u32]));
+        }
+    }
+}
+
+/// Bits of the first `count` lanes.
+#[inline(always)]
+fn first_lanes(count: usize) -> u32 {
+    if count < LANES { (1 << count) - 1 } else { u32::MAX }
+}
+
+#[inline(always)]
+fn for_each_bit(mut bits: u32, mut act: impl FnMut(usize)) {
+    while bits != 0 {
+        act(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
     }
 }
 
@@ -357,21 +408,52 @@ fn hits<T: Scalar, const BOXES: bool, const FILTERS: bool>(
             near[lane] = dx * dx + dy * dy < reach * reach;
         }
     }
-    let mut bits = 0;
-    for (lane, &near) in near.iter().enumerate() {
-        bits |= u32::from(near) << lane;
-    }
+    let mut bits = as_bits(&near);
     if FILTERS && bits != 0 {
         bits &= allowed(shape, others, block);
     }
     bits
 }
 
+/// A bit for each of the [`LANES`] rows from `start` that, moved by `-shift`, could
+/// overlap something under `cover`. Filters are left to the pairs themselves.
+#[inline(always)]
+fn reaching<T: Scalar>(rows: &Columns<T>, start: usize, shift: [T; 2], cover: &Cover<T>) -> u32 {
+    let block = start..start + LANES;
+    let (x, y) = (&rows.x[block.clone()], &rows.y[block.clone()]);
+    let radius = &rows.radius[block.clone()];
+    let gap = |v: T, axis: usize| {
+        let v = v - shift[axis];
+        (cover.min[axis] - v).most(v - cover.max[axis]).most(T::ZERO)
+    };
+    let mut near = [false; LANES];
+    if rows.has_boxes() {
+        let (half_x, half_y) = (&rows.half_x[block.clone()], &rows.half_y[block]);
+        for lane in 0..LANES {
+            let half_sum = [half_x[lane] + cover.half_size[0], half_y[lane] + cover.half_size[1]];
+            let gaps = [gap(x[lane], 0), gap(y[lane], 1)];
+            near[lane] = overlap(gaps, half_sum, radius[lane] + cover.radius);
+        }
+    } else {
+        for lane in 0..LANES {
+            let gaps = [gap(x[lane], 0), gap(y[lane], 1)];
+            near[lane] = overlap(gaps, cover.half_size, radius[lane] + cover.radius);
+        }
+    }
+    as_bits(&near)
+}
+
+/// Lane k as bit k.
+#[inline(always)]
+fn as_bits(lanes: &[bool; LANES]) -> u32 {
+    lanes.iter().enumerate().fold(0, |bits, (lane, &set)| bits | u32::from(set) << lane)
+}
+
 /// The overlap formula for one lane.
 #[inline(always)]
 fn reaches<T: Scalar>(shape: &Shape<T>, x: T, y: T, half_sum: [T; 2], radius: T) -> bool {
     let distance = [(shape.center[0] - x).abs(), (shape.center[1] - y).abs()];
-    crate::geometry::overlap(distance, half_sum, shape.radius + radius)
+    overlap(distance, half_sum, shape.radius + radius)
 }
 
 /// A bit for each row whose filter and the shape's agree.

@@ -42,17 +42,16 @@ class ArticleSimulation:
     ) -> None:
         self.scene = scene
         self._start = (n, seed)
-        self._rules = _rules(method)
-        self._build()
+        self._build(method.removeprefix("article-"))
 
-    def _build(self) -> None:
+    def _build(self, rules: str) -> None:
         n, seed = self._start
         if self.scene == "article":
             n = DEFAULT_N if n is None else n
-            self.program = article.Simulation(n, self._rules, seed)
+            self.program = article.Simulation(n, rules, seed)
         else:
-            lender = WorldSimulation(self.scene, n, seed=seed)
-            self.program = article_of(lender.frame(), lender.view, self._rules)
+            lender = WorldSimulation.of_scene(self.scene, n, seed=seed)
+            self.program = article_of(lender.frame(), lender.view, rules)
         width, height = self.program.width, self.program.height
         self.view = (0.0, 0.0, float(width), float(height))
         self.container = jostle.Box(*self.view)
@@ -64,7 +63,7 @@ class ArticleSimulation:
     @property
     def method(self) -> str:
         """Return "article-quadtree" or "article-brute"."""
-        return f"article-{self._rules}"
+        return f"article-{self.program.method}"
 
     @property
     def stage_times(self) -> dict[str, float]:
@@ -79,15 +78,11 @@ class ArticleSimulation:
 
     def restart(self) -> None:
         """Go back to the first state; the method stays as it is."""
-        self._build()
+        self._build(self.program.method)
 
     def switch_method(self) -> str | None:
         """Swap the article's two programs under the same particles."""
-        self._rules = "brute" if self._rules == "quadtree" else "quadtree"
-        old = self.program
-        self.program = article.Simulation.of(
-            old.particles, self._rules, width=old.width, height=old.height
-        )
+        self.program.method = "brute" if self.program.method == "quadtree" else "quadtree"
         return None
 
     def frame(self) -> Frame:
@@ -113,7 +108,7 @@ class ArticleSimulation:
 
     def tree_boxes(self) -> TreeBoxes:
         """Return the leaves of the last frame; brute force has none."""
-        if self._rules == "brute" or not self.program.leaves:
+        if not self.program.leaves:
             return TreeBoxes.none()
         leaves = np.array(self.program.leaves)
         corners = np.concatenate([leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]], axis=1)
@@ -122,23 +117,17 @@ class ArticleSimulation:
         )
 
     def pick(self, point: Point, reach: float) -> int | None:
-        """Return the first particle in the order of the list under the point, as the article."""
-        for index, p in enumerate(self.program.particles):
-            if math.hypot(p.x - point[0], p.y - point[1]) <= p.radius:
-                return index
-        return None
+        """Take the first particle in the order of the list under the point, as the article."""
+        held = self.program.grab(*point)
+        return None if held is None else self.program.particles.index(held)
 
     def pull(self, particle: int, point: Point) -> None:
-        """Turn the held particle to the hand, by the article's rule of the mouse."""
-        self.program.particles[particle].head_for(*point)
+        """Let the held particle follow, by the article's rule of the mouse."""
+        self.program.drag_to(*point)
 
     def release(self, particle: int, velocity: Point) -> None:
         """Let go: in the article the particle just keeps the speed of its last pull."""
-
-
-def _rules(method: str) -> str:
-    """Return the article module's name for one of the app's methods."""
-    return method.removeprefix("article-")
+        self.program.release()
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
@@ -158,5 +147,7 @@ def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
             places, velocities, radii, densities, strict=True
         )
     ]
-    width, height = math.ceil(max_x - min_x), math.ceil(max_y - min_y)
+    width, height = (
+        max(math.ceil(side), article.SMALLEST_SIDE) for side in (max_x - min_x, max_y - min_y)
+    )
     return article.Simulation.of(particles, rules, width=width, height=height)

@@ -38,7 +38,7 @@ class Colouring:
     def _by_kind(self, frame: Frame) -> Shades:
         """Shade by density or radius; settle what this scene shows."""
         for name, values in (("density", frame.densities), ("radius", frame.radii)):
-            if _spread(values) > VARIES:
+            if _spread(values[frame.movable]) > VARIES:
                 self.shows = name
                 return _with_fixed(_buckets(_unit(values)), frame)
         self.shows = "speed"
@@ -62,12 +62,14 @@ def _unit(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the values stretched over 0..1, on a logarithmic scale where they span decades."""
     if values.min() > 0 and values.max() > 30 * values.min():
         values = np.log(values)
-    low, high = values.min(), values.max()
-    return (values - low) / (high - low)
+    low, high = float(values.min()), float(values.max())
+    unit: NDArray[np.float32] = (values - low) / (high - low)
+    return unit
 
 
 def _buckets(unit: NDArray[np.floating]) -> Shades:
-    return np.clip(unit * SHADES, 0, SHADES - 1).astype(np.uint8)
+    shades: Shades = np.clip(unit * SHADES, 0, SHADES - 1).astype(np.uint8)
+    return shades
 
 
 def _with_fixed(shades: Shades, frame: Frame) -> Shades:

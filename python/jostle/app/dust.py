@@ -15,7 +15,7 @@ from jostle.app.palette import DISCS
 MAX_RADIUS = 1.125  # pixels; larger discs are stamps, and would spill beyond the kernels
 _POINT_RADIUS = 0.5  # below it one pixel is enough
 _LEAST_COVER = 0.35  # the smallest disc still lights its pixel so much, or dust would vanish
-_STEPS = 8  # radii told apart per pixel
+_STEPS = 16  # radii told apart per pixel
 _PLACES = 4  # sub-pixel places each way
 
 Floats = NDArray[np.floating]
@@ -56,30 +56,28 @@ def scatter(
         covers.append(np.maximum(np.pi * radii[points] ** 2, _LEAST_COVER))
         colour[at[points]] = shades[points]
     cover = np.bincount(np.concatenate(cells), np.concatenate(covers), wide * high)
-    window = slice(2, -2)
-    _blend(
-        target,
-        np.ascontiguousarray(cover.reshape(high, wide)[window, window]).ravel(),
-        np.ascontiguousarray(colour.reshape(high, wide)[window, window]).ravel(),
-    )
-
-
-def _blend(target: pygame.Surface, cover: Floats, colour: NDArray[np.uint8]) -> None:
-    """Blend colours into the pixels; red and blue travel together in one number."""
-    pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
     lit = np.flatnonzero(cover)
-    share = (np.minimum(cover[lit], 1.0) * 256).astype(np.uint32)
-    back, front = pixels[lit], _PACKED[colour[lit]]
+    row, column = lit // wide - 2, lit % wide - 2
+    shown = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+    lit = lit[shown]
+    _blend(target, row[shown] * width + column[shown], cover[lit], colour[lit])
+
+
+def _blend(target: pygame.Surface, at: Indices, cover: Floats, colour: NDArray[np.uint8]) -> None:
+    """Blend colours into pixels; red and blue travel together in one number."""
+    pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
+    share = (np.minimum(cover, 1.0) * 256).astype(np.uint32)
+    back, front = pixels[at], _PACKED[colour]
     mixed = np.zeros_like(back)
     for channels in (np.uint32(0xFF00FF), np.uint32(0x00FF00)):
         both = (back & channels) * (256 - share) + (front & channels) * share
         mixed |= (both >> np.uint32(8)) & channels
-    pixels[lit] = mixed
+    pixels[at] = mixed
 
 
 def _kernel_keys(dx: Floats, dy: Floats, radii: Floats) -> Indices:
-    step = np.rint((radii - _POINT_RADIUS) * _STEPS).astype(np.intp)
-    place = (dy * _PLACES).astype(np.intp) * _PLACES + (dx * _PLACES).astype(np.intp)
+    step: Indices = np.rint((radii - _POINT_RADIUS) * _STEPS).astype(np.intp)
+    place: Indices = (dy * _PLACES).astype(np.intp) * _PLACES + (dx * _PLACES).astype(np.intp)
     return step * _PLACES**2 + place
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,11 +65,11 @@ def make_film(
     stride = max(round(1 / FRAMES_A_SECOND / simulation.time_step), 1)
     spent, frames = 0.0, 0
 
-    def draw(step: int) -> None:
+    def draw(step: int, now: float) -> None:
         # The scene alone first, the tree over it in the second half: the film shows both.
         picture.tree_view = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
         rate = step / spent if spent else None
-        picture.draw(simulation, ("steps a second", rate), step * simulation.time_step)
+        picture.draw(simulation, ("steps a second", rate), now)
 
     with Recorder(video, size, FRAMES_A_SECOND) as recorder, _progress(console) as progress:
         task = progress.add_task(f"filming {name}", total=steps)
@@ -80,10 +81,10 @@ def make_film(
                 picture.readout.measure(**simulation.stage_times)
                 progress.advance(task)
             if step % stride == 0:
-                draw(step)
+                draw(step, step * simulation.time_step)
                 recorder.add(picture.canvas)
                 frames += 1
-    draw(steps)
+    draw(steps, now=math.inf)  # so that the numbers are those of the last step, as in the table
     save_png(picture.canvas, still)
     return Film(video, still, steps, frames, spent)
 

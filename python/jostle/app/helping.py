@@ -5,7 +5,7 @@ from __future__ import annotations
 import pygame
 
 from jostle.app.controls import CONTROLS
-from jostle.app.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
+from jostle.app.palette import ACCENT, PANEL_EDGE, TEXT
 from jostle.app.text import BODY, TITLE, font, panel, write
 
 PAD = 22
@@ -24,5 +24,5 @@ def draw_help(target: pygame.Surface) -> None:
     for row, control in enumerate(CONTROLS):
         y = top + row * line + 3
         write(sheet, (PAD, y), control.label, ACCENT)
-        write(sheet, (PAD + KEY_COLUMN, y), control.meaning, TEXT_SOFT)
+        write(sheet, (PAD + KEY_COLUMN, y), control.meaning, TEXT)
     target.blit(sheet, sheet.get_rect(center=target.get_rect().center))

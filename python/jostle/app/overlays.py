@@ -9,11 +9,11 @@ import pygame
 from numpy.typing import NDArray
 
 from jostle.app.camera import Camera
-from jostle.app.palette import LEVELS, STAGE, blend, level_colour
+from jostle.app.palette import STAGE, Colour, blend, level_colour
 from jostle.app.simulation import TreeBoxes
 
 SMALLEST = 3.0  # pixels: finer boxes would only be a grey haze
-FILL_SHARE = 0.34  # how much of the level's colour a filled leaf takes
+FILL_SHARE = 0.32  # how much of the level's colour a filled leaf takes
 
 
 class TreeView(Enum):
@@ -32,20 +32,24 @@ class TreeView(Enum):
 def draw_filled(target: pygame.Surface, tree: TreeBoxes, camera: Camera) -> None:
     """Fill the leaves, each a pixel short of its box so that neighbours stay apart."""
     corners, levels = _on_screen(tree, camera, tree.is_leaf)
-    colours = [blend(STAGE, colour, FILL_SHARE) for colour in LEVELS]
+    colours = [blend(STAGE, colour, FILL_SHARE) for colour in _colours(tree)]
     for (x0, y0, x1, y1), level in zip(corners.tolist(), levels.tolist(), strict=True):
-        colour = colours[min(level, len(colours) - 1)]
-        target.fill(colour, (x0, y0, max(x1 - x0 - 1, 1), max(y1 - y0 - 1, 1)))
+        target.fill(colours[level], (x0, y0, max(x1 - x0 - 1, 1), max(y1 - y0 - 1, 1)))
 
 
 def draw_outline(target: pygame.Surface, tree: TreeBoxes, camera: Camera) -> None:
     """Outline every box, the deepest first, so that the edges of large boxes stay on top."""
     corners, levels = _on_screen(tree, camera, np.ones(len(tree.levels), np.bool_))
     order = np.argsort(-levels, kind="stable")
-    for (x0, y0, x1, y1), level in zip(
-        corners[order].tolist(), levels[order].tolist(), strict=True
-    ):
-        pygame.draw.rect(target, level_colour(level), (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
+    corners, levels = corners[order], levels[order]
+    colours = _colours(tree)
+    for (x0, y0, x1, y1), level in zip(corners.tolist(), levels.tolist(), strict=True):
+        pygame.draw.rect(target, colours[level], (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
+
+
+def _colours(tree: TreeBoxes) -> list[Colour]:
+    depth = int(tree.levels.max(initial=0))
+    return [level_colour(level, depth) for level in range(depth + 1)]
 
 
 def _on_screen(

@@ -1,7 +1,7 @@
 """Every colour of the app, in one place.
 
 One dark, slightly blue ground; discs from a muted ramp of equal weight, so that none shouts; the
-tree in violet, a colour no disc has, that grows lighter with the level.
+tree from periwinkle to plum, which no disc has: large boxes stand out, small ones recede.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ Colour = tuple[int, int, int]
 GROUND: Colour = (16, 20, 26)
 STAGE: Colour = (22, 27, 35)  # inside the container
 WALL: Colour = (72, 84, 101)
-PANEL: tuple[int, int, int, int] = (12, 15, 20, 216)
+PANEL: tuple[int, int, int, int] = (12, 15, 20, 228)
 PANEL_EDGE: Colour = (42, 50, 62)
 TEXT: Colour = (220, 227, 236)
 TEXT_SOFT: Colour = (142, 154, 171)
@@ -25,8 +25,7 @@ SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
 
 _DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
-_LEVEL_STOPS = ("#4a4f86", "#655fae", "#8a72c8", "#b58ad0", "#dca9cf")
-_LEVELS_IN_RAMP = 9  # deeper levels keep the last colour
+_LEVEL_STOPS = ("#8f98e6", "#8379d2", "#8763b6", "#8e5296", "#934a78")
 
 
 def _ramp(stops: tuple[str, ...], count: int) -> NDArray[np.float64]:
@@ -41,12 +40,15 @@ def _colours(ramp: NDArray[np.float64]) -> list[Colour]:
 
 
 DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED]
-LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, _LEVELS_IN_RAMP))
+_LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, 25))
 
 
-def level_colour(level: int) -> Colour:
-    """Return the line colour of a tree level; 0 is the root."""
-    return LEVELS[min(level, len(LEVELS) - 1)]
+def level_colour(level: int, depth: int) -> Colour:
+    """Return the colour of a level, 0 for the root, in a tree that is `depth` levels deep.
+
+    The ramp spans the tree, not a fixed count: two neighbouring levels must be told apart.
+    """
+    return _LEVELS[round(24 * level / max(depth, 3, level))]
 
 
 def blend(back: Colour, front: Colour, share: float) -> Colour:

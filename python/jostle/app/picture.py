@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import pygame
 
@@ -13,11 +14,13 @@ from jostle.app.helping import draw_help
 from jostle.app.overlays import TreeView
 from jostle.app.palette import TEXT, TEXT_SOFT
 from jostle.app.readout import EDGE, SPACE, Readout
-from jostle.app.renderer import Renderer
-from jostle.app.simulation import Simulation
+from jostle.app.renderer import Renderer, bounds, rect_on_screen
+from jostle.app.simulation import Simulation, TreeBoxes
 from jostle.app.text import BODY, font, panel, write
 
 HINT = "H help"
+
+DrawTree = Callable[[pygame.Surface, TreeBoxes, Camera], None]
 
 
 class Picture:
@@ -58,17 +61,26 @@ class Picture:
         canvas, camera = self.canvas, self.camera
         self._renderer.draw_stage(canvas, simulation.container, camera)
         if self.tree_view is TreeView.FILLED:
-            overlays.draw_filled(canvas, simulation.tree_boxes(), camera)
+            self._draw_tree(overlays.draw_filled, simulation)
         frame = simulation.frame()
         self._renderer.draw_discs(canvas, frame, self._colouring.shades(frame), camera)
         if self.tree_view is TreeView.OUTLINE:
-            overlays.draw_outline(canvas, simulation.tree_boxes(), camera)
-        self.readout.draw(canvas, simulation, rate, now, paused=paused)
+            self._draw_tree(overlays.draw_outline, simulation)
+        if canvas.get_width() >= 2 * SPACE:  # else it would hide the scene
+            self.readout.draw(canvas, simulation, rate, now, paused=paused)
         if notice:
             _draw_notice(canvas, notice)
         if self.help:
             draw_help(canvas)
         self.readout.measure(draw=(time.perf_counter() - start) * 1e3)
+
+    def _draw_tree(self, draw: DrawTree, simulation: Simulation) -> None:
+        """Draw the boxes inside the walls: the squares beyond them are always empty."""
+        walls = bounds(simulation.container)
+        if walls is not None:
+            self.canvas.set_clip(rect_on_screen(walls, self.camera))
+        draw(self.canvas, simulation.tree_boxes(), self.camera)
+        self.canvas.set_clip(None)
 
     def draw_hint(self) -> None:
         """Say in a corner that there is help."""

@@ -59,7 +59,7 @@ class Readout:
         paused: bool = False,
     ) -> None:
         """Draw the panel; `rate` is the line on speed, as label and number a second."""
-        if self._sheet is None or now >= self._due or paused:
+        if self._sheet is None or now >= self._due:
             self._sheet = self._render(simulation, rate, paused=paused)
             self._due = now + EVERY
         target.blit(self._sheet, (EDGE, EDGE))

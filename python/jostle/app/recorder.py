@@ -47,7 +47,10 @@ class Recorder:
             macro_block_size=2,
             output_params=[*_QUALITY, *_COLOUR_SPACE],
         )
-        self._film.send(None)
+        try:
+            self._film.send(None)
+        except RuntimeError as error:  # imageio's word for a platform without an ffmpeg
+            raise OSError(str(error)) from error
 
     def add(self, canvas: pygame.Surface) -> None:
         """Append one frame."""

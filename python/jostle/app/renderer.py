@@ -20,6 +20,7 @@ from jostle.app.stamps import RIM_SHADE, RIM_WIDTH, Stamps
 Floats = NDArray[np.floating]
 
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
+WALL_WIDTH = 2
 FAR = 30_000  # pixels; what is drawn by pygame is clipped to this first
 
 
@@ -32,15 +33,18 @@ class Renderer:
     def draw_stage(self, target: pygame.Surface, container: Container, camera: Camera) -> None:
         """Clear the surface and draw the walls."""
         target.fill(GROUND)
-        if isinstance(container, jostle.Circle):
+        walls = bounds(container)
+        if walls is None:
+            target.fill(STAGE)
+        elif isinstance(container, jostle.Circle):
             (x,), (y,) = camera.to_screen(np.array([container.center], np.float64))
             radius = container.radius * camera.scale
-            _draw_circle(target, (x, y), radius + 2, WALL)
+            _draw_circle(target, (x, y), radius + WALL_WIDTH, WALL)
             _draw_circle(target, (x, y), radius, STAGE)
-        elif container is None:
-            target.fill(STAGE)
         else:
-            _draw_box(target, camera.rect_to_screen(_rect_of(container)))
+            inside = rect_on_screen(walls, camera)
+            target.fill(WALL, inside.inflate(2 * WALL_WIDTH, 2 * WALL_WIDTH))
+            target.fill(STAGE, inside)
 
     def draw_discs(
         self,
@@ -66,17 +70,22 @@ class Renderer:
                 draw(target, x[mine], y[mine], radii[mine], shades[mine])
 
 
-def _rect_of(container: jostle.Box | jostle.Torus) -> Rect:
+def bounds(container: Container) -> Rect | None:
+    """Return the rectangle around the walls; None where there are none."""
+    if container is None:
+        return None
     if isinstance(container, jostle.Torus):
         return 0.0, 0.0, container.width, container.height
+    if isinstance(container, jostle.Circle):
+        (x, y), radius = container.center, container.radius
+        return x - radius, y - radius, x + radius, y + radius
     return container.min_x, container.min_y, container.max_x, container.max_y
 
 
-def _draw_box(target: pygame.Surface, corners: Rect) -> None:
-    x0, y0, x1, y1 = (max(-FAR, min(FAR, round(corner))) for corner in corners)
-    inner = pygame.Rect(x0, y0, x1 - x0, y1 - y0)
-    target.fill(WALL, inner.inflate(4, 4))
-    target.fill(STAGE, inner)
+def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:
+    """Return a rectangle in whole pixels, clipped far outside of every screen."""
+    x0, y0, x1, y1 = (max(-FAR, min(FAR, round(c))) for c in camera.rect_to_screen(rect))
+    return pygame.Rect(x0, y0, x1 - x0, y1 - y0)
 
 
 def _draw_large(

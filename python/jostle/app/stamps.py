@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from jostle.app.palette import DISCS
 
 MAX_RADIUS = 48.0  # pixels; larger discs are few, and drawn as circles
-STEPS = 4  # radii kept per pixel
+STEPS = 8  # radii kept per pixel
 PLACES = 4  # sub-pixel places each way for small discs
 FINE_BELOW, COARSE_BELOW = 12.0, 24.0  # radius: 4 places, then 2, then 1
 RIM_FROM = 3.0  # a darker rim tells discs apart where they lie in a heap
@@ -39,7 +39,8 @@ class Stamps:
         self._clear()
 
     def _clear(self) -> None:
-        self._table: list[pygame.Surface | None] = [None] * (_BUCKETS * _SHADES * _CELLS)
+        not_yet = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
+        self._table = [not_yet] * (_BUCKETS * _SHADES * _CELLS)
         self._have = np.zeros(len(self._table), np.bool_)
         self._masks: dict[tuple[int, int], pygame.Surface] = {}
         self._bytes = 0

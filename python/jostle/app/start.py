@@ -25,7 +25,7 @@ def start(options: Options) -> Simulation:
     """Return the simulation the options describe, at its first state."""
     if options.method.startswith("article-"):
         return ArticleSimulation(options.scene, options.n, seed=options.seed, method=options.method)
-    return WorldSimulation(
+    return WorldSimulation.of_scene(
         options.scene,
         options.n,
         seed=options.seed,

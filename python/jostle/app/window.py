@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pygame
 
 from jostle.app.camera import Size
@@ -55,11 +57,14 @@ class Window:
 
     def run(self) -> None:
         """Show frames until the window is closed."""
-        clock = pygame.time.Clock()
+        clock, last = pygame.time.Clock(), time.perf_counter()
         try:
             while self.open:
-                self.frame(clock.tick(FRAMES_A_SECOND) / 1e3)
+                clock.tick(FRAMES_A_SECOND)
                 self._rate = clock.get_fps() or None
+                now = time.perf_counter()  # the clock's own answer is in whole milliseconds
+                self.frame(now - last)
+                last = now
         finally:
             pygame.display.quit()
 

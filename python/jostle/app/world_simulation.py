@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulation import Container, Facts, Frame, Point, TreeBoxes
+from jostle.app.simulation import Container, Facts, Frame, Point, Rect, TreeBoxes
 
 TIME_STEP = 1 / 60
 BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the window for seconds
@@ -18,26 +19,29 @@ MIN_REACH = 1e-6  # of the view's diagonal: a one-point tree needs some radius t
 
 
 class WorldSimulation:
-    """A scene of `jostle.scenes` with right physics.
+    """A world with right physics.
 
     Parameters
     ----------
     scene
-        A name from `jostle.scenes.names()`.
-    n
-        Number of particles; None for the scene's own.
-    seed
-        The same seed gives the same start.
-    method
-        "quadtree" or "brute".
-    leaf_capacity, max_depth
-        Settings of the tree; None for the library's defaults.
+        The name to show.
+    view
+        The part of the world to look at: min_x, min_y, max_x, max_y.
+    create
+        Makes the world in its first state: called now, and at every restart.
     """
 
     time_step = TIME_STEP
 
-    def __init__(
-        self,
+    def __init__(self, scene: str, view: Rect, create: Callable[[], jostle.World]) -> None:
+        self.scene = scene
+        self.view = view
+        self._create = create
+        self._take(create())
+
+    @classmethod
+    def of_scene(
+        cls,
         scene: str,
         n: int | None = None,
         *,
@@ -45,24 +49,26 @@ class WorldSimulation:
         method: str = "quadtree",
         leaf_capacity: int | None = None,
         max_depth: int | None = None,
-    ) -> None:
-        self.scene = scene
-        self.view = jostle.scenes.view(scene, n)
-        self._start = (n, seed, leaf_capacity, max_depth)
-        self._build(method)
+    ) -> WorldSimulation:
+        """Return a scene of `jostle.scenes`; None leaves a choice to the scene."""
 
-    def _build(self, method: str) -> None:
-        n, seed, leaf_capacity, max_depth = self._start
-        self.world = jostle.scenes.create(self.scene, n=n, seed=seed)
-        self.world.method = method
-        if leaf_capacity is not None:
-            self.world.leaf_capacity = leaf_capacity
-        if max_depth is not None:
-            self.world.max_depth = max_depth
+        def create() -> jostle.World:
+            world = jostle.scenes.create(scene, n=n, seed=seed)
+            world.method = method
+            if leaf_capacity is not None:
+                world.leaf_capacity = leaf_capacity
+            if max_depth is not None:
+                world.max_depth = max_depth
+            return world
+
+        return cls(scene, jostle.scenes.view(scene, n), create)
+
+    def _take(self, world: jostle.World) -> None:
+        self.world = world
         # These columns change only here, so a picture of a million need not copy them again.
-        self._radii: NDArray[np.float32] = self.world.radii
-        self._movable: NDArray[np.bool_] = self.world.movable
-        self._densities = self.world.masses / np.maximum(self._radii, 1e-12) ** 2
+        self._radii: NDArray[np.float32] = world.radii
+        self._movable: NDArray[np.bool_] = world.movable
+        self._densities = world.masses / np.maximum(self._radii, 1e-12) ** 2
 
     def __len__(self) -> int:
         return len(self.world)
@@ -88,7 +94,9 @@ class WorldSimulation:
 
     def restart(self) -> None:
         """Go back to the first state; the method stays as it is."""
-        self._build(self.method)
+        method = self.method
+        self._take(self._create())
+        self.world.method = method
 
     def switch_method(self) -> str | None:
         """Swap brute force and tree; refused where brute force would freeze the window."""

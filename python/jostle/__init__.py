@@ -1,0 +1,30 @@
+"""Find every pair of overlapping shapes, and let particles collide.
+
+`find_pairs`
+    All overlapping pairs of some circles, rectangles or rounded boxes, once.
+`Quadtree`
+    The same for shapes that are asked about more than once.
+`World`
+    Particles that move, collide and bounce off a `Box`, a `Circle` or the seams of
+    a `Torus`; `jostle.scenes` has some ready.
+`Contacts`, `Nodes`, `Stats`
+    What some of these answer.
+"""
+
+from jostle import scenes
+from jostle._core import Box, Circle, Quadtree, Torus, World, __version__, find_pairs
+from jostle.results import Contacts, Nodes, Stats
+
+__all__ = [
+    "Box",
+    "Circle",
+    "Contacts",
+    "Nodes",
+    "Quadtree",
+    "Stats",
+    "Torus",
+    "World",
+    "__version__",
+    "find_pairs",
+    "scenes",
+]

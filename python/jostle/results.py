@@ -1,0 +1,70 @@
+"""Answers made of several arrays or numbers."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Contacts", "Nodes", "Stats"]
+
+
+class Contacts(NamedTuple):
+    """Pairs that overlap, and how.
+
+    Attributes
+    ----------
+    pairs : ndarray of uint32, shape (m, 2)
+        Row numbers i < j.
+    normals : ndarray of float32 or float64, shape (m, 2)
+        Unit vectors from i to j.
+    depths : ndarray of float32 or float64, shape (m,)
+        How far the two overlap along the normal, in units of length.
+    """
+
+    pairs: NDArray[np.uint32]
+    normals: NDArray[np.floating[Any]]
+    depths: NDArray[np.floating[Any]]
+
+
+class Nodes(NamedTuple):
+    """The boxes of a quadtree, parents before their children.
+
+    Attributes
+    ----------
+    boxes : ndarray of float64, shape (k, 4)
+        min_x, min_y, max_x, max_y.
+    depths : ndarray of uint32, shape (k,)
+        Subdivisions above each box.
+    counts : ndarray of uint32, shape (k,)
+        Shapes in each box and all below it.
+    is_leaf : ndarray of bool, shape (k,)
+        Whether the box did not split.
+    """
+
+    boxes: NDArray[np.float64]
+    depths: NDArray[np.uint32]
+    counts: NDArray[np.uint32]
+    is_leaf: NDArray[np.bool_]
+
+
+class Stats(NamedTuple):
+    """What a quadtree looks like and how much work its last answer was.
+
+    Attributes
+    ----------
+    nodes : int
+        Boxes.
+    leaves : int
+        Boxes that did not split.
+    depth : int
+        Subdivisions above the deepest box.
+    tests : int
+        Pairs of shapes that were tested.
+    """
+
+    nodes: int
+    leaves: int
+    depth: int
+    tests: int

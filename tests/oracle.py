@@ -1,0 +1,188 @@
+"""What the pairs should be: the formula of the contract over all pairs, in plain NumPy.
+
+Also the shapes that are hard to get right: coincident, touching, nested, in a line, on the
+borders of cells, huge beside tiny, and very far from everything.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+DTYPES = [np.float32, np.float64]
+ALL_BITS = 0xFFFFFFFF
+
+
+class Shapes(NamedTuple):
+    """Arguments for `find_pairs` and `Quadtree`, all of one dtype."""
+
+    centers: NDArray[Any]
+    radii: NDArray[Any]
+    half_sizes: NDArray[Any] | None
+
+    def take(self, rows: NDArray[Any]) -> Shapes:
+        """Return some of the shapes, in that order."""
+        half_sizes = None if self.half_sizes is None else self.half_sizes[rows]
+        return Shapes(self.centers[rows], self.radii[rows], half_sizes)
+
+    def distinct(self) -> Shapes:
+        """Return every shape once."""
+        columns = [self.centers, self.radii[:, None]]
+        if self.half_sizes is not None:
+            columns.append(self.half_sizes)
+        return self.take(np.sort(np.unique(np.hstack(columns), axis=0, return_index=True)[1]))
+
+
+def overlaps(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
+    """Say for each shape of `a` (a row) whether it overlaps each of `b` (a column)."""
+    with np.errstate(over="ignore", under="ignore"):
+        distance = np.abs(a.centers[:, None] - b.centers[None])
+        if a.half_sizes is not None or b.half_sizes is not None:
+            reach_a, reach_b = (
+                np.zeros_like(s.centers) if s.half_sizes is None else s.half_sizes for s in (a, b)
+            )
+            distance = distance - (reach_a[:, None] + reach_b[None])
+        outside = np.maximum(distance, 0)
+        radius_sum = a.radii[:, None] + b.radii[None]
+        near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < radius_sum**2
+        return near | (distance < 0).all(axis=-1)
+
+
+def may_pair(
+    categories_a: NDArray[Any],
+    masks_a: NDArray[Any],
+    categories_b: NDArray[Any],
+    masks_b: NDArray[Any],
+) -> NDArray[np.bool_]:
+    """Say for each row and column whether the filters of both agree."""
+    forth = categories_a[:, None] & masks_b[None]
+    back = categories_b[None] & masks_a[:, None]
+    return (forth != 0) & (back != 0)
+
+
+def pairs_within(shapes: Shapes, allowed: NDArray[np.bool_] | None = None) -> NDArray[np.intp]:
+    """Return the pairs i < j, sorted."""
+    hits = overlaps(shapes, shapes)
+    if allowed is not None:
+        hits &= allowed
+    return np.argwhere(np.triu(hits, k=1))
+
+
+def pairs_between(
+    a: Shapes, b: Shapes, allowed: NDArray[np.bool_] | None = None
+) -> NDArray[np.intp]:
+    """Return the pairs (row of a, row of b), sorted."""
+    hits = overlaps(a, b)
+    if allowed is not None:
+        hits &= allowed
+    return np.argwhere(hits)
+
+
+def by_row(pairs: NDArray[Any]) -> NDArray[Any]:
+    """Return pairs sorted by first, then by second."""
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+# ---- shapes one by one ---------------------------------------------------------------------------
+
+# Small integers touch, coincide and lie on the borders of cells; powers of two even more so.
+_borders = st.one_of(
+    st.integers(-8, 8).map(float),
+    st.integers(-20, 20).map(lambda k: 2.0**k),
+    st.integers(-20, 20).map(lambda k: -(2.0**k)),
+)
+_anywhere = st.floats(-100, 100, width=32)
+_extreme = st.sampled_from([1e30, -1e30, 1e-30, -1e-30, 0.0, -0.0, 1e15, -1e15])
+coordinates = st.one_of(_borders, _anywhere, _extreme)
+sizes = st.one_of(
+    st.integers(0, 4).map(lambda k: k / 2),
+    st.floats(0, 20, width=32),
+    st.sampled_from([0.0, 1e-6, 1e6, 1e-30, 1e15]),
+)
+
+
+@st.composite
+def few_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) -> Shapes:
+    """Up to 40 shapes, each number drawn on its own."""
+    dtype = draw(st.sampled_from(DTYPES)) if dtype is None else dtype
+    boxes = draw(st.booleans()) if boxes is None else boxes
+    shape = st.tuples(coordinates, coordinates, sizes, sizes, sizes)
+    rows = np.array(draw(st.lists(shape, max_size=40)), np.float64).reshape(-1, 5).astype(dtype)
+    return Shapes(rows[:, :2], rows[:, 2], rows[:, 3:] if boxes else None)
+
+
+# ---- many shapes by a seed -----------------------------------------------------------------------
+
+
+def _uniform(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    return rng.uniform(0, np.sqrt(n), (n, 2))
+
+
+def _on_a_line(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    return np.outer(rng.uniform(0, n, n), rng.choice([0.0, 1.0, -2.0], 2))
+
+
+def _on_a_grid(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    return rng.integers(0, max(1, int(np.sqrt(n))), (n, 2)).astype(np.float64)
+
+
+def _coincident(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    return np.tile(rng.uniform(-5, 5, 2), (n, 1))
+
+
+def _nested(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    """Ever nearer to one point, so that every subdivision leaves most in one quarter."""
+    return rng.choice([-1.0, 1.0], (n, 2)) * 0.5 ** rng.uniform(0, 60, (n, 1))
+
+
+def _clusters(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    homes = rng.uniform(-1e6, 1e6, (5, 2))
+    return homes[rng.integers(0, 5, n)] + rng.normal(size=(n, 2))
+
+
+def _with_outliers(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    centers = rng.uniform(0, 1, (n, 2)) * np.sqrt(n)
+    centers[: n // 50 + 1] = rng.choice([-1e30, 1e30, 1e7, -1e7], (n // 50 + 1, 2))[:n]
+    return centers
+
+
+ARRANGEMENTS = {
+    arrange.__name__.strip("_"): arrange
+    for arrange in (
+        _uniform,
+        _on_a_line,
+        _on_a_grid,
+        _coincident,
+        _nested,
+        _clusters,
+        _with_outliers,
+    )
+}
+
+
+@st.composite
+def many_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) -> Shapes:
+    """Up to 400 shapes: enough for a tree of several levels."""
+    dtype = draw(st.sampled_from(DTYPES)) if dtype is None else dtype
+    boxes = draw(st.booleans()) if boxes is None else boxes
+    n = draw(st.integers(0, 400))
+    arrange = ARRANGEMENTS[draw(st.sampled_from(sorted(ARRANGEMENTS)))]
+    spread = draw(st.sampled_from(["none", "equal", "some", "huge and tiny"]))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    size = {
+        "none": lambda *shape: np.zeros(shape),
+        "equal": lambda *shape: np.full(shape, 0.5),
+        "some": lambda *shape: rng.uniform(0, 1, shape),
+        "huge and tiny": lambda *shape: 10 ** rng.uniform(-6, 6, shape) * rng.integers(0, 2, shape),
+    }[spread]
+    centers = arrange(rng, n) + rng.choice([0.0, -1000.0])
+    half_sizes = size(n, 2).astype(dtype) if boxes else None
+    return Shapes(centers.astype(dtype), size(n).astype(dtype), half_sizes)
+
+
+def any_shapes(dtype: Any = None, boxes: bool | None = None) -> st.SearchStrategy[Shapes]:
+    """Few or many shapes."""
+    return few_shapes(dtype, boxes) | many_shapes(dtype, boxes)

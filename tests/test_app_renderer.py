@@ -1,0 +1,190 @@
+"""Pictures, by the statistics of their pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pygame = pytest.importorskip("pygame")
+
+import jostle  # noqa: E402
+from jostle.app.camera import Camera  # noqa: E402
+from jostle.app.colouring import Colouring  # noqa: E402
+from jostle.app.overlays import draw_filled, draw_outline  # noqa: E402
+from jostle.app.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, level_colour  # noqa: E402
+from jostle.app.renderer import Renderer  # noqa: E402
+from jostle.app.simulation import Frame, TreeBoxes  # noqa: E402
+
+SIZE = (320, 240)
+VIEW = (0.0, 0.0, 320.0, 240.0)
+
+
+def frame_of(positions, radii, *, densities=1.0, velocities=0.0, movable=True) -> Frame:
+    positions = np.array(positions, np.float32).reshape(-1, 2)
+    n = len(positions)
+    return Frame(
+        positions,
+        np.broadcast_to(np.asarray(velocities, np.float32), (n, 2)),
+        np.broadcast_to(np.asarray(radii, np.float32), n),
+        np.broadcast_to(np.asarray(densities, np.float32), n),
+        np.broadcast_to(np.asarray(movable), n),
+    )
+
+
+def camera_of_pixels() -> Camera:
+    """One world unit is one pixel."""
+    camera = Camera(SIZE, VIEW)
+    camera.scale, camera.center = 1.0, (160.0, 120.0)
+    return camera
+
+
+def draw(frame: Frame, camera: Camera | None = None, shade: int = 20, renderer=None):
+    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+    renderer = renderer or Renderer()
+    camera = camera or camera_of_pixels()
+    renderer.draw_stage(canvas, None, camera)
+    shades = np.full(len(frame.radii), shade, np.uint8)
+    renderer.draw_discs(canvas, frame, shades, camera)
+    return pygame.surfarray.array3d(canvas).astype(float)
+
+
+def covered_area(picture, shade: int = 20) -> float:
+    """The pixels' worth of ink, by the channel in which ink and ground differ most."""
+    ink, ground = np.array(DISCS[shade], float), np.array(STAGE, float)
+    channel = np.argmax(np.abs(ink - ground))
+    return ((picture[:, :, channel] - ground[channel]) / (ink - ground)[channel]).sum()
+
+
+@pytest.mark.parametrize("radius", [0.6, 0.8, 1.0, 1.4, 2.5])
+@pytest.mark.parametrize("place", [(100.5, 100.5), (100.1, 100.9), (100.4, 100.7)])
+def test_small_discs_cover_their_area(radius: float, place: tuple[float, float]) -> None:
+    area = covered_area(draw(frame_of([place], radius)))
+    assert area == pytest.approx(np.pi * radius**2, rel=0.12)
+
+
+@pytest.mark.parametrize("radius", [5, 20, 47, 49, 90])
+def test_larger_discs_cover_their_area_and_have_the_colour_inside(radius: float) -> None:
+    picture = draw(frame_of([(160.5, 120.5)], radius))
+    lit = (np.abs(picture - np.array(STAGE)).max(axis=2) > 8).sum()
+    assert lit == pytest.approx(np.pi * (radius + 0.4) ** 2, rel=0.06)
+    assert tuple(picture[160, 120].astype(int)) == pytest.approx(DISCS[20], abs=2)
+
+
+def test_dust_adds_up_and_does_not_run_over() -> None:
+    positions = np.full((1000, 2), 50.5)
+    picture = draw(frame_of(positions, 0.2))
+    assert tuple(picture[50, 50].astype(int)) == pytest.approx(DISCS[20], abs=2)
+    assert (picture[:50] == STAGE).all() and (picture[51:] == STAGE).all()
+
+
+def test_discs_half_outside_are_cut_and_those_outside_leave_no_trace() -> None:
+    for radius in (0.3, 1.0, 6.0, 60.0):
+        edge = covered_area(draw(frame_of([(0.0, 120.0)], radius)))
+        whole = covered_area(draw(frame_of([(160.0, 120.0)], radius)))
+        if radius >= 1:
+            assert edge == pytest.approx(whole / 2, rel=0.2)
+        far = [(-radius - 2, 50), (50, 242 + radius), (1e30, 50), (50, -1e30)]
+        assert (draw(frame_of(far, radius)) == STAGE).all()
+
+
+def test_no_particles_no_ink() -> None:
+    assert (draw(frame_of(np.empty((0, 2)), 1.0)) == STAGE).all()
+
+
+def test_a_disc_glides_between_pixels() -> None:
+    """The centre of the ink follows the disc to a fraction of a pixel."""
+    for radius in (1.0, 5.0, 15.0):
+        for shift in (0.0, 0.3, 0.6, 0.9):
+            picture = draw(frame_of([(100 + shift, 100)], radius))
+            ink = np.abs(picture - np.array(STAGE)).sum(axis=(1, 2))
+            middle = (ink * (np.arange(SIZE[0]) + 0.5)).sum() / ink.sum()
+            assert middle == pytest.approx(100 + shift, abs=0.3)
+
+
+@pytest.mark.parametrize("zoom", [1e-3, 1e2, 1e5])
+def test_any_zoom(zoom: float) -> None:
+    frame = frame_of(np.random.default_rng(1).uniform(0, 240, (500, 2)), 4.0)
+    camera = camera_of_pixels()
+    camera.zoom_at((frame.positions[0, 0], frame.positions[0, 1]), zoom)
+    picture = draw(frame, camera)
+    if zoom > 1:
+        x, y = (int(at) for at in frame.positions[0])
+        assert tuple(picture[x, y].astype(int)) == DISCS[20]
+    else:
+        assert 0 < covered_area(picture) < 50
+
+
+def test_a_million_particles_are_drawn() -> None:
+    rng = np.random.default_rng(2)
+    frame = frame_of(rng.uniform(0, 240, (1_000_000, 2)).astype(np.float32), 0.1)
+    assert covered_area(draw(frame)) > 0.3 * 240 * 240
+
+
+def test_the_store_of_stamps_stays_small() -> None:
+    renderer = Renderer()
+    for radius in np.linspace(2, 47, 40):
+        for shade in range(SHADES):
+            draw(frame_of([(100, 100)], radius), shade=shade, renderer=renderer)
+    assert renderer._stamps._bytes < 2 * 96 * 2**20
+
+
+def test_drawing_leaves_the_frame_alone() -> None:
+    frame = frame_of([(30, 40), (31, 44)], [3, 0.5])
+    before = frame.positions.copy(), frame.radii.copy()
+    draw(frame)
+    assert (frame.positions == before[0]).all() and (frame.radii == before[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("container", "edge", "outside"),
+    [
+        (jostle.Box(60, 40, 260, 200), (59, 120), (40, 120)),
+        (jostle.Torus(200, 160), (200, 80), (210, 170)),
+        (jostle.Circle((160, 120), 100), (59, 120), (50, 40)),
+    ],
+)
+def test_walls_are_outlined(container, edge, outside) -> None:
+    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+    Renderer().draw_stage(canvas, container, camera_of_pixels())
+    assert canvas.get_at(edge)[:3] == pytest.approx(WALL, abs=24)
+    assert canvas.get_at((160, 120))[:3] == STAGE
+    assert canvas.get_at(outside)[:3] not in (STAGE, WALL)
+
+
+def test_tree_is_coloured_by_level() -> None:
+    boxes = [(20, 20, 220, 220), (20, 20, 120, 120), (120, 20, 220, 120)]
+    tree = TreeBoxes(np.array(boxes, float), np.array([0, 1, 1]), np.array([False, True, True]))
+    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+    canvas.fill(STAGE)
+    draw_outline(canvas, tree, camera_of_pixels())
+    assert canvas.get_at((20, 180))[:3] == level_colour(0, 1)
+    assert canvas.get_at((120, 60))[:3] == level_colour(1, 1)
+    assert canvas.get_at((60, 60))[:3] == STAGE
+    draw_filled(canvas, tree, camera_of_pixels())
+    assert canvas.get_at((60, 60))[:3] != STAGE
+    assert canvas.get_at((60, 180))[:3] == STAGE  # no leaf there
+
+
+def test_no_tree_is_no_trouble() -> None:
+    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+    draw_outline(canvas, TreeBoxes.none(), camera_of_pixels())
+    draw_filled(canvas, TreeBoxes.none(), camera_of_pixels())
+    assert not pygame.surfarray.array3d(canvas).any()
+
+
+def test_colours_show_what_tells_the_particles_apart() -> None:
+    places = [(10, 10), (20, 20), (30, 30)]
+    by_density = frame_of(places, [1, 2, 3], densities=[1, 10, 20])
+    by_radius = frame_of(places, [1, 2, 3])
+    by_speed = frame_of(places, 2, velocities=[(0, 0), (3, 0), (0, 9)])
+    for frame, name in [(by_density, "density"), (by_radius, "radius"), (by_speed, "speed")]:
+        colouring = Colouring()
+        shades = colouring.shades(frame)
+        assert colouring.shows == name
+        assert (np.diff(shades.astype(int)) > 0).all() and shades.max() < SHADES
+
+
+def test_what_cannot_move_is_grey() -> None:
+    frame = frame_of([(1, 1), (2, 2)], [1, 2], movable=[True, False])
+    assert list(Colouring().shades(frame)) == [0, FIXED_SHADE]
+    assert len(Colouring().shades(frame_of([], 1.0))) == 0

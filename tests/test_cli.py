@@ -1,0 +1,129 @@
+"""The command, as a person types it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
+    pytest.importorskip(extra)
+
+import jostle  # noqa: E402
+from jostle import cli  # noqa: E402
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("DISPLAY", "WAYLAND_DISPLAY")
+    }
+    return subprocess.run(
+        [sys.executable, "-m", "jostle.cli", *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        env={**environment, "PYTHONIOENCODING": "utf-8", "COLUMNS": "100"},
+        timeout=120,
+    )
+
+
+def refused(monkeypatch, capsys, *arguments: str) -> str:
+    """Run in this process; return the one sentence of a refusal."""
+    monkeypatch.setattr(sys, "argv", ["jostle", *arguments])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 2
+    printed = capsys.readouterr()
+    assert not printed.out and printed.err.count("\n") == 1
+    assert printed.err.startswith("jostle: ")
+    return printed.err
+
+
+def test_run_without_a_display_makes_a_film_and_a_table(tmp_path: Path) -> None:
+    out = tmp_path / "new" / "folder"
+    done = command("run", "gas", "-n", "40", "--steps", "6", "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in out.iterdir()) == ["gas.mp4", "gas.png"]
+    for words in ("no display", "6/6 steps", "particles", "780", "brute force", "gas.mp4"):
+        assert words in done.stdout
+
+
+def test_scenes_lists_every_scene() -> None:
+    done = command("scenes")
+    assert done.returncode == 0
+    assert all(name in done.stdout for name in jostle.scenes.names())
+
+
+def test_version() -> None:
+    assert command("--version").stdout.strip() == f"jostle {jostle.__version__}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nowhere"], "no scene 'nowhere'"),
+        (["run", "-n", "-1"], "-n is -1; it must be at least 0"),
+        (["run", "-n", "many"], "Invalid value for '-n'"),
+        (["run", "--method", "magic"], "--method is 'magic'"),
+        (["run", "--steps", "0"], "--steps is 0; it must be at least 1"),
+        (["run", "--seed", "-4"], "--seed is -4"),
+        (["run", "--leaf-capacity", "0"], "--leaf-capacity is 0"),
+        (["run", "--max-depth", "-1"], "--max-depth is -1"),
+        (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
+        (["run", "--speed", "3"], "--speed"),
+        (["dance"], "dance"),
+    ],
+)
+def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> None:
+    assert words in refused(monkeypatch, capsys, *arguments)
+
+
+def test_a_folder_that_cannot_be_written_is_refused_first(
+    monkeypatch, capsys, tmp_path: Path
+) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    sentence = refused(monkeypatch, capsys, "run", "--headless", "--out", str(file / "out"))
+    assert "no file can be written" in sentence
+
+
+@pytest.mark.parametrize("missing", ["typer", "rich"])
+def test_without_the_extra_one_sentence_says_how_to_get_it(missing: str) -> None:
+    code = f"import sys; sys.modules[{missing!r}] = None; import jostle.cli"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode != 0 and "Traceback" not in done.stderr
+    assert 'pip install "jostle[app]"' in done.stderr
+
+
+def test_the_display_decides(monkeypatch) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert not cli._has_display()
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert cli._has_display()
+    monkeypatch.setenv("SDL_VIDEODRIVER", "offscreen")
+    assert not cli._has_display()
+
+
+def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_path) -> None:
+    import pygame
+
+    def refuse(*arguments: object, **options: object) -> None:
+        raise pygame.error("no video device")
+
+    monkeypatch.setattr(cli, "_has_display", lambda: True)
+    monkeypatch.setattr(pygame.display, "set_mode", refuse)
+    monkeypatch.setattr(
+        sys, "argv", ["jostle", "run", "gas", "-n", "5", "--steps", "2", "--out", str(tmp_path)]
+    )
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    assert "no video device" in capsys.readouterr().out
+    assert (tmp_path / "gas.mp4").exists()
