@@ -20,6 +20,7 @@ SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/
   $(shell find crates/*/src python -name __pycache__ -prune -o -print 2>/dev/null)
 
 .DEFAULT_GOAL := help
+.NOTPARALLEL:
 .PHONY: help setup run test lint bench docs web clean
 
 help:  ## list the verbs
@@ -48,6 +49,7 @@ lint: setup  ## check format, style and types
 
 bench: setup  ## measure the pairs against the rivals
 	$(BIN)/python benchmarks/pairs.py $(ARGS)
+	$(BIN)/python benchmarks/step.py
 
 docs: setup  ## draw the pictures of the documents again
 	$(BIN)/python docs/pictures.py $(ARGS)

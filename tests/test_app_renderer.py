@@ -74,7 +74,13 @@ def test_dust_adds_up_and_does_not_run_over() -> None:
     positions = np.full((1000, 2), 50.5)
     picture = draw(frame_of(positions, 0.2))
     assert tuple(picture[50, 50].astype(int)) == pytest.approx(DISCS[20], abs=2)
-    assert (picture[:50] == STAGE).all() and (picture[51:] == STAGE).all()
+    assert (picture[:49] == STAGE).all() and (picture[52:] == STAGE).all()
+
+
+def test_sparse_dust_does_not_vanish_and_dense_dust_keeps_its_share() -> None:
+    assert covered_area(draw(frame_of([(100.5, 100.5)], 1e-6))) > 0.8
+    places = np.random.default_rng(3).uniform(0, 240, (200_000, 2))
+    assert covered_area(draw(frame_of(places, 0.0))) < 0.15 * 320 * 240
 
 
 def test_discs_half_outside_are_cut_and_those_outside_leave_no_trace() -> None:

@@ -164,8 +164,8 @@ def test_r_starts_again_with_the_method_of_the_moment(open_window, make) -> None
     ],
 )
 def test_b_switches_brute_force_and_tree(open_window, make, names) -> None:
-    window = open_window(make("article", 30))
-    every_pair = 30 * 29 // 2
+    window = open_window(make("article", 300))
+    every_pair = 300 * 299 // 2
     for name in names:
         press(window, pygame.K_b)
         assert window.simulation.method == name

@@ -22,7 +22,7 @@ import jostle
 from jostle.app.simulation import METHODS, Simulation
 from jostle.app.start import Options, start
 
-DEFAULT_SCENE = "pile"
+DEFAULT_SCENE = "mixed"
 MOST_PARTICLES = 100_000_000
 
 app = typer.Typer(
@@ -94,14 +94,14 @@ def run(
     _check_range("--steps", steps, 1, 2**31 - 1)
     _check_extra()
     options = Options(scene, n, seed, method, leaf_capacity, max_depth)
-    if not headless and _has_display():
-        problem = _show(options, steps)
-        if problem is None:
+    why_no_window = None
+    if not headless:
+        why_no_window = _show(options, steps) if _has_display() else "there is no display"
+        if why_no_window is None:
             return
-        console.print(f"No window could be opened ({problem}), so this run becomes a film.")
-    elif not headless:
-        console.print("There is no display here, so this run becomes a film.")
     _check_folder(out)
+    if why_no_window is not None:
+        console.print(f"No window here ({why_no_window}), so this run becomes a film.")
     _film(options, steps, out)
 
 
@@ -129,7 +129,7 @@ def _film(options: Options, steps: int | None, out: Path) -> None:
     try:
         film = make_film(simulation, steps or default_steps(simulation), out, console)
     except OSError as error:
-        _refuse(f"the film could not be written: {error}")
+        _refuse(f"the film could not be written: {str(error).splitlines()[0]}")
     except KeyboardInterrupt:
         console.print(f"Stopped. What was filmed so far is in {out}.")
         raise
@@ -206,7 +206,8 @@ def main() -> None:
     try:
         code = app(standalone_mode=False)
     except complaint as error:
-        print(f"jostle: {error.format_message()}", file=sys.stderr)  # type: ignore[attr-defined]
+        if sentence := error.format_message():  # type: ignore[attr-defined]
+            print(f"jostle: {sentence}", file=sys.stderr)
         code = 2
     except (typer.Abort, KeyboardInterrupt):
         code = 130

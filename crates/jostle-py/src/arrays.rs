@@ -147,10 +147,9 @@ impl<'py> Argument<'py> {
         Err(PyTypeError::new_err(format!("{name} must hold {wanted}, not {found}")))
     }
 
-    /// Whether it takes part in the choice between float32 and float64: one plain
-    /// number, or a plain pair, for all rows follows the arrays beside it.
-    fn has_precision(&self) -> bool {
-        self.array.ndim() > 0 && (self.was_array || self.array.shape() != [2])
+    /// Whether it is two numbers that did not come in an array.
+    pub fn is_plain_pair(&self) -> bool {
+        !self.was_array && self.array.shape() == [2]
     }
 
     /// Whether its numbers are float32, in any byte order.
@@ -316,12 +315,12 @@ fn as_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     Ok(array.cast_into::<PyUntypedArray>()?)
 }
 
-/// Whether a call computes in float32: every array that was given is float32,
-/// and there is at least one.
+/// Whether a call computes in float32: every array is float32, and there is one.
+/// A single number follows the arrays beside it.
 pub fn all_single(arguments: &[Option<&Argument<'_>>]) -> bool {
-    let mut with_precision =
-        arguments.iter().flatten().filter(|argument| argument.has_precision()).peekable();
-    with_precision.peek().is_some() && with_precision.all(|argument| argument.is_single())
+    let arrays = arguments.iter().flatten().filter(|argument| !argument.is_scalar());
+    let mut arrays = arrays.peekable();
+    arrays.peek().is_some() && arrays.all(|argument| argument.is_single())
 }
 
 /// x, y, x, y, … as pairs.

@@ -42,9 +42,11 @@ impl Shapes {
         let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
         let half_sizes =
             half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;
-        let arguments = [Some(&centers), radii.as_ref(), half_sizes.as_ref()];
+        // A plain pair of half sizes for all shapes follows the arrays beside it.
+        let sizes = half_sizes.as_ref().filter(|sizes| !sizes.is_plain_pair());
+        let single = all_single(&[Some(&centers), radii.as_ref(), sizes]);
         let filters = read_filters(categories, masks, centers.pairs_len()?)?;
-        Ok(if all_single(&arguments) {
+        Ok(if single {
             Self::Single(Rows::read(&centers, radii.as_ref(), half_sizes.as_ref(), filters)?)
         } else {
             Self::Double(Rows::read(&centers, radii.as_ref(), half_sizes.as_ref(), filters)?)

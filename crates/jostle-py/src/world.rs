@@ -179,7 +179,7 @@ impl PyWorld {
     /// array([[4., 0.]], dtype=float32)
     #[pyo3(signature = (dt, steps=Given::NOTHING), text_signature = "($self, dt, steps=1)")]
     fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
-        let dt = number("dt", dt)? as f32;
+        let dt = number("dt", dt)?;
         let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
         loop {
             left = self.long(py, |state| state.step(dt, left))??;
@@ -330,7 +330,7 @@ impl PyWorld {
     /// Centres: ndarray of float32, shape (n, 2), a copy. Assign to change all.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        table(py, self.long(py, |state| state.world.particles().positions)?)
+        table(py, self.long(py, |state| state.world.positions())?)
     }
 
     #[setter]
@@ -345,7 +345,7 @@ impl PyWorld {
     /// Assign to change all.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        table(py, self.long(py, |state| state.world.particles().velocities)?)
+        table(py, self.long(py, |state| state.world.velocities())?)
     }
 
     #[setter]
@@ -360,7 +360,7 @@ impl PyWorld {
     /// change all; masses stay as they are.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(column(py, self.long(py, |state| state.world.particles().radii)?))
+        Ok(column(py, self.long(py, |state| state.world.radii())?))
     }
 
     #[setter]
@@ -375,7 +375,7 @@ impl PyWorld {
     /// change all.
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(column(py, self.long(py, |state| state.world.particles().masses)?))
+        Ok(column(py, self.long(py, |state| state.world.masses())?))
     }
 
     #[setter]
@@ -390,7 +390,7 @@ impl PyWorld {
     /// an array or one number to change all.
     #[getter]
     fn restitutions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(column(py, self.long(py, |state| state.world.particles().restitutions)?))
+        Ok(column(py, self.long(py, |state| state.world.restitutions())?))
     }
 
     #[setter]
@@ -405,7 +405,7 @@ impl PyWorld {
     /// truth to change all.
     #[getter]
     fn movable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        Ok(column(py, self.long(py, |state| state.world.particles().movable)?))
+        Ok(column(py, self.long(py, |state| state.world.movable())?))
     }
 
     #[setter]
@@ -668,7 +668,7 @@ impl PyWorld {
 
 impl State {
     /// Does some of the steps, and returns how many are left.
-    fn step(&mut self, dt: f32, mut left: usize) -> PyResult<usize> {
+    fn step(&mut self, dt: f64, mut left: usize) -> PyResult<usize> {
         let start = Instant::now();
         loop {
             let mut profile = <[Duration; STAGES.len()]>::default();

@@ -8,6 +8,12 @@ use crate::geometry::{Scalar, Shape};
 /// their end, so that a kernel may read a whole block from any row.
 pub const LANES: usize = 16;
 
+/// What a shape is where nothing is said.
+pub const DEFAULT_CATEGORY: u32 = 1;
+
+/// What a shape may pair with where nothing is said: everything.
+pub const DEFAULT_MASK: u32 = u32::MAX;
+
 /// Shapes in columns of equal length, with [`LANES`] spare rows behind them.
 ///
 /// Columns that would say the same for every row are left empty: half sizes
@@ -126,8 +132,8 @@ impl<T: Scalar> Columns<T> {
                 [T::ZERO; 2]
             },
             radius: self.radius[row],
-            category: if filtered { self.category[row] } else { u32::MAX },
-            mask: if filtered { self.mask[row] } else { u32::MAX },
+            category: if filtered { self.category[row] } else { DEFAULT_CATEGORY },
+            mask: if filtered { self.mask[row] } else { DEFAULT_MASK },
         }
     }
 

@@ -107,11 +107,22 @@ impl Contacts {
         self.colour(particles.len());
     }
 
-    /// Forgets the resting impulses; places have changed their meaning.
-    pub fn forget(&mut self) {
-        self.previous = Previous::default();
-        self.list.clear();
-        self.ends.clear();
+    /// Drops the contacts of particles that are gone and renames the places of
+    /// the others, which close up.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let mut left = 0;
+        let renamed: Vec<u32> = keep
+            .iter()
+            .map(|&kept| {
+                left += u32::from(kept);
+                left - u32::from(kept)
+            })
+            .collect();
+        self.canonical.retain(|contact| contact.places.iter().all(|&place| keep[place as usize]));
+        for contact in &mut self.canonical {
+            contact.places = contact.places.map(|place| renamed[place as usize]);
+        }
+        self.index(left as usize);
     }
 
     /// Sorts the contacts by colour.
@@ -174,10 +185,15 @@ impl Contacts {
 
     /// Keeps the resting impulses for the next step.
     pub fn remember(&mut self, places: usize) {
-        let Previous { starts, seconds, impulses } = &mut self.previous;
         for contact in &self.list {
             self.canonical[contact.index as usize] = *contact;
         }
+        self.index(places);
+    }
+
+    /// Makes the resting impulses easy to find by place.
+    fn index(&mut self, places: usize) {
+        let Previous { starts, seconds, impulses } = &mut self.previous;
         starts.clear();
         starts.resize(places + 1, 0);
         seconds.clear();

@@ -9,9 +9,9 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::columns::{Columns, LANES};
+use crate::columns::{Columns, DEFAULT_CATEGORY, DEFAULT_MASK, LANES};
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape, overlap};
+use crate::geometry::{self, Cover, Scalar, Shape, overlap};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
@@ -78,6 +78,35 @@ pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) ->
         *pair = [a.rows()[pair[0] as usize], b.rows()[pair[1] as usize]];
     }
     Ok(found)
+}
+
+/// The pairs of [`within`] with the geometry of their overlap.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlaps<T> {
+    /// Rows, `i < j`, in the tree's order.
+    pub pairs: Vec<[u32; 2]>,
+    /// Unit vectors from `i` to `j`.
+    pub normals: Vec<[T; 2]>,
+    /// How far each pair overlaps along its normal.
+    pub depths: Vec<T>,
+    /// Shapes tested against shapes.
+    pub tests: u64,
+}
+
+/// As [`within`], with normals and depths.
+pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overlaps<T>> {
+    let Found { mut pairs, tests } = places_within(tree, max_pairs)?;
+    let (mut normals, mut depths) =
+        (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
+    for pair in &mut pairs {
+        pair.sort_unstable_by_key(|&place| tree.rows()[place as usize]);
+        let [a, b] = pair.map(|place| tree.columns().shape(place as usize));
+        let (normal, depth) = geometry::contact(&a, &b);
+        normals.push(normal);
+        depths.push(depth);
+        *pair = pair.map(|place| tree.rows()[place as usize]);
+    }
+    Ok(Overlaps { pairs, normals, depths, tests })
 }
 
 /// As [`within`], in places of the tree's order instead of rows.
@@ -464,7 +493,7 @@ fn allowed<T: Scalar>(shape: &Shape<T>, others: &Columns<T>, block: Range<usize>
         let (category, mask) = if others.has_filters() {
             (others.category[row], others.mask[row])
         } else {
-            (u32::MAX, u32::MAX)
+            (DEFAULT_CATEGORY, DEFAULT_MASK)
         };
         let agree = (shape.category & mask) != 0 && (category & shape.mask) != 0;
         bits |= u32::from(agree) << lane;

@@ -188,7 +188,10 @@ impl World {
     /// Changes the rules. Refused rules leave the old ones.
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
-        settings.container.check_fit(&self.particles().radii)?;
+        settings.container.check_fit(&self.radii())?;
+        if settings.container != self.settings.container {
+            self.wall_pushes.fill([0.0; MAX_WALLS]);
+        }
         self.settings = settings;
         Ok(())
     }
@@ -205,7 +208,6 @@ impl World {
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
         self.wall_pushes.resize(new, [0.0; MAX_WALLS]);
-        self.contacts.forget();
         Ok(old as u32..new as u32)
     }
 
@@ -227,9 +229,9 @@ impl World {
             place += 1;
             keep[place - 1]
         });
+        self.contacts.retain(&keep);
         self.rows.retain(|&row| !gone[row as usize]);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        self.contacts.forget();
         Ok(())
     }
 
@@ -238,6 +240,44 @@ impl World {
         let mut copy = Particles::default();
         copy.gather(&self.particles, &self.places());
         copy
+    }
+
+    /// Centres in the order of adding.
+    pub fn positions(&self) -> Vec<[f32; 2]> {
+        self.column(&self.particles.positions)
+    }
+
+    /// Velocities in the order of adding.
+    pub fn velocities(&self) -> Vec<[f32; 2]> {
+        self.column(&self.particles.velocities)
+    }
+
+    /// Radii in the order of adding.
+    pub fn radii(&self) -> Vec<f32> {
+        self.column(&self.particles.radii)
+    }
+
+    /// Masses in the order of adding.
+    pub fn masses(&self) -> Vec<f32> {
+        self.column(&self.particles.masses)
+    }
+
+    /// Restitutions in the order of adding.
+    pub fn restitutions(&self) -> Vec<f32> {
+        self.column(&self.particles.restitutions)
+    }
+
+    /// Whether each particle can be moved, in the order of adding.
+    pub fn movable(&self) -> Vec<bool> {
+        self.column(&self.particles.movable)
+    }
+
+    fn column<V: Copy + Default>(&self, values: &[V]) -> Vec<V> {
+        let mut column = vec![V::default(); values.len()];
+        for (&row, &value) in self.rows.iter().zip(values) {
+            column[row as usize] = value;
+        }
+        column
     }
 
     /// Changes columns of the particles in `rows` (`None`: of all): `change` gets
@@ -282,16 +322,17 @@ impl World {
     }
 
     /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends.
-    pub fn step(&mut self, dt: f32, steps: usize, watch: &mut dyn FnMut(Stage)) -> Result<()> {
-        if !(dt > 0.0 && dt.is_finite()) {
+    pub fn step(&mut self, dt: f64, steps: usize, watch: &mut dyn FnMut(Stage)) -> Result<()> {
+        let single = dt as f32;
+        if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0"));
         }
         for _ in 0..steps {
-            let parts = self.parts(dt);
+            let parts = self.parts(single);
             for _ in 0..parts {
-                self.step_once(dt / parts as f32, watch)?;
+                self.step_once(single / parts as f32, watch)?;
             }
-            self.time += f64::from(dt);
+            self.time += dt;
         }
         Ok(())
     }

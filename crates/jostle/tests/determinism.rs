@@ -50,9 +50,9 @@ fn threads_do_not_show() {
     for scene in &SCENES {
         let hashes = [1, 2, 8].map(|threads| {
             // Enough particles for every parallel path to be taken.
-            let mut world = scene.create(Some(5000), 1).expect("a scene is valid");
+            let mut world = scene.create(Some(20_000), 1).expect("a scene is valid");
             with(&mut world, |settings| settings.tree.threads = Some(threads));
-            run(&mut world, 20);
+            run(&mut world, 10);
             world.state_hash()
         });
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);

@@ -9,7 +9,7 @@ fn world(particles: Particles, settings: WorldSettings) -> World {
     World::new(particles, settings).expect("the test's particles are valid")
 }
 
-fn run(world: &mut World, dt: f32, steps: usize) {
+fn run(world: &mut World, dt: f64, steps: usize) {
     world.step(dt, steps, &mut |_| ()).expect("a step succeeds");
 }
 
@@ -58,7 +58,7 @@ impl Two {
     }
 
     /// Largest deviation of the world from the analysis, relative to the speed.
-    fn error(&self, dt: f32, steps: usize, substeps: usize) -> f64 {
+    fn error(&self, dt: f64, steps: usize, substeps: usize) -> f64 {
         let mut world = self.world(substeps);
         run(&mut world, dt, steps);
         let found = world.particles().velocities;
@@ -113,7 +113,7 @@ fn oblique_collisions_take_the_normal_of_the_moment_of_impact() {
         let radii = [random.between(2.0, 10.0), random.between(2.0, 10.0)];
         let reach = radii[0] + radii[1];
         // Up to the smaller radius in a step, hit anywhere but at the very edge.
-        let speed = random.between(0.05, 1.0) * radii[0].min(radii[1]) / STEP;
+        let speed = random.between(0.05, 1.0) * radii[0].min(radii[1]) / STEP as f32;
         let aside = random.between(-0.95, 0.95) * reach;
         let way = random.between(1.01, 3.0) * reach;
         let two = Two {
@@ -123,7 +123,7 @@ fn oblique_collisions_take_the_normal_of_the_moment_of_impact() {
             masses: [random.between(0.5, 5.0), random.between(0.5, 5.0)],
             restitution: random.between(0.3, 1.0),
         };
-        let steps = (2.0 * (way + reach) / (speed * STEP)) as usize + 2;
+        let steps = (2.0 * (way + reach) / (speed * STEP as f32)) as usize + 2;
         for substeps in [1, 4] {
             worst = worst.max(two.error(STEP, steps, substeps));
         }
@@ -262,7 +262,7 @@ fn no_shot_passes_through_a_disc() {
         let start = [-distance * x - aside * y, -distance * y + aside * x];
         let particles = Particles {
             positions: vec![start, [0.0; 2]],
-            velocities: vec![direction.map(|v| v * way / STEP), [0.0; 2]],
+            velocities: vec![direction.map(|v| v * way / STEP as f32), [0.0; 2]],
             radii: vec![radius, target],
             masses: vec![1.0, random.between(0.1, 10.0)],
             restitutions: vec![1.0; 2],
@@ -291,7 +291,7 @@ fn no_shot_passes_through_a_curtain_of_discs() {
         let mut velocities = vec![[0.0; 2]; pegs];
         for _ in 0..100 {
             positions.push([random.between(5.0, 180.0), random.between(5.0, side - 5.0)]);
-            velocities.push(random.in_disc().map(|v| v * 1000.0 * shot / STEP));
+            velocities.push(random.in_disc().map(|v| v * 1000.0 * shot / STEP as f32));
         }
         let radii = [vec![peg; pegs], vec![shot; 100]].concat();
         let mut particles = Particles::new(positions, velocities, radii, 1.0);
@@ -523,8 +523,40 @@ fn a_world_without_particles_steps() {
     let mut world = world(Particles::default(), WorldSettings::default());
     run(&mut world, STEP, 10);
     assert_eq!((world.len(), world.momentum()), (0, [0.0; 2]));
-    assert!((world.time() - 10.0 * f64::from(STEP)).abs() < 1e-12);
+    assert!((world.time() - 10.0 * STEP).abs() < 1e-12);
     let one_thread = Settings { threads: Some(1), ..Settings::default() };
     world.configure(WorldSettings { tree: one_thread, ..*world.settings() }).unwrap();
     run(&mut world, STEP, 1);
+}
+
+#[test]
+fn removing_particles_keeps_the_contacts_of_the_others() {
+    let positions = vec![[0.0, 0.0], [1.5, 0.0], [9.0, 0.0], [10.5, 0.0]];
+    let particles = Particles::new(positions, vec![[0.0; 2]; 4], vec![1.0; 4], 1.0);
+    let mut world = world(particles, WorldSettings::default());
+    run(&mut world, STEP, 1);
+    let pairs = |world: &World| world.contacts().iter().map(|t| t.pair).collect::<Vec<_>>();
+    assert_eq!(pairs(&world), [[0, 1], [2, 3]]);
+    world.remove(&[1]).unwrap();
+    assert_eq!(pairs(&world), [[1, 2]]);
+    world.add(Particles::new(vec![[50.0; 2]], vec![[0.0; 2]], vec![1.0], 1.0)).unwrap();
+    assert_eq!(pairs(&world), [[1, 2]]);
+    run(&mut world, STEP, 1);
+    assert_eq!(pairs(&world), [[1, 2]]);
+    assert_eq!(world.radii(), [1.0; 4]);
+}
+
+#[test]
+fn a_pile_rests_on_while_its_top_is_taken_away() {
+    let mut world = jostle::scenes::find("pile").unwrap().create(Some(300), 0).unwrap();
+    run(&mut world, STEP, 900);
+    for _ in 0..50 {
+        let all = world.positions();
+        let top = (0..all.len()).min_by(|&a, &b| all[a][1].total_cmp(&all[b][1])).unwrap();
+        world.remove(&[top as u32]).unwrap();
+        run(&mut world, STEP, 2);
+        let speeds = world.velocities().into_iter().map(|v| v[0].hypot(v[1]));
+        let speed = speeds.sum::<f32>() / world.len() as f32;
+        assert!(speed < 5.0, "{} left: mean speed {speed}", world.len());
+    }
 }

@@ -6,6 +6,8 @@ one sweep over arrays; then every pixel that got any is blended once.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pygame
 from numpy.typing import NDArray
@@ -14,7 +16,9 @@ from jostle.app.palette import DISCS
 
 MAX_RADIUS = 1.125  # pixels; larger discs are stamps, and would spill beyond the kernels
 _POINT_RADIUS = 0.5  # below it one pixel is enough
-_LEAST_COVER = 0.35  # the smallest disc still lights its pixel so much, or dust would vanish
+# However small, a disc is drawn with this radius, or sparse dust in a wide world would vanish;
+# with less where there are so many that they would cover more than this share of the picture.
+_LEAST_RADIUS, _LEAST_SHARE = 0.6, 0.12
 _STEPS = 16  # radii told apart per pixel
 _PLACES = 4  # sub-pixel places each way
 
@@ -36,6 +40,8 @@ def scatter(
         x, y, radii, shades = x[inside], y[inside], radii[inside], shades[inside]
     if len(x) == 0:
         return
+    least = math.sqrt(_LEAST_SHARE * width * height / (math.pi * len(x)))
+    radii = np.maximum(radii, min(least, _LEAST_RADIUS))
     # Two pixels of border: one for centres just outside, one for what spills over from them.
     wide, high = width + 4, height + 4
     column, row = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
@@ -53,24 +59,25 @@ def scatter(
     if not broad.all():
         points = ~broad
         cells.append(at[points])
-        covers.append(np.maximum(np.pi * radii[points] ** 2, _LEAST_COVER))
+        covers.append(np.pi * radii[points] ** 2)
         colour[at[points]] = shades[points]
     cover = np.bincount(np.concatenate(cells), np.concatenate(covers), wide * high)
     lit = np.flatnonzero(cover)
     row, column = lit // wide - 2, lit % wide - 2
     shown = (row >= 0) & (row < height) & (column >= 0) & (column < width)
     lit = lit[shown]
-    _blend(target, row[shown] * width + column[shown], cover[lit], colour[lit])
+    share = np.minimum(cover[lit], 1.0)
+    _blend(target, row[shown] * width + column[shown], share, colour[lit])
 
 
-def _blend(target: pygame.Surface, at: Indices, cover: Floats, colour: NDArray[np.uint8]) -> None:
+def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[np.uint8]) -> None:
     """Blend colours into pixels; red and blue travel together in one number."""
     pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
-    share = (np.minimum(cover, 1.0) * 256).astype(np.uint32)
+    weight = (share * 256).astype(np.uint32)
     back, front = pixels[at], _PACKED[colour]
     mixed = np.zeros_like(back)
     for channels in (np.uint32(0xFF00FF), np.uint32(0x00FF00)):
-        both = (back & channels) * (256 - share) + (front & channels) * share
+        both = (back & channels) * (256 - weight) + (front & channels) * weight
         mixed |= (both >> np.uint32(8)) & channels
     pixels[at] = mixed
 

@@ -55,11 +55,9 @@ def make_film(
     size
         Of the film in pixels, both even.
     """
-    name = (
-        simulation.scene
-        if simulation.method == "quadtree"
-        else (f"{simulation.scene}-{simulation.method}")
-    )
+    name = simulation.scene
+    if simulation.method != "quadtree":
+        name += f"-{simulation.method}"
     video, still = out / f"{name}.mp4", out / f"{name}.png"
     picture = Picture(size, simulation)
     stride = max(round(1 / FRAMES_A_SECOND / simulation.time_step), 1)

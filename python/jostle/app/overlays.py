@@ -13,7 +13,7 @@ from jostle.app.palette import STAGE, Colour, blend, level_colour
 from jostle.app.simulation import TreeBoxes
 
 SMALLEST = 3.0  # pixels: finer boxes would only be a grey haze
-FILL_SHARE = 0.32  # how much of the level's colour a filled leaf takes
+FILL_SHARE = 0.36  # how much of the level's colour a filled leaf takes
 
 
 class TreeView(Enum):

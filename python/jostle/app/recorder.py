@@ -16,7 +16,7 @@ _COLOUR_SPACE = [
     "-vf", "scale=out_color_matrix=bt709:out_range=tv",
     "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
 ]  # fmt: skip
-_QUALITY = ["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"]
+_QUALITY = ["-crf", "23", "-preset", "veryfast", "-movflags", "+faststart"]
 
 
 class Recorder:

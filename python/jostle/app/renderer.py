@@ -1,6 +1,6 @@
 """Discs and walls, drawn by the processor alone: the renderer that works everywhere.
 
-Discs fall into three kinds by their radius on the screen: dust, stamps and large circles.
+Discs fall into three kinds by their radius on the screen: large circles, stamps and dust.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Renderer:
         shades: NDArray[np.uint8],
         camera: Camera,
     ) -> None:
-        """Draw every disc that the view shows: the small ones first, so that none is lost."""
+        """Draw every disc that the view shows: the large ones first, so that they hide none."""
         x, y = camera.to_screen(frame.positions)
         radii = frame.radii.astype(np.float64) * camera.scale
         width, height = camera.size
@@ -62,7 +62,7 @@ class Renderer:
         if not seen.all():
             x, y, radii, shades = x[seen], y[seen], radii[seen], shades[seen]
         kind = np.digitize(radii, (dust.MAX_RADIUS, MAX_STAMP), right=True)
-        for number, draw in enumerate((dust.scatter, self._stamps.blit, _draw_large)):
+        for number, draw in ((2, _draw_large), (1, self._stamps.blit), (0, dust.scatter)):
             mine = kind == number
             if mine.all():
                 draw(target, x, y, radii, shades)

@@ -14,7 +14,7 @@ from jostle.app.headless import Film
 from jostle.app.readout import method_name, pairs_of, share
 from jostle.app.simulation import Frame, Rect, Simulation
 from jostle.app.start import Options
-from jostle.app.world_simulation import TIME_STEP, WorldSimulation
+from jostle.app.world_simulation import TIME_STEP, Rules, WorldSimulation
 
 Row = tuple[str, str, str]  # what, how much, remark
 
@@ -38,7 +38,9 @@ def report(simulation: Simulation, film: Film, options: Options) -> Table:
     table.add_column(justify="right")
     table.add_column(style="dim")
     table.add_row("particles", f"{n:,}", "")
-    table.add_row("steps", f"{film.steps:,}", f"{film.frames:,} pictures")
+    table.add_row(
+        "steps", f"{film.steps:,}", f"{film.frames:,} picture{'s' if film.frames != 1 else ''}"
+    )
     table.add_row(
         "steps a second",
         f"{1e3 / own:,.0f}",
@@ -90,7 +92,7 @@ def _article_row(state: Frame, view: Rect, options: Options, ours: float) -> Row
     return name, _ms(needed), f"{_times(needed, ours)}, in plain Python"
 
 
-def _time_world(world: jostle.World, method: str) -> tuple[float, float]:
+def _time_world(world: jostle.World, method: Rules) -> tuple[float, float]:
     """Return milliseconds a step, and those of its last step that went into finding pairs."""
     world.method = method
     step = _milliseconds(lambda: world.step(TIME_STEP))

@@ -29,7 +29,7 @@ def start(options: Options) -> Simulation:
         options.scene,
         options.n,
         seed=options.seed,
-        method=options.method,
+        method="brute" if options.method == "brute" else "quadtree",
         leaf_capacity=options.leaf_capacity,
         max_depth=options.max_depth,
     )

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulation import Container, Facts, Frame, Point, Rect, TreeBoxes
+
+Rules = Literal["quadtree", "brute"]
 
 TIME_STEP = 1 / 60
 BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the window for seconds
@@ -46,7 +49,7 @@ class WorldSimulation:
         n: int | None = None,
         *,
         seed: int = 0,
-        method: str = "quadtree",
+        method: Rules = "quadtree",
         leaf_capacity: int | None = None,
         max_depth: int | None = None,
     ) -> WorldSimulation:
@@ -68,7 +71,8 @@ class WorldSimulation:
         # These columns change only here, so a picture of a million need not copy them again.
         self._radii: NDArray[np.float32] = world.radii
         self._movable: NDArray[np.bool_] = world.movable
-        self._densities = world.masses / np.maximum(self._radii, 1e-12) ** 2
+        masses, areas = world.masses, self._radii**2
+        self._densities = np.divide(masses, areas, out=np.zeros_like(masses), where=areas > 0)
 
     def __len__(self) -> int:
         return len(self.world)
@@ -76,7 +80,7 @@ class WorldSimulation:
     @property
     def method(self) -> str:
         """Return "quadtree" or "brute"."""
-        return str(self.world.method)
+        return self.world.method
 
     @property
     def container(self) -> Container:
@@ -94,7 +98,7 @@ class WorldSimulation:
 
     def restart(self) -> None:
         """Go back to the first state; the method stays as it is."""
-        method = self.method
+        method = self.world.method
         self._take(self._create())
         self.world.method = method
 

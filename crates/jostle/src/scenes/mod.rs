@@ -16,7 +16,7 @@ use crate::world::{World, WorldSettings};
 use random::Random;
 
 /// The step that scenes are made for, seconds.
-pub const STEP: f32 = 1.0 / 60.0;
+pub const STEP: f64 = 1.0 / 60.0;
 
 /// Most particles that a scene is made with.
 const MAX_COUNT: usize = 100_000_000;

@@ -1,0 +1,30 @@
+"""The optimised wheel reaches the states that the core's own tests have pinned."""
+
+import re
+from pathlib import Path
+
+import jostle
+import numpy as np
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "crates" / "jostle" / "tests" / "determinism.rs"
+PINNED = {
+    name: int(value.replace("_", ""), 16)
+    for name, value in re.findall(r'\("(\w+)", (0x[0-9a-f_]+)\)', SOURCE.read_text())
+}
+STEP = float(np.float32(1) / np.float32(60))
+MOST = 1000
+
+
+def test_every_scene_is_pinned() -> None:
+    assert sorted(PINNED) == sorted(jostle.scenes.names())
+
+
+@pytest.mark.parametrize("name", sorted(PINNED))
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_scene_ends_in_its_pinned_state(name: str, threads: int) -> None:
+    count = min(MOST, len(jostle.scenes.create(name)))
+    world = jostle.scenes.create(name, n=count)
+    world.threads = threads
+    world.step(STEP, 1000)
+    assert f"{world.state_hash():#018x}" == f"{PINNED[name]:#018x}"
