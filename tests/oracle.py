@@ -36,19 +36,23 @@ class Shapes(NamedTuple):
         return self.take(np.sort(np.unique(np.hstack(columns), axis=0, return_index=True)[1]))
 
 
+def overlap(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
+    """Say which shapes overlap; the columns of the two are broadcast against each other."""
+    with np.errstate(over="ignore", under="ignore"):
+        distance = np.abs(a.centers - b.centers)
+        if a.half_sizes is not None or b.half_sizes is not None:
+            halves = [np.zeros_like(s.centers) if s[2] is None else s[2] for s in (a, b)]
+            distance = distance - (halves[0] + halves[1])
+        outside = np.maximum(distance, 0)
+        near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < (a.radii + b.radii) ** 2
+        return near | (distance < 0).all(axis=-1)
+
+
 def overlaps(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
     """Say for each shape of `a` (a row) whether it overlaps each of `b` (a column)."""
-    with np.errstate(over="ignore", under="ignore"):
-        distance = np.abs(a.centers[:, None] - b.centers[None])
-        if a.half_sizes is not None or b.half_sizes is not None:
-            reach_a, reach_b = (
-                np.zeros_like(s.centers) if s.half_sizes is None else s.half_sizes for s in (a, b)
-            )
-            distance = distance - (reach_a[:, None] + reach_b[None])
-        outside = np.maximum(distance, 0)
-        radius_sum = a.radii[:, None] + b.radii[None]
-        near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < radius_sum**2
-        return near | (distance < 0).all(axis=-1)
+    rows = Shapes(*(None if column is None else column[:, None] for column in a))
+    columns = Shapes(*(None if column is None else column[None] for column in b))
+    return overlap(rows, columns)
 
 
 def may_pair(

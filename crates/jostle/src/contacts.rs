@@ -31,6 +31,8 @@ pub struct Contact {
     pub gap: f32,
     /// Momentum that holds the two apart at rest, carried from step to step.
     pub impulse: f32,
+    /// Whether the two can rest on each other during this sub-step.
+    pub leans: bool,
     /// Whether the two pushed each other during this step.
     pub touched: bool,
     /// Index in the canonical order.
@@ -100,6 +102,7 @@ impl Contacts {
                 normal: [1.0, 0.0],
                 gap: 0.0,
                 impulse: if here { self.previous.impulse(before[i], before[j]) } else { 0.0 },
+                leans: false,
                 touched: false,
                 index: self.canonical.len() as u32,
             });

@@ -35,27 +35,69 @@ impl Motions {
     /// The motion of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> Motion {
-        let words = &self.0[place as usize];
-        let word = |k: usize| f32::from_bits(words[k].load(Ordering::Relaxed));
         Motion {
-            position: [word(0), word(1)],
-            velocity: [word(2), word(3)],
-            travel: [word(4), word(5)],
-            since: word(6),
+            position: self.position(place),
+            velocity: self.velocity(place),
+            travel: self.travel(place),
+            since: self.word(place, 6),
         }
     }
 
     /// Replaces the motion of the particle at `place`.
     #[inline(always)]
     pub fn set(&self, place: u32, motion: Motion) {
-        let words = &self.0[place as usize];
-        let put = |k: usize, v: f32| words[k].store(v.to_bits(), Ordering::Relaxed);
-        put(0, motion.position[0]);
-        put(1, motion.position[1]);
-        put(2, motion.velocity[0]);
-        put(3, motion.velocity[1]);
-        put(4, motion.travel[0]);
-        put(5, motion.travel[1]);
-        put(6, motion.since);
+        self.set_position(place, motion.position);
+        self.set_velocity(place, motion.velocity);
+        self.set_travel(place, motion.travel);
+        self.put(place, 6, motion.since);
+    }
+
+    /// Its position alone.
+    #[inline(always)]
+    pub fn position(&self, place: u32) -> [f32; 2] {
+        [self.word(place, 0), self.word(place, 1)]
+    }
+
+    /// Its velocity alone.
+    #[inline(always)]
+    pub fn velocity(&self, place: u32) -> [f32; 2] {
+        [self.word(place, 2), self.word(place, 3)]
+    }
+
+    /// Its way alone.
+    #[inline(always)]
+    pub fn travel(&self, place: u32) -> [f32; 2] {
+        [self.word(place, 4), self.word(place, 5)]
+    }
+
+    /// Replaces its position alone.
+    #[inline(always)]
+    pub fn set_position(&self, place: u32, [x, y]: [f32; 2]) {
+        self.put(place, 0, x);
+        self.put(place, 1, y);
+    }
+
+    /// Replaces its velocity alone.
+    #[inline(always)]
+    pub fn set_velocity(&self, place: u32, [x, y]: [f32; 2]) {
+        self.put(place, 2, x);
+        self.put(place, 3, y);
+    }
+
+    /// Replaces its way alone.
+    #[inline(always)]
+    pub fn set_travel(&self, place: u32, [x, y]: [f32; 2]) {
+        self.put(place, 4, x);
+        self.put(place, 5, y);
+    }
+
+    #[inline(always)]
+    fn word(&self, place: u32, which: usize) -> f32 {
+        f32::from_bits(self.0[place as usize][which].load(Ordering::Relaxed))
+    }
+
+    #[inline(always)]
+    fn put(&self, place: u32, which: usize, value: f32) {
+        self.0[place as usize][which].store(value.to_bits(), Ordering::Relaxed);
     }
 }

@@ -35,7 +35,7 @@ pub fn guard(contacts: &[Contact], motions: &Motions) {
 
 /// How the offset between the two changes.
 fn way(contact: &Contact, motions: &Motions) -> [f32; 2] {
-    let [a, b] = contact.places.map(|place| motions.get(place).travel);
+    let [a, b] = contact.places.map(|place| motions.travel(place));
     [b[0] - a[0], b[1] - a[1]]
 }
 
@@ -80,8 +80,6 @@ fn free_share(contact: &Contact, motions: &Motions) -> Option<f32> {
 
 fn shorten(contact: &Contact, motions: &Motions, share: f32) {
     for place in contact.places {
-        let mut motion = motions.get(place);
-        motion.travel = motion.travel.map(|v| v * share);
-        motions.set(place, motion);
+        motions.set_travel(place, motions.travel(place).map(|v| v * share));
     }
 }

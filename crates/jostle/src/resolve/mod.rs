@@ -108,7 +108,7 @@ pub fn measure_all(scene: &mut Scene<'_>, rules: &Rules) {
 }
 
 fn measure(contact: &mut Contact, motions: &Motions) {
-    let [a, b] = contact.places.map(|place| motions.get(place).position);
+    let [a, b] = contact.places.map(|place| motions.position(place));
     let offset = [0, 1].map(|k| b[k] - a[k] + contact.image[k]);
     let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
     if length > 0.0 && length < f32::INFINITY {
@@ -148,22 +148,26 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     let motions = scene.motions;
     let particles = scene.particles;
-    scene.contacts.solve(rules.threads, |contact| rest::start(contact, motions, h));
-    if rules.container.has_walls() {
+    let walls = rules.container.has_walls();
+    scene.contacts.each(rules.threads, |contact| rest::prepare(contact, motions));
+    each_particle(scene, rules, |place, _| rest::suspend(place, motions, h));
+    scene.contacts.solve(rules.threads, |contact| rest::start(contact, motions));
+    if walls {
         each_particle(scene, rules, |place, pushes| {
             let radius = particles.radii[place as usize];
-            rest::start_on_walls(place, motions, radius, pushes, rules, h);
+            rest::start_on_walls(place, motions, radius, pushes, rules);
         });
     }
     for _ in 0..REST_ROUNDS {
         scene.contacts.solve(rules.threads, |contact| rest::between(contact, motions, h));
-        if rules.container.has_walls() {
+        if walls {
             each_particle(scene, rules, |place, pushes| {
                 let radius = particles.radii[place as usize];
                 rest::on_walls(place, motions, radius, pushes, rules, h);
             });
         }
     }
+    each_particle(scene, rules, |place, _| rest::resume(place, motions, h));
 }
 
 fn confine(scene: &mut Scene<'_>, rules: &Rules) {

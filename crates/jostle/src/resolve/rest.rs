@@ -6,60 +6,67 @@
 //! sub-steps with few rounds beat one step with many (M. Macklin et al., *Small
 //! Steps in Physics Simulation*, 2019). A contact that is still open may close
 //! its gap within the sub-step, no faster.
+//!
+//! Only velocities change here. The ways follow afterwards, all at once, as if
+//! each push had come at the start of the sub-step.
 
 use super::Rules;
 use crate::contacts::Contact;
 use crate::container::MAX_WALLS;
-use crate::motion::{Motion, Motions};
+use crate::motion::Motions;
 
-/// Whether the contact changes slowly enough to be taken as flat. What passes
-/// at speed is left to the impacts and the guard.
-fn is_slow(contact: &Contact, a: &Motion, b: &Motion) -> bool {
-    let way = [0, 1].map(|k| b.travel[k] - a.travel[k]);
-    way[0] * way[0] + way[1] * way[1] <= 0.25 * contact.reach * contact.reach
-}
-
-/// Gives the motion a push of `speed` along `direction` for the whole sub-step.
-fn pushed(motion: Motion, direction: [f32; 2], speed: f32, h: f32) -> Motion {
-    let change = direction.map(|v| v * speed);
-    Motion {
-        velocity: [0, 1].map(|k| motion.velocity[k] + change[k]),
-        travel: [0, 1].map(|k| motion.travel[k] + change[k] * h),
-        ..motion
+/// Finds out whether the contact changes slowly enough to be taken as flat. What
+/// passes at speed is left to the impacts and the guard.
+pub fn prepare(contact: &mut Contact, motions: &Motions) {
+    let [a, b] = contact.places.map(|place| motions.travel(place));
+    let way = [b[0] - a[0], b[1] - a[1]];
+    contact.leans = way[0] * way[0] + way[1] * way[1] <= 0.25 * contact.reach * contact.reach;
+    if !contact.leans {
+        contact.impulse = 0.0;
     }
 }
 
-fn apply(contact: &Contact, motions: &Motions, [a, b]: [Motion; 2], impulse: f32, h: f32) {
-    let [inverse_a, inverse_b] = contact.inverse_masses;
-    if inverse_a > 0.0 {
-        motions.set(contact.places[0], pushed(a, contact.normal, -impulse * inverse_a, h));
-    }
-    if inverse_b > 0.0 {
-        motions.set(contact.places[1], pushed(b, contact.normal, impulse * inverse_b, h));
+/// Takes back from the way what the velocity gave to it.
+pub fn suspend(place: u32, motions: &Motions, h: f32) {
+    let (way, velocity) = (motions.travel(place), motions.velocity(place));
+    motions.set_travel(place, [0, 1].map(|k| way[k] - velocity[k] * h));
+}
+
+/// Gives to the way what the new velocity makes of it.
+pub fn resume(place: u32, motions: &Motions, h: f32) {
+    let (way, velocity) = (motions.travel(place), motions.velocity(place));
+    motions.set_travel(place, [0, 1].map(|k| way[k] + velocity[k] * h));
+}
+
+fn apply(contact: &Contact, motions: &Motions, velocities: [[f32; 2]; 2], impulse: f32) {
+    for (which, sign) in [(0, -1.0), (1, 1.0)] {
+        let speed = sign * impulse * contact.inverse_masses[which];
+        if speed != 0.0 {
+            let velocity = [0, 1].map(|k| velocities[which][k] + contact.normal[k] * speed);
+            motions.set_velocity(contact.places[which], velocity);
+        }
     }
 }
 
 /// Starts from the impulse of the sub-step before.
-pub fn start(contact: &mut Contact, motions: &Motions, h: f32) {
-    if contact.impulse == 0.0 {
-        return;
+pub fn start(contact: &mut Contact, motions: &Motions) {
+    if contact.impulse > 0.0 {
+        let velocities = contact.places.map(|place| motions.velocity(place));
+        apply(contact, motions, velocities, contact.impulse);
     }
-    let pair = contact.places.map(|place| motions.get(place));
-    if !is_slow(contact, &pair[0], &pair[1]) {
-        contact.impulse = 0.0;
-        return;
-    }
-    apply(contact, motions, pair, contact.impulse, h);
 }
 
 /// Corrects the impulse so that the two do not come closer than touching.
 pub fn between(contact: &mut Contact, motions: &Motions, h: f32) {
-    let pair = contact.places.map(|place| motions.get(place));
-    let [a, b] = &pair;
+    if !contact.leans {
+        return;
+    }
+    let velocities = contact.places.map(|place| motions.velocity(place));
+    let [a, b] = velocities;
     let n = contact.normal;
-    let parting = (0..2).map(|k| n[k] * (b.velocity[k] - a.velocity[k])).sum::<f32>();
+    let parting = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]);
     let spare = parting + contact.gap.max(0.0) / h;
-    if (spare >= 0.0 && contact.impulse == 0.0) || !is_slow(contact, a, b) {
+    if spare >= 0.0 && contact.impulse == 0.0 {
         return;
     }
     let [inverse_a, inverse_b] = contact.inverse_masses;
@@ -67,7 +74,11 @@ pub fn between(contact: &mut Contact, motions: &Motions, h: f32) {
     let change = impulse - contact.impulse;
     contact.impulse = impulse;
     contact.touched |= impulse > 0.0;
-    apply(contact, motions, pair, change, h);
+    apply(contact, motions, velocities, change);
+}
+
+fn pushed(velocity: [f32; 2], direction: [f32; 2], speed: f32) -> [f32; 2] {
+    [0, 1].map(|k| velocity[k] + direction[k] * speed)
 }
 
 /// As [`start`], for one particle and its walls.
@@ -77,20 +88,19 @@ pub fn start_on_walls(
     radius: f32,
     pushes: &mut [f32; MAX_WALLS],
     rules: &Rules,
-    h: f32,
 ) {
     if *pushes == [0.0; MAX_WALLS] {
         return;
     }
-    let mut motion = motions.get(place);
-    let walls = rules.container.walls(motion.position, radius);
+    let mut velocity = motions.velocity(place);
+    let walls = rules.container.walls(motions.position(place), radius);
     for (wall, push) in walls.iter().zip(pushes) {
         match wall {
-            Some(wall) => motion = pushed(motion, wall.inward, *push, h),
+            Some(wall) => velocity = pushed(velocity, wall.inward, *push),
             None => *push = 0.0,
         }
     }
-    motions.set(place, motion);
+    motions.set_velocity(place, velocity);
 }
 
 /// As [`between`], for one particle and its walls.
@@ -102,17 +112,17 @@ pub fn on_walls(
     rules: &Rules,
     h: f32,
 ) {
-    let mut motion = motions.get(place);
-    let walls = rules.container.walls(motion.position, radius);
+    let mut velocity = motions.velocity(place);
+    let walls = rules.container.walls(motions.position(place), radius);
     for (wall, push) in walls.iter().zip(pushes) {
         let Some(wall) = wall else { continue };
-        let parting = (0..2).map(|k| wall.inward[k] * motion.velocity[k]).sum::<f32>();
+        let parting = wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1];
         let spare = parting + wall.gap.max(0.0) / h;
         if spare < 0.0 || *push > 0.0 {
             let new = (*push - spare).max(0.0);
-            motion = pushed(motion, wall.inward, new - *push, h);
+            velocity = pushed(velocity, wall.inward, new - *push);
             *push = new;
         }
     }
-    motions.set(place, motion);
+    motions.set_velocity(place, velocity);
 }

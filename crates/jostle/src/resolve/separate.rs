@@ -34,8 +34,8 @@ const DIRECTIONS: [[f32; 2]; 16] = [
 
 /// Moves two overlapping particles apart.
 pub fn push_apart(contact: &mut Contact, motions: &Motions) {
-    let [mut a, mut b] = contact.places.map(|place| motions.get(place));
-    let offset = [0, 1].map(|k| b.position[k] - a.position[k] + contact.image[k]);
+    let [a, b] = contact.places.map(|place| motions.position(place));
+    let offset = [0, 1].map(|k| b[k] - a[k] + contact.image[k]);
     let square = offset[0] * offset[0] + offset[1] * offset[1];
     if square >= contact.reach * contact.reach {
         return;
@@ -53,12 +53,12 @@ pub fn push_apart(contact: &mut Contact, motions: &Motions) {
     };
     let [inverse_a, inverse_b] = contact.inverse_masses;
     let push = SOFTNESS * excess / (inverse_a + inverse_b);
-    a.position = [0, 1].map(|k| a.position[k] - normal[k] * push * inverse_a);
-    b.position = [0, 1].map(|k| b.position[k] + normal[k] * push * inverse_b);
     if inverse_a > 0.0 {
-        motions.set(contact.places[0], a);
+        let position = [0, 1].map(|k| a[k] - normal[k] * push * inverse_a);
+        motions.set_position(contact.places[0], position);
     }
     if inverse_b > 0.0 {
-        motions.set(contact.places[1], b);
+        let position = [0, 1].map(|k| b[k] + normal[k] * push * inverse_b);
+        motions.set_position(contact.places[1], position);
     }
 }
