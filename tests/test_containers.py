@@ -54,7 +54,7 @@ def test_equal_by_value(container: Any) -> None:
     same = eval(repr(container), vars(jostle))
     assert same == container
     assert hash(same) == hash(container)
-    assert not same != container
+    assert (same != container) is False
     assert all(other != container for other in ALL if other is not container)
     assert container != repr(container)
     assert len({container, same, *ALL}) == 3

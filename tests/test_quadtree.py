@@ -185,8 +185,8 @@ def test_filters_between_two_trees(dtype: Any, data: st.DataObject) -> None:
     other = jostle.Quadtree(*b, categories=of_b[0], masks=of_b[1])
     expected = pairs_between(a, b, may_pair(*of_a, *of_b))
     np.testing.assert_array_equal(filtered.pairs(other, sort=True), expected)
-    # A tree without filters is everything and meets everything.
-    plain = np.full((2, len(b.radii)), ALL_BITS, np.uint32)
+    # Without filters a shape is of category 1 and meets everything.
+    plain = np.array([[1], [ALL_BITS]], np.uint32).repeat(len(b.radii), axis=1)
     expected = pairs_between(a, b, may_pair(*of_a, *plain))
     np.testing.assert_array_equal(filtered.pairs(jostle.Quadtree(*b), sort=True), expected)
     swapped = jostle.Quadtree(*b).pairs(filtered)[:, ::-1]

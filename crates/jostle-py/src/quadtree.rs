@@ -30,12 +30,11 @@ use crate::shapes::{Rows, Shapes};
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. Left out, every shape is a circle.
 /// categories : array_like of int, a number or shape (n,), optional
-///     What each shape is, as a set of bits; 1 where only `masks` is given.
+///     What each shape is, as a set of 32 bits; 1 where left out.
 /// masks : array_like of int, a number or shape (n,), optional
-///     What each shape may pair with, as a set of bits; all of them where only
-///     `categories` is given. Shapes i and j may pair only if both
-///     ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` have a bit.
-///     With neither given, everything pairs with everything.
+///     What each shape may pair with, as a set of 32 bits; all of them where left
+///     out. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
+///     ``categories[j] & masks[i]`` have a bit.
 /// leaf_capacity : int, default 32
 ///     Shapes that a box may hold before it splits into four.
 /// max_depth : int, default 4096

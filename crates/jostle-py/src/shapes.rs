@@ -1,16 +1,12 @@
 //! The shapes of a call: centres, radii, half sizes and filters, copied out of
 //! NumPy with one precision for all of them.
 
-use jostle::columns::check_size;
+use jostle::columns::{DEFAULT_CATEGORY, DEFAULT_MASK, check_size};
 use jostle::{Columns, Scalar};
 use numpy::Element;
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, Each, Given, all_single};
-
-/// Filters that a caller leaves out while giving the other half.
-const DEFAULT_CATEGORY: u32 = 1;
-const DEFAULT_MASK: u32 = u32::MAX;
 
 /// Shapes in the precision that their arrays ask for.
 pub enum Shapes {

@@ -31,7 +31,7 @@ use crate::particles::Particles;
 const IMPACT_ROUNDS: usize = 4;
 
 /// Rounds over the resting contacts in a sub-step.
-const REST_ROUNDS: usize = 8;
+const REST_ROUNDS: usize = 12;
 
 /// What is the same for all particles during a step.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ pub struct Rules {
     pub restitution: f32,
     /// The walls.
     pub container: Container,
-    /// Approach speeds below this do not bounce: what leans must come to rest.
+    /// Slower than this against each other, things do not bounce but lean, and come to rest.
     pub rest_speed: f32,
     /// Threads to use.
     pub threads: Option<usize>,
@@ -158,6 +158,7 @@ fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
             rest::start_on_walls(place, motions, radius, pushes, rules);
         });
     }
+    scene.contacts.solve(rules.threads, |contact| rest::calm(contact, motions, rules, h));
     for _ in 0..REST_ROUNDS {
         scene.contacts.solve(rules.threads, |contact| rest::between(contact, motions, h));
         if walls {

@@ -9,7 +9,7 @@ use crate::motion::Motions;
 const SLOP: f32 = 0.003;
 
 /// Share of the overlap that is removed at once.
-const SOFTNESS: f32 = 0.2;
+const SOFTNESS: f32 = 0.35;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that sends neighbours apart.
