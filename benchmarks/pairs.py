@@ -80,7 +80,9 @@ def run(count: int, rounds: int) -> list[dict[str, object]]:
 
 def main() -> None:
     """Run, print and write the results of this machine."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
     parser.add_argument("--counts", type=int, nargs="+", default=[100, 1_000, 10_000, 100_000])
     parser.add_argument("--rounds", type=int, default=15)
     options = parser.parse_args()

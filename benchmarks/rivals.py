@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import jostle
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+
+import jostle
 
 Pairs = NDArray[np.integer]
 Find = Callable[[NDArray[np.float64], float], Pairs]

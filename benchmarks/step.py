@@ -11,10 +11,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-import jostle
-from jostle.article import Simulation
 from machine import describe, write
 from measure import interleaved
+
+import jostle
+from jostle.article import Simulation
 
 STEP = 1 / 60
 ARTICLE_MOST = 4_000
@@ -82,8 +83,12 @@ def run(count: int, rounds: int) -> list[dict[str, object]]:
 
 def main() -> None:
     """Run, print and write the results of this machine."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--counts", type=int, nargs="+", default=[500, 1_000, 2_000, 10_000, 100_000])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument(
+        "--counts", type=int, nargs="+", default=[500, 1_000, 2_000, 10_000, 100_000]
+    )
     parser.add_argument("--rounds", type=int, default=15)
     options = parser.parse_args()
     print(describe())

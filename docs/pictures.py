@@ -1,6 +1,6 @@
 """Draw the pictures of the documents anew, each by the real program.
 
-    python docs/pictures.py [NAME ...]
+python docs/pictures.py [NAME ...]
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
 from jostle import article
 from jostle.article import Particle, Simulation, add_vectors, collide, overlaps, quarters
 

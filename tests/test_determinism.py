@@ -3,9 +3,10 @@
 import re
 from pathlib import Path
 
-import jostle
 import numpy as np
 import pytest
+
+import jostle
 
 SOURCE = Path(__file__).parents[1] / "crates" / "jostle" / "tests" / "determinism.rs"
 PINNED = {

@@ -115,6 +115,8 @@ from itertools import combinations
 from numbers import Real
 from operator import index
 
+__all__ = ["Particle", "Simulation", "add_vectors", "collide", "overlaps", "quarters"]
+
 Vector = tuple[float, float]  # angle, length
 Box = tuple[int, int, int, int]  # x, y, width, height
 Leaf = tuple[int, int, int, int, int]  # x, y, width, height, level

@@ -3,14 +3,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use jostle::pairs::{self, Found};
-use jostle::{Scalar, Settings, Stats, geometry};
+use jostle::{Scalar, Settings, Stats};
 use numpy::{Element, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::arrays::{Given, table, truth};
 use crate::error::{refused, type_error};
-use crate::results::{self, Touching};
+use crate::results;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
 
@@ -237,9 +237,9 @@ impl PyQuadtree {
     fn contacts<'py>(&self, py: Python<'py>, max_pairs: Given<'py>) -> PyResult<Bound<'py, PyAny>> {
         let max_pairs = settings::max_pairs(&max_pairs)?;
         with_tree!(&self.tree, tree => {
-            let found = py.detach(|| touching(tree, max_pairs)).map_err(refused)?;
-            self.tests.store(found.1, Ordering::Relaxed);
-            results::contacts(py, found.0)
+            let found = py.detach(|| pairs::overlaps(tree, max_pairs)).map_err(refused)?;
+            self.tests.store(found.tests, Ordering::Relaxed);
+            results::contacts(py, found)
         })
     }
 
@@ -322,24 +322,4 @@ fn between(a: &Tree, b: &Tree, max_pairs: usize) -> jostle::Result<Found> {
         // Refused before.
         _ => Ok(Found::default()),
     }
-}
-
-/// The contacts of a tree and the number of its tests.
-fn touching<T: Scalar>(
-    tree: &jostle::Quadtree<T>,
-    max_pairs: usize,
-) -> jostle::Result<(Touching<T>, u64)> {
-    let Found { mut pairs, tests } = pairs::places_within(tree, max_pairs)?;
-    let (columns, rows) = (tree.columns(), tree.rows());
-    let (mut normals, mut depths) =
-        (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
-    for pair in &mut pairs {
-        pair.sort_unstable_by_key(|&place| rows[place as usize]);
-        let [first, second] = pair.map(|place| columns.shape(place as usize));
-        let (normal, depth) = geometry::contact(&first, &second);
-        normals.push(normal);
-        depths.push(depth);
-        *pair = pair.map(|place| rows[place as usize]);
-    }
-    Ok((Touching { pairs, normals, depths }, tests))
 }

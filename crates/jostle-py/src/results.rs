@@ -1,23 +1,14 @@
 //! Answers of several arrays, as the named tuples of `jostle.results`.
 
+use jostle::pairs::Overlaps;
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::arrays::{column, table};
 
-/// Normals and depths of some pairs.
-pub struct Touching<T> {
-    /// Row numbers, the smaller first.
-    pub pairs: Vec<[u32; 2]>,
-    /// Unit vectors from the first to the second.
-    pub normals: Vec<[T; 2]>,
-    /// How far they overlap.
-    pub depths: Vec<T>,
-}
-
 /// `jostle.Contacts`.
-pub fn contacts<T: Element>(py: Python<'_>, all: Touching<T>) -> PyResult<Bound<'_, PyAny>> {
+pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (table(py, all.pairs)?, table(py, all.normals)?, column(py, all.depths));
     CONTACTS.import(py, "jostle.results", "Contacts")?.call1(fields)

@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
+use jostle::pairs::Overlaps;
 use jostle::{Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
@@ -14,7 +15,7 @@ use crate::arrays::{Argument, Each, Given, column, count, decimal, number, point
 use crate::containers;
 use crate::error::refused;
 use crate::particles::{Draft, reals, truths, vectors};
-use crate::results::{self, Touching};
+use crate::results;
 use crate::settings;
 
 /// Between whole steps, a long call looks about this often whether the user has
@@ -531,10 +532,11 @@ impl PyWorld {
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let touching = self.long(py, |state| {
             let touches = state.world.contacts();
-            Touching {
+            Overlaps {
                 pairs: touches.iter().map(|touch| touch.pair).collect(),
                 normals: touches.iter().map(|touch| touch.normal).collect(),
                 depths: touches.iter().map(|touch| touch.depth).collect(),
+                ..Overlaps::default()
             }
         });
         results::contacts(py, touching?)
