@@ -47,9 +47,10 @@ lint: setup  ## check format, style and types
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy --package jostle --no-default-features --all-targets -- -D warnings
 
-bench: setup  ## measure the pairs against the rivals
+bench: setup  ## measure pairs, steps and hard cases against the rivals
 	$(BIN)/python benchmarks/pairs.py $(ARGS)
 	$(BIN)/python benchmarks/step.py
+	$(BIN)/python benchmarks/hard_cases.py
 
 docs: setup  ## draw the pictures of the documents again
 	$(BIN)/python docs/pictures.py $(ARGS)

@@ -130,8 +130,12 @@ impl Container {
             Self::Box { min, max } => {
                 // Rounded inwards: a reader who adds the radius stays in the box.
                 let within = |axis: usize| {
-                    let low = up(f64::from(min[axis]) + f64::from(radius));
-                    let high = down(f64::from(max[axis]) - f64::from(radius));
+                    let (at, reach) = (f64::from(position[axis]), f64::from(radius));
+                    let (low, high) = (f64::from(min[axis]) + reach, f64::from(max[axis]) - reach);
+                    if low <= at && at <= high {
+                        return position[axis];
+                    }
+                    let (low, high) = (up(low), down(high));
                     // A particle as wide as the box: rounding may cross the two.
                     if low > high { (low + high) / 2.0 } else { position[axis].clamp(low, high) }
                 };

@@ -22,6 +22,9 @@ const BRUTE_FORCE_LIMIT: usize = 144;
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
 
+/// Two trees with fewer shapes than this are joined by one thread.
+const WORTHWHILE: usize = 8192;
+
 /// New pairs are reported to the common count in portions of this size.
 const PORTION: usize = 1 << 16;
 
@@ -215,7 +218,7 @@ impl<T: Scalar> Join<'_, T> {
             self.push((0, 0), &mut |task| tasks.push(task));
         }
         let threads = self.a.settings().threads;
-        if parallel::is_parallel(threads) && self.a.len() + self.b.len() > 2048 {
+        if parallel::is_parallel(threads) && self.a.len() + self.b.len() > WORTHWHILE {
             tasks = self.cut(tasks);
         }
         let budget = Budget::new(max_pairs);

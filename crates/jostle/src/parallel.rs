@@ -31,6 +31,9 @@ pub fn map<R>(_threads: Option<usize>, count: usize, task: impl Fn(usize) -> R) 
 /// Rows that one thread takes at a time in [`for_chunks`].
 pub const CHUNK: usize = 1024;
 
+/// Fewer items than this are not worth waking other threads for.
+const WORTHWHILE: usize = 8 * CHUNK;
+
 /// Calls `act` with the index of the first item and the items of each chunk of
 /// [`CHUNK`] items, on `threads` threads. What one call writes no other may read.
 pub fn for_chunks<T: Send>(
@@ -39,7 +42,7 @@ pub fn for_chunks<T: Send>(
     act: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if threads != Some(1) && items.len() > CHUNK {
+    if threads != Some(1) && items.len() > WORTHWHILE {
         use rayon::prelude::*;
         let mut run = || {
             let chunks = items.par_chunks_mut(CHUNK).enumerate();

@@ -154,6 +154,7 @@ struct Memory {
     shapes: Columns<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
+    at_walls: Vec<resolve::AtWall>,
     sorting: SortScratch,
     particles: Particles,
     rows: Vec<u32>,
@@ -467,6 +468,7 @@ impl World {
             sweeps: &memory.sweeps,
             contacts: &mut self.contacts,
             wall_pushes: &mut self.wall_pushes,
+            at_walls: &mut memory.at_walls,
         };
         for _ in 0..settings.substeps {
             resolve::substep(&mut scene, &rules, dt / settings.substeps as f32);

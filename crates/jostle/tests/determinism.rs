@@ -49,10 +49,10 @@ fn every_scene_ends_in_its_pinned_state() {
 fn threads_do_not_show() {
     for scene in &SCENES {
         let hashes = [1, 2, 8].map(|threads| {
-            // Enough particles for every parallel path to be taken.
-            let mut world = scene.create(Some(20_000), 1).expect("a scene is valid");
+            // Enough particles for every parallel path to be taken, colours included.
+            let mut world = scene.create(Some(60_000), 1).expect("a scene is valid");
             with(&mut world, |settings| settings.tree.threads = Some(threads));
-            run(&mut world, 10);
+            run(&mut world, 4);
             world.state_hash()
         });
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);

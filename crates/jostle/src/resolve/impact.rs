@@ -29,6 +29,9 @@ fn both(f: impl Fn(usize) -> f64) -> [f64; 2] {
 /// Returns whether they did.
 pub fn between(contact: &mut Contact, motions: &Motions, rest_speed: f32, h: f32) -> bool {
     let [a, b] = contact.places.map(|place| motions.get(place));
+    if is_idle(contact, &a, &b, rest_speed) {
+        return false;
+    }
     let w = both(|k| f64::from(b.velocity[k]) - f64::from(a.velocity[k]));
     let end = both(|k| {
         let offset =
@@ -59,6 +62,19 @@ pub fn between(contact: &mut Contact, motions: &Motions, rest_speed: f32, h: f32
     }
     contact.touched = true;
     true
+}
+
+/// Whether a glance is enough to see that nothing happens: still on their first lines
+/// and too far apart, or too slow to bounce.
+#[inline(always)]
+fn is_idle(contact: &Contact, a: &Motion, b: &Motion, rest_speed: f32) -> bool {
+    let square = |v: [f32; 2]| v[0] * v[0] + v[1] * v[1];
+    let way = square([0, 1].map(|k| b.travel[k] - a.travel[k]));
+    let straight = a.since == 0.0 && b.since == 0.0;
+    if straight && contact.gap > 0.0 && way < 0.999 * contact.gap * contact.gap {
+        return true;
+    }
+    square([0, 1].map(|k| b.velocity[k] - a.velocity[k])) < rest_speed * rest_speed
 }
 
 /// When two particles at offset `q` that close in with `w` come within `reach`,

@@ -18,6 +18,8 @@ mod impact;
 mod rest;
 mod separate;
 
+pub use rest::AtWall;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{Contact, Contacts};
@@ -62,6 +64,8 @@ pub struct Scene<'a> {
     pub contacts: &'a mut Contacts,
     /// Resting speeds given by each wall to each particle.
     pub wall_pushes: &'a mut [[f32; MAX_WALLS]],
+    /// Memory for those of them that are near a wall.
+    pub at_walls: &'a mut Vec<AtWall>,
 }
 
 /// One sub-step of `h` seconds.
@@ -146,29 +150,39 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 }
 
 fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
-    let motions = scene.motions;
-    let particles = scene.particles;
-    let walls = rules.container.has_walls();
-    scene.contacts.each(rules.threads, |contact| rest::prepare(contact, motions));
+    let (motions, threads) = (scene.motions, rules.threads);
+    scene.contacts.each(threads, |contact| rest::prepare(contact, motions));
+    find_at_walls(scene, rules, h);
     each_particle(scene, rules, |place, _| rest::suspend(place, motions, h));
-    scene.contacts.solve(rules.threads, |contact| rest::start(contact, motions));
-    if walls {
-        each_particle(scene, rules, |place, pushes| {
-            let radius = particles.radii[place as usize];
-            rest::start_on_walls(place, motions, radius, pushes, rules);
-        });
-    }
-    scene.contacts.solve(rules.threads, |contact| rest::calm(contact, motions, rules, h));
+    scene.contacts.solve(threads, |contact| rest::start(contact, motions));
+    each_at_wall(scene, rules, |at_wall| at_wall.start(motions));
+    scene.contacts.solve(threads, |contact| rest::calm(contact, motions, rules, h));
     for _ in 0..REST_ROUNDS {
-        scene.contacts.solve(rules.threads, |contact| rest::between(contact, motions, h));
-        if walls {
-            each_particle(scene, rules, |place, pushes| {
-                let radius = particles.radii[place as usize];
-                rest::on_walls(place, motions, radius, pushes, rules, h);
-            });
-        }
+        scene.contacts.solve(threads, |contact| rest::between(contact, motions, h));
+        each_at_wall(scene, rules, |at_wall| at_wall.correct(motions, h));
+    }
+    for at_wall in scene.at_walls.iter() {
+        scene.wall_pushes[at_wall.place as usize] = at_wall.pushes;
     }
     each_particle(scene, rules, |place, _| rest::resume(place, motions, h));
+}
+
+/// Lists the movable particles that may touch a wall.
+fn find_at_walls(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
+    let Scene { particles, motions, wall_pushes, at_walls, .. } = scene;
+    at_walls.clear();
+    if !rules.container.has_walls() {
+        return;
+    }
+    let all = particles.radii.iter().zip(wall_pushes.iter()).zip(&particles.movable).enumerate();
+    let movable = all.filter(|&(_, (_, &movable))| movable);
+    at_walls.extend(movable.filter_map(|(place, ((&radius, &pushes), _))| {
+        AtWall::find(place as u32, motions, radius, pushes, rules, h)
+    }));
+}
+
+fn each_at_wall(scene: &mut Scene<'_>, rules: &Rules, act: impl Fn(&mut AtWall) + Sync + Send) {
+    parallel::for_chunks(rules.threads, scene.at_walls, |_, chunk| chunk.iter_mut().for_each(&act));
 }
 
 fn confine(scene: &mut Scene<'_>, rules: &Rules) {

@@ -12,7 +12,7 @@
 
 use super::Rules;
 use crate::contacts::Contact;
-use crate::container::MAX_WALLS;
+use crate::container::{MAX_WALLS, Wall};
 use crate::motion::Motions;
 
 /// Rate at which the slow motion of what leans dies away, per second.
@@ -108,48 +108,62 @@ fn pushed(velocity: [f32; 2], direction: [f32; 2], speed: f32) -> [f32; 2] {
     [0, 1].map(|k| velocity[k] + direction[k] * speed)
 }
 
-/// As [`start`], for one particle and its walls.
-pub fn start_on_walls(
-    place: u32,
-    motions: &Motions,
-    radius: f32,
-    pushes: &mut [f32; MAX_WALLS],
-    rules: &Rules,
-) {
-    if *pushes == [0.0; MAX_WALLS] {
-        return;
-    }
-    let mut velocity = motions.velocity(place);
-    let walls = rules.container.walls(motions.position(place), radius);
-    for (wall, push) in walls.iter().zip(pushes) {
-        match wall {
-            Some(wall) => velocity = pushed(velocity, wall.inward, *push),
-            None => *push = 0.0,
-        }
-    }
-    motions.set_velocity(place, velocity);
+/// A particle that may touch walls during the sub-step.
+#[derive(Clone, Copy, Debug)]
+pub struct AtWall {
+    /// Its place.
+    pub place: u32,
+    /// The walls around it.
+    walls: [Option<Wall>; MAX_WALLS],
+    /// Speeds given by each wall.
+    pub pushes: [f32; MAX_WALLS],
 }
 
-/// As [`between`], for one particle and its walls.
-pub fn on_walls(
-    place: u32,
-    motions: &Motions,
-    radius: f32,
-    pushes: &mut [f32; MAX_WALLS],
-    rules: &Rules,
-    h: f32,
-) {
-    let mut velocity = motions.velocity(place);
-    let walls = rules.container.walls(motions.position(place), radius);
-    for (wall, push) in walls.iter().zip(pushes) {
-        let Some(wall) = wall else { continue };
-        let parting = wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1];
-        let spare = parting + wall.gap.max(0.0) / h;
-        if spare < 0.0 || *push > 0.0 {
-            let new = (*push - spare).max(0.0);
-            velocity = pushed(velocity, wall.inward, new - *push);
-            *push = new;
-        }
+/// Room to a wall, in radii, within which the particle is watched.
+const NEAR: f32 = 0.25;
+
+impl AtWall {
+    /// The particle at `place`, if a wall is near it or has pushed it lately.
+    pub fn find(
+        place: u32,
+        motions: &Motions,
+        radius: f32,
+        pushes: [f32; MAX_WALLS],
+        rules: &Rules,
+        h: f32,
+    ) -> Option<Self> {
+        let walls = rules.container.walls(motions.position(place), radius);
+        let speed = motions.velocity(place).iter().fold(0.0f32, |most, v| most.max(v.abs()));
+        let near = |wall: &Wall| wall.gap < 2.0 * speed * h + NEAR * radius;
+        let watched = walls.iter().flatten().any(near) || pushes != [0.0; MAX_WALLS];
+        watched.then_some(Self { place, walls, pushes })
     }
-    motions.set_velocity(place, velocity);
+
+    /// As [`start`], against the walls.
+    pub fn start(&mut self, motions: &Motions) {
+        let mut velocity = motions.velocity(self.place);
+        for (wall, push) in self.walls.iter().zip(&mut self.pushes) {
+            match wall {
+                Some(wall) => velocity = pushed(velocity, wall.inward, *push),
+                None => *push = 0.0,
+            }
+        }
+        motions.set_velocity(self.place, velocity);
+    }
+
+    /// As [`between`], against the walls.
+    pub fn correct(&mut self, motions: &Motions, h: f32) {
+        let mut velocity = motions.velocity(self.place);
+        for (wall, push) in self.walls.iter().zip(&mut self.pushes) {
+            let Some(wall) = wall else { continue };
+            let parting = wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1];
+            let spare = parting + wall.gap.max(0.0) / h;
+            if spare < 0.0 || *push > 0.0 {
+                let new = (*push - spare).max(0.0);
+                velocity = pushed(velocity, wall.inward, new - *push);
+                *push = new;
+            }
+        }
+        motions.set_velocity(self.place, velocity);
+    }
 }
