@@ -8,6 +8,7 @@ pub mod settings;
 pub mod geometry;
 pub mod columns;
 pub mod parallel;
+mod simd;
 pub mod quadtree;
 pub mod pairs;
 pub mod particles;

@@ -15,9 +15,10 @@ use crate::geometry::{self, Cover, Scalar, Shape, overlap};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
+use crate::simd;
 
 /// Below this many shapes brute force is faster than building a tree.
-const BRUTE_FORCE_LIMIT: usize = 144;
+const BRUTE_FORCE_LIMIT: usize = 192;
 
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
@@ -146,7 +147,10 @@ pub fn brute<T: Scalar>(
         let mut output = Output::new(&budget);
         let block =
             Block { a: columns, rows: edge(band)..edge(band + 1), b: columns, others: 0..len };
-        block.test([T::ZERO; 2], Wanted::Behind, &mut output);
+        simd::widest(
+            #[inline(always)]
+            || block.test([T::ZERO; 2], Wanted::Behind, &mut output),
+        );
         output.finish()
     });
     budget.collect(parts)
@@ -224,7 +228,10 @@ impl<T: Scalar> Join<'_, T> {
         let budget = Budget::new(max_pairs);
         let parts = parallel::map(threads, tasks.len(), |index| {
             let mut output = Output::new(&budget);
-            self.walk(tasks[index], &mut output);
+            simd::widest(
+                #[inline(always)]
+                || self.walk(tasks[index], &mut output),
+            );
             output.finish()
         });
         budget.collect(parts)
@@ -250,6 +257,7 @@ impl<T: Scalar> Join<'_, T> {
     }
 
     /// Does a task with all its parts, in order, on a stack of its own.
+    #[inline(always)]
     fn walk(&self, task: Task, output: &mut Output) {
         let mut stack = vec![task];
         while let Some(task) = stack.pop() {
@@ -266,10 +274,12 @@ impl<T: Scalar> Join<'_, T> {
         }
     }
 
+    #[inline(always)]
     fn is_leaf(&self, (a, b): Task) -> bool {
         self.a.nodes()[a as usize].is_leaf() && self.b.nodes()[b as usize].is_leaf()
     }
 
+    #[inline(always)]
     fn expand(&self, (a, b): Task, push: &mut impl FnMut(Task)) {
         let (node_a, node_b) = (&self.a.nodes()[a as usize], &self.b.nodes()[b as usize]);
         if self.itself && a == b {
@@ -290,7 +300,7 @@ impl<T: Scalar> Join<'_, T> {
     }
 
     /// Passes a task on if any two of its shapes could overlap.
-    #[inline]
+    #[inline(always)]
     fn push(&self, task: Task, push: &mut impl FnMut(Task)) {
         let (a, b) = (&self.a.covers()[task.0 as usize], &self.b.covers()[task.1 as usize]);
         if a.meets(b, self.shift) {
@@ -298,6 +308,7 @@ impl<T: Scalar> Join<'_, T> {
         }
     }
 
+    #[inline(always)]
     fn test(&self, (a, b): Task, output: &mut Output) {
         let rows = self.a.nodes()[a as usize].range();
         let others = self.b.nodes()[b as usize].range();
@@ -330,6 +341,7 @@ enum Wanted<'a, T> {
 impl<T: Scalar> Block<'_, T> {
     /// Emits every wanted overlapping pair. The kernels for circles and for what
     /// pairs with everything are spared the other numbers.
+    #[inline(always)]
     fn test(&self, shift: [T; 2], wanted: Wanted<'_, T>, output: &mut Output) {
         let boxes = self.a.has_boxes() || self.b.has_boxes();
         let filters = self.a.has_filters() || self.b.has_filters();
@@ -341,7 +353,7 @@ impl<T: Scalar> Block<'_, T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn rows<const BOXES: bool, const FILTERS: bool>(
         &self,
         shift: [T; 2],
