@@ -23,8 +23,9 @@ const BRUTE_FORCE_LIMIT: usize = 192;
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
 
-/// Two trees with fewer shapes than this are joined by one thread.
-const WORTHWHILE: usize = 8192;
+/// Two trees with fewer shapes than this together are joined by one thread: to wake
+/// another one costs more than it would save.
+const WORTHWHILE: usize = 32_768;
 
 /// New pairs are reported to the common count in portions of this size.
 const PORTION: usize = 1 << 16;
