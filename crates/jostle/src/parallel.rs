@@ -32,6 +32,7 @@ pub fn map<R>(_threads: Option<usize>, count: usize, task: impl Fn(usize) -> R) 
 pub const CHUNK: usize = 1024;
 
 /// Fewer items than this are not worth waking other threads for.
+#[cfg(feature = "parallel")]
 const WORTHWHILE: usize = 8 * CHUNK;
 
 /// Calls `act` with the index of the first item and the items of each chunk of
