@@ -124,7 +124,8 @@ def test_a_permuted_input_permutes_the_answer(shapes: Shapes, random: Any) -> No
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_threads_change_nothing(method: Any, dtype: Any) -> None:
-    centers = discs(6_000, dtype)
+    # Enough for the work to be shared.
+    centers = discs(20_000, dtype)
     answers = [jostle.find_pairs(centers, 0.5, method=method, threads=k) for k in (1, 2, 8)]
     np.testing.assert_array_equal(answers[0], answers[1])
     np.testing.assert_array_equal(answers[0], answers[2])

@@ -90,11 +90,11 @@ def test_a_permuted_input_permutes_the_answer_and_nothing_else(shapes: Shapes, r
 @pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("kind", ["discs", "boxes", "filters"])
 def test_threads_change_nothing(dtype: Any, kind: str) -> None:
-    centers = uniform(6_000, dtype)
+    centers = uniform(20_000, dtype)  # enough for the work to be shared
     more: dict[str, Any] = {
         "discs": {"radii": 0.5},
         "boxes": {"half_sizes": (0.5, 0.25)},
-        "filters": {"radii": 0.5, "masks": np.arange(6_000) % 5},
+        "filters": {"radii": 0.5, "masks": np.arange(20_000) % 5},
     }[kind]
     one, two, eight = (jostle.Quadtree(centers, **more, threads=k) for k in (1, 2, 8))
     other = jostle.Quadtree(centers + centers.dtype.type(0.25), **more)

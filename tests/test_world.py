@@ -264,7 +264,7 @@ def test_contacts_follow_the_rows() -> None:
     world.step(0.01)
     assert world.contacts.pairs.tolist() == [[1, 2]]
     world.remove([0])
-    assert world.contacts.pairs.tolist() in ([[0, 1]], [])
+    assert world.contacts.pairs.tolist() == [[0, 1]]
     world.remove([1])
     assert world.contacts.pairs.shape == (0, 2)
     world.remove([0])
@@ -277,9 +277,9 @@ def test_contacts_after_adding() -> None:
     world = jostle.World([(50, 0), (51.5, 0)], [(0, 0)] * 2, 1.0)
     world.step(0.01)
     world.add([(-9, 0), (99, 0)], [(0, 0)] * 2, 1.0)
-    assert world.contacts.pairs.tolist() in ([[0, 1]], [])
+    assert world.contacts.pairs.tolist() == [[0, 1]]
     world.step(0.01)
-    assert (world.contacts.pairs <= 1).all()
+    assert world.contacts.pairs.tolist() == [[0, 1]]
 
 
 # ---- settings ------------------------------------------------------------------------------------

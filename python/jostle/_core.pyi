@@ -15,6 +15,7 @@ __all__ = [
     "Torus",
     "World",
     "__version__",
+    "abandon_threads",
     "create_scene",
     "describe_scene",
     "find_pairs",
@@ -27,6 +28,7 @@ __version__: Final[str]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
 _Container: TypeAlias = Box | Circle | Torus
 
+def abandon_threads() -> None: ...
 def find_pairs(
     centers: ArrayLike,
     radii: ArrayLike = 0.0,

@@ -17,6 +17,7 @@ mod scenes;
 #[pyo3::pymodule]
 mod _core {
     use pyo3::prelude::*;
+    use pyo3::types::IntoPyDict;
 
     use super::scenes::{create, describe, names, view};
 
@@ -33,12 +34,30 @@ mod _core {
     #[allow(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
+    /// Forgets the threads of the process that this one was forked from.
+    #[pyfunction]
+    fn abandon_threads() {
+        jostle::parallel::abandon_threads();
+    }
+
     /// Behind `jostle.scenes`, which gives them their names.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("scene_names", wrap_pyfunction!(names, module)?)?;
         module.add("describe_scene", wrap_pyfunction!(describe, module)?)?;
         module.add("create_scene", wrap_pyfunction!(create, module)?)?;
-        module.add("scene_view", wrap_pyfunction!(view, module)?)
+        module.add("scene_view", wrap_pyfunction!(view, module)?)?;
+        abandon_threads_after_fork(module)
+    }
+
+    /// Where there is no fork (Windows), there is nothing to do.
+    fn abandon_threads_after_fork(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let os = module.py().import("os")?;
+        if !os.hasattr("register_at_fork")? {
+            return Ok(());
+        }
+        let hook = [("after_in_child", wrap_pyfunction!(abandon_threads, module)?)];
+        os.call_method("register_at_fork", (), Some(&hook.into_py_dict(module.py())?))?;
+        Ok(())
     }
 }

@@ -40,7 +40,8 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 /// radii : array_like, a number or shape (n,)
 ///     In units of length, at least 0.
 /// masses : array_like, a number or shape (n,), optional
-///     Above 0. Left out, density times radius squared, as in the article.
+///     Above 0. Left out, density times radius squared, as in the article; so a
+///     particle of radius 0 needs its mass given.
 /// densities : array_like, a number or shape (n,), default 1.0
 ///     Used where `masses` are left out.
 /// movable : array_like of bool, one or shape (n,), optional
@@ -56,7 +57,7 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 ///     the world's and both of theirs, one and a wall with that of the world's and
 ///     its own.
 /// container : Box, Circle, Torus or None, optional
-///     The walls.
+///     The walls. A particle outside is brought in by the first step.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found, never which.
 /// threads : int, optional

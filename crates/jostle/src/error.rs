@@ -28,6 +28,11 @@ pub enum Error {
         /// Rows it should have.
         expected: usize,
     },
+    /// More pairs may touch in one step of a world than it has room for.
+    TooManyCandidates {
+        /// The limit that was passed.
+        most: usize,
+    },
     /// More pairs overlap than the caller is ready to receive.
     TooManyPairs {
         /// The limit that was passed.
@@ -67,6 +72,11 @@ impl fmt::Display for Error {
                     "{argument} has {found} rows; it must have {expected}, one for each shape"
                 )
             }
+            Self::TooManyCandidates { most } => write!(
+                f,
+                "more than {most} pairs of particles may touch in one step; \
+                 spread the particles out, or take smaller steps"
+            ),
             Self::TooManyPairs { max_pairs } => write!(
                 f,
                 "more than max_pairs = {max_pairs} pairs overlap; \

@@ -6,6 +6,7 @@
 //! answers with *the same formula*: rounding is monotone, so a cover that does
 //! not overlap proves that none of its shapes does, without any tolerance.
 
+use std::cmp::Ordering;
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -45,6 +46,8 @@ pub trait Scalar:
     fn from_f64(value: f64) -> Self;
     /// One divided by the value.
     fn recip(self) -> Self;
+    /// Which comes first; tells −0 from 0.
+    fn total_order(&self, other: &Self) -> Ordering;
     /// The smaller of two numbers.
     #[inline(always)]
     fn least(self, other: Self) -> Self {
@@ -85,6 +88,10 @@ macro_rules! scalar {
                 value as $t
             }
             #[inline(always)]
+            fn total_order(&self, other: &Self) -> Ordering {
+                self.total_cmp(other)
+            }
+            #[inline(always)]
             fn recip(self) -> Self {
                 1.0 / self
             }
@@ -119,22 +126,6 @@ pub struct Shape<T> {
     pub category: u32,
     /// What it may pair with, a bit set.
     pub mask: u32,
-}
-
-impl<T: Scalar> Shape<T> {
-    /// Whether this shape, moved by `-shift`, overlaps `other` and both filters agree.
-    #[inline(always)]
-    pub fn overlaps(&self, other: &Self, shift: [T; 2]) -> bool {
-        let distance = [
-            (self.center[0] - shift[0] - other.center[0]).abs(),
-            (self.center[1] - shift[1] - other.center[1]).abs(),
-        ];
-        let half_sum =
-            [self.half_size[0] + other.half_size[0], self.half_size[1] + other.half_size[1]];
-        overlap(distance, half_sum, self.radius + other.radius)
-            && (self.category & other.mask) != 0
-            && (other.category & self.mask) != 0
-    }
 }
 
 /// A set of shapes seen from outside: where their centres lie, how large they
@@ -236,18 +227,23 @@ mod tests {
         Shape { center: [x, y], half_size: [0.0; 2], radius, category: 1, mask: 1 }
     }
 
+    /// A cover of one shape answers for the shape.
+    fn overlapping(a: Shape<f32>, b: Shape<f32>) -> bool {
+        Cover::of(&a).meets(&Cover::of(&b), [0.0; 2])
+    }
+
     #[test]
     fn touching_is_not_overlapping() {
-        assert!(!disc(0.0, 0.0, 1.0).overlaps(&disc(2.0, 0.0, 1.0), [0.0; 2]));
-        assert!(disc(0.0, 0.0, 1.0).overlaps(&disc(1.999, 0.0, 1.0), [0.0; 2]));
-        assert!(!disc(0.0, 0.0, 0.0).overlaps(&disc(0.0, 0.0, 0.0), [0.0; 2]));
+        assert!(!overlapping(disc(0.0, 0.0, 1.0), disc(2.0, 0.0, 1.0)));
+        assert!(overlapping(disc(0.0, 0.0, 1.0), disc(1.999, 0.0, 1.0)));
+        assert!(!overlapping(disc(0.0, 0.0, 0.0), disc(0.0, 0.0, 0.0)));
     }
 
     #[test]
     fn boxes_overlap_by_their_open_interior() {
         let unit = |x: f32| Shape { half_size: [0.5, 0.5], ..disc(x, 0.0, 0.0) };
-        assert!(unit(0.0).overlaps(&unit(0.9), [0.0; 2]));
-        assert!(!unit(0.0).overlaps(&unit(1.0), [0.0; 2]));
+        assert!(overlapping(unit(0.0), unit(0.9)));
+        assert!(!overlapping(unit(0.0), unit(1.0)));
     }
 
     #[test]

@@ -18,7 +18,7 @@ use crate::settings::{Method, Settings};
 use crate::simd;
 
 /// Below this many shapes brute force is faster than building a tree.
-const BRUTE_FORCE_LIMIT: usize = 192;
+const BRUTE_FORCE_LIMIT: usize = 160;
 
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;

@@ -3,6 +3,11 @@
 //! Work is cut into tasks by the data alone and results are put together in
 //! the order of the tasks, so the number of threads never shows in an answer.
 
+#[cfg(feature = "parallel")]
+use std::collections::BTreeMap;
+#[cfg(feature = "parallel")]
+use std::sync::{Arc, Mutex, PoisonError};
+
 /// Runs `task(0)`, …, `task(count - 1)` on `threads` threads (`None`: one for
 /// each core) and returns the results in that order.
 #[cfg(feature = "parallel")]
@@ -15,11 +20,7 @@ pub fn map<R: Send>(
     if threads == Some(1) || count < 2 {
         return (0..count).map(task).collect();
     }
-    let run = || (0..count).into_par_iter().with_max_len(1).map(&task).collect();
-    match threads {
-        None => run(),
-        Some(threads) => pool(threads).install(run),
-    }
+    run(threads, || (0..count).into_par_iter().with_max_len(1).map(&task).collect())
 }
 
 /// Without the feature `parallel` every call runs on the caller's thread.
@@ -45,14 +46,10 @@ pub fn for_chunks<T: Send>(
     #[cfg(feature = "parallel")]
     if threads != Some(1) && items.len() > WORTHWHILE {
         use rayon::prelude::*;
-        let mut run = || {
+        return run(threads, || {
             let chunks = items.par_chunks_mut(CHUNK).enumerate();
             chunks.for_each(|(index, chunk)| act(index * CHUNK, chunk));
-        };
-        return match threads {
-            None => run(),
-            Some(threads) => pool(threads).install(run),
-        };
+        });
     }
     let _ = threads;
     act(0, items);
@@ -63,18 +60,38 @@ pub fn is_parallel(threads: Option<usize>) -> bool {
     cfg!(feature = "parallel") && threads != Some(1)
 }
 
-/// Pools are kept: starting threads costs more than a small call.
+/// The pools started so far, by number of threads; 0 is one for each core. They are
+/// kept: starting threads costs more than a small call.
 #[cfg(feature = "parallel")]
-fn pool(threads: usize) -> std::sync::Arc<rayon::ThreadPool> {
-    use std::collections::HashMap;
-    use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-    type Pools = Mutex<HashMap<usize, Arc<rayon::ThreadPool>>>;
-    static POOLS: OnceLock<Pools> = OnceLock::new();
-    let pools = POOLS.get_or_init(Default::default);
-    let mut pools = pools.lock().unwrap_or_else(PoisonError::into_inner);
-    let start = || {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        Arc::new(builder.build().expect("the system can start threads"))
+static POOLS: Mutex<BTreeMap<usize, Arc<rayon::ThreadPool>>> = Mutex::new(BTreeMap::new());
+
+/// Runs `work` with `threads` threads at hand; on the caller's own where the system
+/// starts no more.
+#[cfg(feature = "parallel")]
+fn run<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
+    let count = threads.unwrap_or(0);
+    let pool = {
+        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = pools.get(&count).cloned();
+        kept.or_else(|| {
+            let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(count).build().ok()?);
+            pools.insert(count, pool.clone());
+            Some(pool)
+        })
     };
-    pools.entry(threads).or_insert_with(start).clone()
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
+/// Forgets all threads. To be called in a process that was forked from one in which
+/// they ran: they did not come along.
+pub fn abandon_threads() {
+    #[cfg(feature = "parallel")]
+    {
+        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+        // Not dropped: that would talk to threads which are not there.
+        std::mem::forget(std::mem::take(&mut *pools));
+    }
 }

@@ -19,10 +19,13 @@ use crate::pairs::{self, SortScratch};
 use crate::particles::{self, Particles};
 use crate::quadtree::Quadtree;
 use crate::resolve::{self, Rules, Scene};
-use crate::settings::{DEFAULT_MAX_PAIRS, Method, Settings};
+use crate::settings::{Method, Settings};
 
 /// Bounces slower than this many steps' worth of gravity are not bounces.
 const REST_STEPS: f32 = 3.0;
+
+/// Pairs that may touch in one step before it is refused: four gibibytes of them.
+const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Parts into which a step on a torus is cut at most.
 const MAX_PARTS: f32 = 1000.0;
@@ -329,7 +332,7 @@ impl World {
             return Err(Error::of("dt", dt, "it must be finite and above 0"));
         }
         for _ in 0..steps {
-            let parts = self.parts(single);
+            let parts = self.parts(single)?;
             for _ in 0..parts {
                 self.step_once(single / parts as f32, watch)?;
             }
@@ -339,13 +342,29 @@ impl World {
     }
 
     /// How many parts a step needs so that nothing outruns its images.
-    fn parts(&self, dt: f32) -> usize {
+    fn parts(&self, dt: f32) -> Result<usize> {
         let gravity = self.settings.gravity;
-        let longest = self.particles.velocities.iter().fold(0.0f32, |most, v| {
+        let ways = self.particles.velocities.iter().map(|v| {
             let way = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
-            most.max(way(0)).max(way(1))
+            way(0).max(way(1))
         });
-        (longest / self.settings.container.reach()).ceil().clamp(1.0, MAX_PARTS) as usize
+        let longest = ways.fold(0.0, f32::max);
+        if longest > particles::FARTHEST {
+            let rule = format!(
+                "a particle would move by {longest:e}, more than {:e}",
+                particles::FARTHEST
+            );
+            return Err(Error::of("dt", dt, &rule));
+        }
+        let parts = (longest / self.settings.container.reach()).ceil().max(1.0);
+        if parts > MAX_PARTS {
+            let rule = format!(
+                "a particle would circle the torus {} times; take smaller steps",
+                parts / 8.0
+            );
+            return Err(Error::of("dt", dt, &rule));
+        }
+        Ok(parts as usize)
     }
 
     /// The order of a step, spelled once: positions → sweeps → tree → candidate
@@ -353,10 +372,14 @@ impl World {
     fn step_once(&mut self, dt: f32, watch: &mut dyn FnMut(Stage)) -> Result<()> {
         self.sweep(dt);
         watch(Stage::Integrate);
-        self.order();
+        self.build();
         watch(Stage::Build);
-        let pairs = self.candidates()?;
+        let pairs = self.candidates().map_err(|error| match error {
+            Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
+            other => other,
+        })?;
         watch(Stage::Pairs);
+        self.arrange();
         let images = self.settings.container.images();
         let image = |which: usize| if which == 0 { [0.0; 2] } else { images[which - 1] };
         let listed = pairs.iter().enumerate();
@@ -396,12 +419,17 @@ impl World {
         });
     }
 
-    /// Builds the tree of the sweeps and brings everything into its order.
-    fn order(&mut self) {
+    /// Builds the tree of the sweeps.
+    fn build(&mut self) {
         let particles = &self.particles;
         let memory = &mut self.memory;
         let tie = |a: usize, b: usize| compare_particles(particles, a, b);
         memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
+    }
+
+    /// Brings everything into the order of the tree. Nothing can fail any more.
+    fn arrange(&mut self) {
+        let memory = &mut self.memory;
         let order = memory.tree.rows();
         memory.particles.gather(&self.particles, order);
         std::mem::swap(&mut memory.particles, &mut self.particles);
@@ -415,7 +443,7 @@ impl World {
     fn candidates(&mut self) -> Result<Vec<Vec<[u32; 2]>>> {
         let Memory { tree, sorting, .. } = &mut self.memory;
         let threads = self.settings.tree.threads;
-        let max = DEFAULT_MAX_PAIRS;
+        let max = MAX_CANDIDATES;
         let brute = self.settings.method == Method::Brute;
         let images = self.settings.container.images();
         let mut found = vec![if brute {
@@ -574,6 +602,7 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
         let ([x, y], [u, v]) = (all.positions[place], all.velocities[place]);
         [x, y, u, v, all.radii[place], all.masses[place], all.restitutions[place]]
     };
-    let by_numbers = numbers(a).partial_cmp(&numbers(b)).unwrap_or(Ordering::Equal);
-    by_numbers.then_with(|| all.movable[a].cmp(&all.movable[b]))
+    let pairs = numbers(a).into_iter().zip(numbers(b));
+    let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+    by_numbers.unwrap_or(Ordering::Equal).then_with(|| all.movable[a].cmp(&all.movable[b]))
 }

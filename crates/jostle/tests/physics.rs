@@ -560,3 +560,102 @@ fn a_pile_rests_on_while_its_top_is_taken_away() {
         assert!(speed < 5.0, "{} left: mean speed {speed}", world.len());
     }
 }
+
+#[test]
+fn a_train_keeps_its_order_when_it_hits_a_wall() {
+    for (count, gap) in [(3, 1.0f32), (10, 0.1), (50, 1.0), (50, 30.0)] {
+        for radii_a_step in [10.0, 100.0, 1000.0] {
+            for (restitution, substeps) in [(0.0, 1), (0.5, 4), (1.0, 2)] {
+                let place = |i: usize| [2.0 + i as f32 * (2.0 + gap), 50.0];
+                let speed = radii_a_step / STEP as f32;
+                let positions: Vec<[f32; 2]> = (0..count).map(place).collect();
+                let wall = positions[count - 1][0] + 20.0;
+                let particles =
+                    Particles::new(positions, vec![[speed, 0.0]; count], vec![1.0; count], 1.0);
+                let container = Container::Box { min: [0.0; 2], max: [wall, 100.0] };
+                let settings =
+                    WorldSettings { restitution, substeps, container, ..WorldSettings::default() };
+                let mut world = world(particles, settings);
+                for step in 0..20 {
+                    run(&mut world, STEP, 1);
+                    // Side by side on a line they can only pass by passing through.
+                    let x: Vec<f32> = world.positions().iter().map(|p| p[0]).collect();
+                    let passed = x.windows(2).any(|pair| pair[1] < pair[0] - 0.1);
+                    assert!(!passed, "{count} gap {gap} at {radii_a_step}, step {step}: {x:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_heavy_disc_pushes_nothing_through_a_curtain() {
+    for (heavy, seed) in [(60.0f32, 1), (20.0, 2)] {
+        let mut random = Random::new(seed);
+        let (side, peg) = (400.0, 10.0);
+        let pegs = 20;
+        let mut positions: Vec<[f32; 2]> =
+            (0..pegs).map(|i| [250.0, (i as f32 + 0.5) * 20.0]).collect();
+        let mut velocities = vec![[0.0; 2]; pegs];
+        let mut radii = vec![peg; pegs];
+        positions.push([80.0, 200.0]);
+        velocities.push([3000.0, 0.0]);
+        radii.push(heavy);
+        for _ in 0..300 {
+            positions.push([random.between(150.0, 235.0), random.between(5.0, 395.0)]);
+            velocities.push([0.0; 2]);
+            radii.push(1.0);
+        }
+        let mut particles = Particles::new(positions, velocities, radii, 1.0);
+        particles.movable[..pegs].fill(false);
+        particles.masses[pegs] = 1e5;
+        let settings = WorldSettings {
+            container: Container::Box { min: [0.0; 2], max: [side; 2] },
+            ..WorldSettings::default()
+        };
+        let mut world = world(particles, settings);
+        for step in 0..200 {
+            run(&mut world, STEP, 1);
+            let behind = world.positions()[pegs..].iter().filter(|p| p[0] > 250.0).count();
+            assert_eq!(behind, 0, "radius {heavy}, step {step}");
+        }
+    }
+}
+
+#[test]
+fn a_refused_step_leaves_the_world_as_it_was() {
+    let particles = Particles::new(
+        vec![[90.0, 0.0], [1.5, 0.0], [0.0, 0.0]],
+        vec![[1e9, 0.0], [0.0; 2], [0.0; 2]],
+        vec![1.0; 3],
+        1.0,
+    );
+    let mut world = world(particles, WorldSettings::default());
+    run(&mut world, 1e-9, 1);
+    let (hash, contacts, time) = (world.state_hash(), world.contacts(), world.time());
+    for dt in [1e30, f64::NAN, 0.0, -1.0, f64::INFINITY] {
+        let error = world.step(dt, 1, &mut |_| ()).unwrap_err().to_string();
+        assert!(error.starts_with("dt is "), "{error}");
+        assert_eq!(
+            (world.state_hash(), world.contacts(), world.time()),
+            (hash, contacts.clone(), time)
+        );
+    }
+    let torus = Container::Torus { size: [100.0; 2] };
+    world.configure(WorldSettings { container: torus, ..*world.settings() }).unwrap();
+    assert!(world.step(1.0, 1, &mut |_| ()).unwrap_err().to_string().contains("circle the torus"));
+}
+
+#[test]
+fn signed_zeros_do_not_let_the_order_of_adding_show() {
+    let make = |velocities: [[f32; 2]; 2]| {
+        let all = Particles::new(vec![[0.0; 2]; 2], velocities.to_vec(), vec![1.0; 2], 1.0);
+        let mut world = world(all, WorldSettings::default());
+        run(&mut world, STEP, 20);
+        world.positions()
+    };
+    let (plus, minus) = ([0.0, 0.0], [-0.0, 0.0]);
+    let [a, b] = make([plus, minus])[..] else { panic!("two particles") };
+    assert_eq!(make([minus, plus]), [b, a]);
+    assert_ne!(a, b);
+}

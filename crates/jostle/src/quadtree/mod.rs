@@ -97,6 +97,7 @@ impl<T: Scalar> Quadtree<T> {
         self.columns.gather(columns, &self.order.rows);
         build::nodes(&self.order, &self.settings, &mut self.nodes);
         build::covers(self);
+        debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
     }
 
     /// Number of shapes.
@@ -145,10 +146,14 @@ impl<T: Scalar> Quadtree<T> {
     }
 }
 
+/// Trees up to this size are checked after every build where debug assertions are on.
+const CHECKED: usize = 500;
+
 /// Orders shapes with coincident centres by everything else about them.
 fn compare_shapes<T: Scalar>(columns: &Columns<T>, a: usize, b: usize) -> Ordering {
     let (a, b) = (columns.shape(a), columns.shape(b));
     let sizes = |s: &crate::geometry::Shape<T>| [s.radius, s.half_size[0], s.half_size[1]];
-    let by_size = sizes(&a).partial_cmp(&sizes(&b)).unwrap_or(Ordering::Equal);
-    by_size.then_with(|| (a.category, a.mask).cmp(&(b.category, b.mask)))
+    let pairs = sizes(&a).into_iter().zip(sizes(&b));
+    let by_size = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());
+    by_size.unwrap_or(Ordering::Equal).then_with(|| (a.category, a.mask).cmp(&(b.category, b.mask)))
 }

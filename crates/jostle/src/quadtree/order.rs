@@ -19,7 +19,7 @@ pub const GRID_LEVELS: u32 = 16;
 
 /// Runs of equal keys up to this length are sorted by comparing; longer ones
 /// are given a finer grid.
-const SHORT_RUN: usize = 64;
+const SHORT_RUN: usize = 8;
 
 /// Below this many keys a comparison sort beats the radix sort.
 const SMALL_SORT: usize = 2048;
@@ -194,10 +194,9 @@ impl Order {
         let Some(grid) = finer else {
             rows.sort_unstable_by(|&a, &b| {
                 let (i, j) = (a as usize, b as usize);
-                let by_x = columns.x[i].partial_cmp(&columns.x[j]);
-                let by_y = columns.y[i].partial_cmp(&columns.y[j]);
-                let coordinates = by_x.and_then(|x| by_y.map(|y| x.then(y)));
-                coordinates.unwrap_or(Ordering::Equal).then_with(|| tie(i, j)).then(a.cmp(&b))
+                let by_x = columns.x[i].total_order(&columns.x[j]);
+                let by_place = by_x.then_with(|| columns.y[i].total_order(&columns.y[j]));
+                by_place.then_with(|| tie(i, j)).then(a.cmp(&b))
             });
             return;
         };

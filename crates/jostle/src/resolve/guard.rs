@@ -18,7 +18,8 @@ const TOLERANCE: f32 = 0.95;
 
 /// Shortens the ways of everything that would pass through something.
 pub fn guard(contacts: &[Contact], motions: &Motions) {
-    let fast: Vec<&Contact> = contacts.iter().filter(|contact| is_fast(contact, motions)).collect();
+    let fast: Vec<&Contact> =
+        contacts.iter().filter(|contact| may_be_fast(contact, motions)).collect();
     for pass in 0.. {
         let mut any = false;
         for contact in &fast {
@@ -41,6 +42,14 @@ fn way(contact: &Contact, motions: &Motions) -> [f32; 2] {
 
 fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// Whether the two could become fast against each other: a way that is shortened
+/// makes those behind it fast, however alike the two ways were before.
+fn may_be_fast(contact: &Contact, motions: &Motions) -> bool {
+    let length = |place| dot(motions.travel(place), motions.travel(place)).sqrt();
+    let [a, b] = contact.places.map(length);
+    a + b > 0.1 * contact.reach
 }
 
 /// Whether the two move by more than a tenth of the sum of radii against each

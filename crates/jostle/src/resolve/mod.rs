@@ -206,7 +206,9 @@ fn advance(scene: &mut Scene<'_>, rules: &Rules) {
 
 fn settle(scene: &mut Scene<'_>, rules: &Rules) {
     let (motions, particles) = (scene.motions, scene.particles);
-    scene.contacts.solve(rules.threads, |contact| separate::push_apart(contact, motions));
+    scene
+        .contacts
+        .solve(rules.threads, |contact| separate::push_apart(contact, motions, &particles.radii));
     if rules.container.has_walls() {
         each_particle(scene, rules, |place, _| {
             let mut motion = motions.get(place);

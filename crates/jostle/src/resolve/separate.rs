@@ -11,6 +11,10 @@ const SLOP: f32 = 0.003;
 /// Share of the overlap that is removed at once.
 const SOFTNESS: f32 = 0.35;
 
+/// Most that one particle is pushed at once, as a share of the smaller radius: what
+/// is pushed further could come out on the other side of something thin.
+const MOST: f32 = 0.2;
+
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that sends neighbours apart.
 const DIRECTIONS: [[f32; 2]; 16] = [
@@ -33,7 +37,7 @@ const DIRECTIONS: [[f32; 2]; 16] = [
 ];
 
 /// Moves two overlapping particles apart.
-pub fn push_apart(contact: &mut Contact, motions: &Motions) {
+pub fn push_apart(contact: &mut Contact, motions: &Motions, radii: &[f32]) {
     let [a, b] = contact.places.map(|place| motions.position(place));
     let offset = [0, 1].map(|k| b[k] - a[k] + contact.image[k]);
     let square = offset[0] * offset[0] + offset[1] * offset[1];
@@ -52,7 +56,10 @@ pub fn push_apart(contact: &mut Contact, motions: &Motions) {
         DIRECTIONS[(contact.places[1] - contact.places[0]) as usize % DIRECTIONS.len()]
     };
     let [inverse_a, inverse_b] = contact.inverse_masses;
-    let push = SOFTNESS * excess / (inverse_a + inverse_b);
+    let smaller =
+        contact.places.map(|place| radii[place as usize]).into_iter().fold(f32::MAX, f32::min);
+    let wanted = SOFTNESS * excess / (inverse_a + inverse_b);
+    let push = wanted.min(MOST * smaller / inverse_a.max(inverse_b));
     if inverse_a > 0.0 {
         let position = [0, 1].map(|k| a[k] - normal[k] * push * inverse_a);
         motions.set_position(contact.places[0], position);

@@ -1,4 +1,4 @@
-//! Places for discs that do not overlap to begin with.
+//! Places for discs, without overlap as far as there is room.
 
 use std::collections::HashMap;
 
