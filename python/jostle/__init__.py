@@ -9,9 +9,11 @@
     a `Torus`; `jostle.scenes` has some ready.
 `Contacts`, `Nodes`, `Stats`
     What some of these answer.
+`article`
+    The two programs of 2015 that it began with, in plain Python, faults and all.
 """
 
-from jostle import scenes
+from jostle import article, scenes
 from jostle._core import Box, Circle, Quadtree, Torus, World, __version__, find_pairs
 from jostle.results import Contacts, Nodes, Stats
 
@@ -25,6 +27,7 @@ __all__ = [
     "Torus",
     "World",
     "__version__",
+    "article",
     "find_pairs",
     "scenes",
 ]

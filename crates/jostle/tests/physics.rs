@@ -659,3 +659,21 @@ fn signed_zeros_do_not_let_the_order_of_adding_show() {
     assert_eq!(make([minus, plus]), [b, a]);
     assert_ne!(a, b);
 }
+
+#[test]
+fn an_elastic_gas_in_free_fall_keeps_its_inner_energy() {
+    // Gravity is the same for all, so it cannot change how they move against each other.
+    let settings = WorldSettings { gravity: [0.0, 900.0], ..WorldSettings::default() };
+    let mut world = world(cloud(400, 400.0, 8.0, 600.0, 9), settings);
+    let inner = |world: &World| -> f64 {
+        let velocities = world.velocities();
+        let count = velocities.len() as f64;
+        let mean = [0, 1].map(|k| velocities.iter().map(|v| f64::from(v[k])).sum::<f64>() / count);
+        let square = |v: &[f32; 2]| [0, 1].map(|k| (f64::from(v[k]) - mean[k]).powi(2));
+        velocities.iter().map(square).map(|[x, y]| x + y).sum::<f64>()
+    };
+    let before = inner(&world);
+    run(&mut world, STEP, 60);
+    let kept = inner(&world) / before;
+    assert!((0.97..1.001).contains(&kept), "kept {kept}");
+}

@@ -151,7 +151,7 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 
 fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     let (motions, threads) = (scene.motions, rules.threads);
-    scene.contacts.each(threads, |contact| rest::prepare(contact, motions));
+    scene.contacts.each(threads, |contact| rest::prepare(contact, motions, rules));
     find_at_walls(scene, rules, h);
     each_particle(scene, rules, |place, _| rest::suspend(place, motions, h));
     scene.contacts.solve(threads, |contact| rest::start(contact, motions));

@@ -18,12 +18,16 @@ use crate::motion::Motions;
 /// Rate at which the slow motion of what leans dies away, per second.
 const CALMING: f32 = 200.0;
 
-/// Finds out whether the contact changes slowly enough to be taken as flat. What
-/// passes at speed is left to the impacts and the guard.
-pub fn prepare(contact: &mut Contact, motions: &Motions) {
+/// Finds out whether the two lean on each other: they touch already or meet too slowly
+/// to bounce, and move little enough for the contact to be taken as flat. What meets at speed is
+/// left to the impacts of this sub-step or the next, or it would not bounce.
+pub fn prepare(contact: &mut Contact, motions: &Motions, rules: &Rules) {
     let [a, b] = contact.places.map(|place| motions.travel(place));
     let way = [b[0] - a[0], b[1] - a[1]];
-    contact.leans = way[0] * way[0] + way[1] * way[1] <= 0.25 * contact.reach * contact.reach;
+    let flat = way[0] * way[0] + way[1] * way[1] <= 0.25 * contact.reach * contact.reach;
+    let [a, b] = contact.places.map(|place| motions.velocity(place));
+    let parting = contact.normal[0] * (b[0] - a[0]) + contact.normal[1] * (b[1] - a[1]);
+    contact.leans = flat && (contact.gap <= 0.0 || parting > -rules.rest_speed);
     if !contact.leans {
         contact.impulse = 0.0;
     }
@@ -132,8 +136,14 @@ impl AtWall {
         rules: &Rules,
         h: f32,
     ) -> Option<Self> {
+        let velocity = motions.velocity(place);
+        let leans = |wall: &Wall| {
+            let parting = wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1];
+            wall.gap <= 0.0 || parting > -rules.rest_speed
+        };
         let walls = rules.container.walls(motions.position(place), radius);
-        let speed = motions.velocity(place).iter().fold(0.0f32, |most, v| most.max(v.abs()));
+        let walls = walls.map(|wall| wall.filter(leans));
+        let speed = velocity.iter().fold(0.0f32, |most, v| most.max(v.abs()));
         let near = |wall: &Wall| wall.gap < 2.0 * speed * h + NEAR * radius;
         let watched = walls.iter().flatten().any(near) || pushes != [0.0; MAX_WALLS];
         watched.then_some(Self { place, walls, pushes })
