@@ -97,10 +97,7 @@ def main() -> None:
                 "beside": case.beside or "",
                 "version": jostle.__version__,
                 "rounds": rounds,
-                "median_s": f"{timing.median:.6g}",
-                "low_s": f"{timing.low:.6g}",
-                "high_s": f"{timing.high:.6g}",
-                "machine": describe(),
+                **timing.columns(),
             }
         )
     write("hard-cases", rows)

@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from machine import describe
+
 
 @dataclass(frozen=True)
 class Timing:
@@ -15,6 +17,15 @@ class Timing:
     median: float
     low: float
     high: float
+
+    def columns(self) -> dict[str, object]:
+        """The timing as columns of a results file."""
+        return {
+            "median_s": f"{self.median:.6g}",
+            "low_s": f"{self.low:.6g}",
+            "high_s": f"{self.high:.6g}",
+            "machine": describe(),
+        }
 
 
 def interleaved(calls: Sequence[Callable[[], object]], rounds: int) -> list[Timing]:

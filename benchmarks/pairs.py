@@ -69,10 +69,7 @@ def run(count: int, rounds: int) -> list[dict[str, object]]:
                 "rival": rival.name,
                 "version": rival.version,
                 "rounds": rounds,
-                "median_s": f"{timing.median:.6g}",
-                "low_s": f"{timing.low:.6g}",
-                "high_s": f"{timing.high:.6g}",
-                "machine": describe(),
+                **timing.columns(),
             }
         )
     return rows

@@ -72,10 +72,7 @@ def run(count: int, rounds: int) -> list[dict[str, object]]:
                 "contender": name,
                 "version": jostle.__version__,
                 "rounds": rounds,
-                "median_s": f"{timing.median:.6g}",
-                "low_s": f"{timing.low:.6g}",
-                "high_s": f"{timing.high:.6g}",
-                "machine": describe(),
+                **timing.columns(),
             }
         )
     return rows

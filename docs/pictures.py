@@ -16,7 +16,6 @@ PICTURES = Path(__file__).parent / "pictures"
 RUNS = {
     "pile": ["pile", "--steps", "400"],
     "clusters": ["clusters", "--steps", "20"],
-    "mixed": ["mixed", "-n", "3000", "--steps", "120"],
 }
 """Name of a picture: the arguments of `jostle run` that end in it."""
 
