@@ -1,0 +1,199 @@
+//! Which shapes overlap: a tree against itself, one tree against another, and
+//! brute force, the oracle beside them.
+//!
+//! The join walks two trees at once. Nodes whose covers do not meet are left
+//! behind with everything in them; what remains is leaf against leaf, tested in
+//! blocks of [`LANES`](crate::columns::LANES) shapes whose results are bits of a mask. Every shape is
+//! in one leaf, so every pair comes up once.
+
+mod join;
+mod kernel;
+mod output;
+
+use crate::columns::Columns;
+use crate::error::Result;
+use crate::geometry::{self, Scalar};
+use crate::parallel;
+use crate::quadtree::Quadtree;
+use crate::settings::{Method, Settings};
+use crate::simd;
+use join::Join;
+use kernel::{Block, Wanted};
+use output::{Budget, Output};
+
+/// Below this many shapes brute force is faster than building a tree.
+const BRUTE_FORCE_LIMIT: usize = 160;
+
+/// Pairs, and how many shape tests it took to find them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// Each pair once.
+    pub pairs: Vec<[u32; 2]>,
+    /// Shapes tested against shapes.
+    pub tests: u64,
+}
+
+impl Found {
+    /// Sorts by first, then by second.
+    pub fn sort(&mut self) {
+        self.pairs.sort_unstable();
+    }
+}
+
+/// All overlapping pairs of rows, `i < j`, in no promised order.
+/// `None` chooses the faster method.
+pub fn find<T: Scalar>(
+    columns: &Columns<T>,
+    method: Option<Method>,
+    threads: Option<usize>,
+    max_pairs: usize,
+) -> Result<Found> {
+    let settings = Settings { threads, ..Settings::default() };
+    settings.validate()?;
+    let small = columns.len() <= BRUTE_FORCE_LIMIT;
+    match method {
+        Some(Method::Brute) => brute(columns, threads, max_pairs),
+        None if small => brute(columns, threads, max_pairs),
+        _ => within(&Quadtree::new(columns, settings)?, max_pairs),
+    }
+}
+
+/// All overlapping pairs of rows of one tree, `i < j`, in the tree's order.
+pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
+    let mut found = places_within(tree, max_pairs)?;
+    let rows = tree.rows();
+    for pair in &mut found.pairs {
+        let (i, j) = (rows[pair[0] as usize], rows[pair[1] as usize]);
+        *pair = [i.min(j), i.max(j)];
+    }
+    Ok(found)
+}
+
+/// All overlapping pairs, the first a row of `a`, the second a row of `b`, in
+/// the order of `a`'s tree.
+pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
+    let mut found = places_between(a, b, [T::ZERO; 2], max_pairs)?;
+    for pair in &mut found.pairs {
+        *pair = [a.rows()[pair[0] as usize], b.rows()[pair[1] as usize]];
+    }
+    Ok(found)
+}
+
+/// The pairs of [`within`] with the geometry of their overlap.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlaps<T> {
+    /// Rows, `i < j`, in the tree's order.
+    pub pairs: Vec<[u32; 2]>,
+    /// Unit vectors from `i` to `j`.
+    pub normals: Vec<[T; 2]>,
+    /// How far each pair overlaps along its normal.
+    pub depths: Vec<T>,
+    /// Shapes tested against shapes.
+    pub tests: u64,
+}
+
+/// As [`within`], with normals and depths.
+pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overlaps<T>> {
+    let Found { mut pairs, tests } = places_within(tree, max_pairs)?;
+    let (mut normals, mut depths) =
+        (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
+    for pair in &mut pairs {
+        pair.sort_unstable_by_key(|&place| tree.rows()[place as usize]);
+        let [a, b] = pair.map(|place| tree.columns().shape(place as usize));
+        let (normal, depth) = geometry::contact(&a, &b);
+        normals.push(normal);
+        depths.push(depth);
+        *pair = pair.map(|place| tree.rows()[place as usize]);
+    }
+    Ok(Overlaps { pairs, normals, depths, tests })
+}
+
+/// As [`within`], in places of the tree's order instead of rows.
+pub fn places_within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
+    Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true }.run(max_pairs)
+}
+
+/// As [`between`], in places, with every shape of `a` moved by `-shift`.
+pub fn places_between<T: Scalar>(
+    a: &Quadtree<T>,
+    b: &Quadtree<T>,
+    shift: [T; 2],
+    max_pairs: usize,
+) -> Result<Found> {
+    Join { a, b, shift, itself: false }.run(max_pairs)
+}
+
+/// All overlapping pairs of rows, `i < j`, sorted, every row tested against
+/// every other.
+pub fn brute<T: Scalar>(
+    columns: &Columns<T>,
+    threads: Option<usize>,
+    max_pairs: usize,
+) -> Result<Found> {
+    let len = columns.len();
+    // Bands of rows with about equal numbers of tests below the diagonal.
+    let bands = if parallel::is_parallel(threads) && len > 512 { 64 } else { 1 };
+    let edge = |band: usize| {
+        let rest = 1.0 - band as f64 / bands as f64;
+        if band == bands { len } else { ((1.0 - rest.sqrt()) * len as f64) as usize }
+    };
+    let budget = Budget::new(max_pairs);
+    let parts = parallel::map(threads, bands, |band| {
+        let mut output = Output::new(&budget);
+        let block =
+            Block { a: columns, rows: edge(band)..edge(band + 1), b: columns, others: 0..len };
+        simd::widest(
+            #[inline(always)]
+            || block.test([T::ZERO; 2], Wanted::Behind, &mut output),
+        );
+        output.finish()
+    });
+    budget.collect(parts)
+}
+
+/// As [`places_between`] for two sets without trees, by brute force.
+pub fn brute_between<T: Scalar>(
+    a: &Columns<T>,
+    b: &Columns<T>,
+    shift: [T; 2],
+    max_pairs: usize,
+) -> Result<Found> {
+    let budget = Budget::new(max_pairs);
+    let mut output = Output::new(&budget);
+    Block { a, rows: 0..a.len(), b, others: 0..b.len() }.test(shift, Wanted::All, &mut output);
+    let part = output.finish();
+    budget.collect(vec![part])
+}
+
+/// Sorts pairs of places below `len` by first, then by second, in `scratch`.
+pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScratch) {
+    let SortScratch { starts, spare } = scratch;
+    starts.clear();
+    starts.resize(len + 1, 0);
+    for pair in pairs.iter() {
+        starts[pair[0] as usize + 1] += 1;
+    }
+    for place in 0..len {
+        starts[place + 1] += starts[place];
+    }
+    spare.clear();
+    spare.resize(pairs.len(), [0; 2]);
+    for &pair in pairs.iter() {
+        let start = &mut starts[pair[0] as usize];
+        spare[*start as usize] = pair;
+        *start += 1;
+    }
+    std::mem::swap(pairs, spare);
+    let mut from = 0;
+    for &end in &starts[..len] {
+        pairs[from..end as usize].sort_unstable();
+        from = end as usize;
+    }
+}
+
+/// Memory that [`sort_places`] keeps between calls.
+#[derive(Clone, Debug, Default)]
+pub struct SortScratch {
+    starts: Vec<u32>,
+    spare: Vec<[u32; 2]>,
+}
