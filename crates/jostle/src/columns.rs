@@ -3,10 +3,9 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
+use crate::parallel;
+use crate::simd::LANES;
 
-/// Shapes tested at once by the kernels. Columns carry this many spare rows at
-/// their end, so that a kernel may read a whole block from any row.
-pub const LANES: usize = 16;
 
 /// What a shape is where nothing is said.
 pub const DEFAULT_CATEGORY: u32 = 1;
@@ -14,7 +13,8 @@ pub const DEFAULT_CATEGORY: u32 = 1;
 /// What a shape may pair with where nothing is said: everything.
 pub const DEFAULT_MASK: u32 = u32::MAX;
 
-/// Shapes in columns of equal length, with [`LANES`] spare rows behind them.
+/// Shapes in columns of equal length, with [`LANES`] spare rows behind them, so that a
+/// kernel may read a whole block from any row.
 ///
 /// Columns that would say the same for every row are left empty: half sizes
 /// where all are circles, filters where everything pairs with everything.
@@ -138,22 +138,15 @@ impl<T: Scalar> Columns<T> {
     }
 
     /// Replaces the contents by the rows `order` of `source`, in that order.
-    pub fn gather(&mut self, source: &Self, order: &[u32]) {
-        fn take<V: Copy>(to: &mut Vec<V>, from: &[V], order: &[u32]) {
-            to.clear();
-            if !from.is_empty() {
-                to.extend(order.iter().map(|&row| from[row as usize]));
-            }
-        }
+    pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
         self.len = order.len();
-        take(&mut self.x, &source.x, order);
-        take(&mut self.y, &source.y, order);
-        take(&mut self.radius, &source.radius, order);
-        take(&mut self.half_x, &source.half_x, order);
-        take(&mut self.half_y, &source.half_y, order);
-        take(&mut self.category, &source.category, order);
-        take(&mut self.mask, &source.mask, order);
-        self.pad();
+        take(&mut self.x, &source.x, order, threads);
+        take(&mut self.y, &source.y, order, threads);
+        take(&mut self.radius, &source.radius, order, threads);
+        take(&mut self.half_x, &source.half_x, order, threads);
+        take(&mut self.half_y, &source.half_y, order, threads);
+        take(&mut self.category, &source.category, order, threads);
+        take(&mut self.mask, &source.mask, order, threads);
     }
 
     /// Empties the columns and fills them with `len` rounded boxes; `row` gives
@@ -178,8 +171,30 @@ impl<T: Scalar> Columns<T> {
     }
 }
 
+/// Replaces a column by the rows `order` of `from`, and spare rows.
+fn take<V: Copy + Default + Send + Sync>(
+    to: &mut Vec<V>,
+    from: &[V],
+    order: &[u32],
+    threads: Option<usize>,
+) {
+    if from.is_empty() {
+        return to.clear();
+    }
+    to.resize(order.len() + LANES, V::default());
+    parallel::for_chunks(threads, &mut to[..order.len()], |first, chunk| {
+        for (value, &row) in chunk.iter_mut().zip(&order[first..]) {
+            *value = from[row as usize];
+        }
+    });
+}
+
 /// Refuses a pair of coordinates that is not finite.
 pub fn check_finite<T: Scalar>(argument: &'static str, x: &[T], y: &[T]) -> Result<()> {
+    let finite = |column: &[T]| column.iter().fold(true, |all, v| all & v.is_finite());
+    if finite(x) && finite(y) {
+        return Ok(());
+    }
     for (index, (&x, &y)) in x.iter().zip(y).enumerate() {
         if !(x.is_finite() && y.is_finite()) {
             let rule = "both coordinates must be finite";
@@ -191,6 +206,10 @@ pub fn check_finite<T: Scalar>(argument: &'static str, x: &[T], y: &[T]) -> Resu
 
 /// Refuses a size that is negative, not finite or beyond [`Scalar::MAX_SIZE`].
 pub fn check_size<T: Scalar>(argument: &'static str, noun: &str, sizes: &[T]) -> Result<()> {
+    let fits = |size: T| (size >= T::ZERO) & (size <= T::MAX_SIZE);
+    if sizes.iter().fold(true, |all, &size| all & fits(size)) {
+        return Ok(());
+    }
     for (index, &size) in sizes.iter().enumerate() {
         if !(size >= T::ZERO && size.is_finite()) {
             let rule = format!("{noun} must be finite and at least 0");

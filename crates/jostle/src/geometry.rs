@@ -8,22 +8,13 @@
 
 use std::cmp::Ordering;
 use std::fmt::{Debug, Display};
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::Neg;
+
+use crate::simd::Number;
 
 /// The arithmetic of a tree: `f32` or `f64`.
 pub trait Scalar:
-    Copy
-    + PartialOrd
-    + Debug
-    + Display
-    + Default
-    + Send
-    + Sync
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Neg<Output = Self>
-    + 'static
+    Number + Debug + Display + Neg<Output = Self>
 {
     /// Zero.
     const ZERO: Self;
@@ -170,6 +161,13 @@ impl<T: Scalar> Cover<T> {
             category: self.category | other.category,
             mask: self.mask | other.mask,
         }
+    }
+
+    /// The cover of the same shapes moved by `-shift`.
+    #[inline(always)]
+    pub fn moved(&self, shift: [T; 2]) -> Self {
+        let by = |v: [T; 2]| [v[0] - shift[0], v[1] - shift[1]];
+        Self { min: by(self.min), max: by(self.max), ..*self }
     }
 
     /// Whether some shape of this cover, moved by `-shift`, could overlap some

@@ -5,10 +5,10 @@
 
 pub mod error;
 pub mod settings;
+pub mod simd;
 pub mod geometry;
-pub mod columns;
 pub mod parallel;
-mod simd;
+pub mod columns;
 pub mod quadtree;
 pub mod pairs;
 pub mod particles;

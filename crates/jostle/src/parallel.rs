@@ -29,12 +29,41 @@ pub fn map<R>(_threads: Option<usize>, count: usize, task: impl Fn(usize) -> R) 
     (0..count).map(task).collect()
 }
 
+/// Calls `act` on every item, on `threads` threads.
+pub fn for_each<T: Send>(
+    threads: Option<usize>,
+    items: &mut [T],
+    act: impl Fn(&mut T) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    if threads != Some(1) && items.len() > 1 {
+        use rayon::prelude::*;
+        return run(threads, || items.par_iter_mut().with_max_len(1).for_each(act));
+    }
+    let _ = threads;
+    items.iter_mut().for_each(act);
+}
+
 /// Rows that one thread takes at a time in [`for_chunks`].
 pub const CHUNK: usize = 1024;
 
 /// Fewer items than this are not worth waking other threads for.
-#[cfg(feature = "parallel")]
-const WORTHWHILE: usize = 8 * CHUNK;
+const WORTHWHILE: usize = 32 * CHUNK;
+
+/// The threads to use on `len` items: one where another would cost more than it saves.
+pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
+    if len < WORTHWHILE { Some(1) } else { threads }
+}
+
+/// Runs `work` where the threads are, so that each of its parallel parts starts at once.
+pub fn among<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
+    #[cfg(feature = "parallel")]
+    if threads != Some(1) {
+        return run(threads, work);
+    }
+    let _ = threads;
+    work()
+}
 
 /// Calls `act` with the index of the first item and the items of each chunk of
 /// [`CHUNK`] items, on `threads` threads. What one call writes no other may read.

@@ -166,7 +166,7 @@ proptest! {
             order.swap(last, (state >> 33) as usize % (last + 1));
         }
         let mut mixed_up = Columns::default();
-        mixed_up.gather(&columns, &order);
+        mixed_up.gather(&columns, &order, None);
         let straight = built(&columns, Settings::default());
         let permuted = built(&mixed_up, Settings::default());
         // The same shapes stand at the same places, so pairs come in the same order.
@@ -297,7 +297,7 @@ fn a_limit_stops_the_search_long_before_the_end() {
 fn a_small_tree_has_these_boxes() {
     let four = discs([[1.0, 1.0], [6.0, 2.0], [2.0, 7.0], [7.0, 7.0]].into_iter(), 0.5);
     let settings = Settings { leaf_capacity: 1, ..Settings::default() };
-    let cells: Vec<[f64; 4]> = built(&four, settings).nodes().iter().map(|n| n.cell).collect();
+    let cells: Vec<[f64; 4]> = built(&four, settings).cells();
     // Extent 6, so the side is 8, and the origin a multiple of 1.
     assert_eq!(cells[0], [1.0, 1.0, 9.0, 9.0]);
     assert_eq!(

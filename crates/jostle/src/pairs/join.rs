@@ -1,13 +1,13 @@
 //! Two trees walked together, down to leaf against leaf.
 
 use super::Found;
-use super::kernel::{Block, Wanted};
-use super::output::{Budget, Output};
+use super::kernel::{Kernel, Scratch, Side};
+use super::output::{Budget, Finish, Output};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::simd;
+use crate::simd::{Simd, Work};
 
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
@@ -29,7 +29,8 @@ pub(super) struct Join<'a, T> {
 type Task = (u32, u32);
 
 impl<T: Scalar> Join<'_, T> {
-    pub(super) fn run(&self, max_pairs: usize) -> Result<Found> {
+    /// All pairs, each turned from places into what `finish` makes of it.
+    pub(super) fn run(&self, max_pairs: usize, finish: impl Finish + Copy) -> Result<Found> {
         let mut tasks: Vec<Task> = Vec::new();
         if !self.a.is_empty() && !self.b.is_empty() {
             self.push((0, 0), &mut |task| tasks.push(task));
@@ -40,14 +41,11 @@ impl<T: Scalar> Join<'_, T> {
         }
         let budget = Budget::new(max_pairs);
         let parts = parallel::map(threads, tasks.len(), |index| {
-            let mut output = Output::new(&budget);
-            simd::widest(
-                #[inline(always)]
-                || self.walk(tasks[index], &mut output),
-            );
-            output.finish()
+            let mut output = Output::new(&budget, finish);
+            T::with_widest(Walk { join: self, task: tasks[index], output: &mut output });
+            output.into_found()
         });
-        budget.collect(parts)
+        budget.collect(threads, parts)
     }
 
     /// Replaces tasks by their parts, in place, until there are enough.
@@ -67,24 +65,6 @@ impl<T: Scalar> Join<'_, T> {
             tasks = parts;
         }
         tasks
-    }
-
-    /// Does a task with all its parts, in order, on a stack of its own.
-    #[inline(always)]
-    fn walk(&self, task: Task, output: &mut Output) {
-        let mut stack = vec![task];
-        while let Some(task) = stack.pop() {
-            if output.is_full() {
-                return;
-            }
-            if self.is_leaf(task) {
-                self.test(task, output);
-            } else {
-                let from = stack.len();
-                self.expand(task, &mut |part| stack.push(part));
-                stack[from..].reverse();
-            }
-        }
     }
 
     #[inline(always)]
@@ -120,14 +100,42 @@ impl<T: Scalar> Join<'_, T> {
             push(task);
         }
     }
+}
 
+/// One task with all its parts.
+struct Walk<'a, 'b, T, F> {
+    join: &'a Join<'a, T>,
+    task: Task,
+    output: &'a mut Output<'b, F>,
+}
+
+impl<T: Scalar, F: Finish> Work<T> for Walk<'_, '_, T, F> {
+    type Out = ();
+
+    /// Goes through the parts in order, on a stack of its own.
     #[inline(always)]
-    fn test(&self, (a, b): Task, output: &mut Output) {
-        let rows = self.a.nodes()[a as usize].range();
-        let others = self.b.nodes()[b as usize].range();
-        let itself = self.itself && a == b;
-        let block = Block { a: self.a.columns(), rows, b: self.b.columns(), others };
-        let near = Wanted::Near(&self.b.covers()[b as usize]);
-        block.test(self.shift, if itself { Wanted::Behind } else { near }, output);
+    fn run<S: Simd<T>>(self, simd: S) {
+        let Self { join, task, output } = self;
+        let Join { a, b, shift, .. } = *join;
+        let kernel = Kernel { simd, a: a.columns(), b: b.columns(), shift };
+        let mut scratch = Scratch::default();
+        let mut stack = vec![task];
+        while let Some(task) = stack.pop() {
+            if output.is_full() {
+                return;
+            }
+            let (first, second) = (task.0 as usize, task.1 as usize);
+            if !join.is_leaf(task) {
+                let from = stack.len();
+                join.expand(task, &mut |part| stack.push(part));
+                stack[from..].reverse();
+            } else if join.itself && first == second {
+                kernel.itself(a.nodes()[first].range(), output);
+            } else {
+                let first = Side { range: a.nodes()[first].range(), cover: &a.covers()[first] };
+                let second = Side { range: b.nodes()[second].range(), cover: &b.covers()[second] };
+                kernel.leaves(&first, &second, &mut scratch, output);
+            }
+        }
     }
 }

@@ -1,204 +1,461 @@
-//! Some shapes against some others, in blocks of [`LANES`] whose results are bits.
+//! Some shapes against some others, a block at a time.
+//!
+//! A block's results are bits of a mask, and what they name is packed side by side
+//! instead of being visited one by one: no branch depends on which shapes overlap.
 
 use std::ops::Range;
 
-use super::output::Output;
-use crate::columns::{Columns, DEFAULT_CATEGORY, DEFAULT_MASK, LANES};
-use crate::geometry::{Cover, Scalar, Shape, overlap};
+use super::output::{Finish, NOTES, Output};
+use crate::columns::{Columns, DEFAULT_CATEGORY, DEFAULT_MASK};
+use crate::geometry::{Cover, Scalar, Shape};
+use crate::simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
 
-/// Some rows of `a` to be tested against some rows of `b`.
-pub(super) struct Block<'a, T> {
+/// Shapes that are packed at a time, and rows tested against a block at a time.
+const CHUNK: usize = NOTES;
+
+/// Two sets of shapes to be tested against each other, those of `a` moved by `-shift`.
+pub(super) struct Kernel<'a, T, S> {
+    pub(super) simd: S,
     pub(super) a: &'a Columns<T>,
-    pub(super) rows: Range<usize>,
     pub(super) b: &'a Columns<T>,
-    pub(super) others: Range<usize>,
+    pub(super) shift: [T; 2],
 }
 
-/// Which pairs of a block are wanted.
+/// One side of a test of leaf against leaf.
+pub(super) struct Side<'a, T> {
+    pub(super) range: Range<usize>,
+    pub(super) cover: &'a Cover<T>,
+}
+
+/// Memory for the shapes of two leaves that reach each other.
+pub(super) struct Scratch<T>([Packed<T>; 2]);
+
+/// A few shapes side by side.
+struct Packed<T> {
+    len: usize,
+    x: [T; CHUNK + LANES],
+    y: [T; CHUNK + LANES],
+    radius: [T; CHUNK + LANES],
+    half_x: [T; CHUNK + LANES],
+    half_y: [T; CHUNK + LANES],
+    place: [u32; CHUNK + LANES],
+}
+
+impl<T: Scalar> Default for Scratch<T> {
+    fn default() -> Self {
+        Self([Packed::default(), Packed::default()])
+    }
+}
+
+impl<T: Scalar> Default for Packed<T> {
+    fn default() -> Self {
+        let none = [T::ZERO; CHUNK + LANES];
+        let place = [0; CHUNK + LANES];
+        Self { len: 0, x: none, y: none, radius: none, half_x: none, half_y: none, place }
+    }
+}
+
+impl<T> Packed<T> {
+    /// The shapes that are packed.
+    #[inline(always)]
+    fn rows(&self) -> Rows<'_, T> {
+        let len = self.len.min(CHUNK);
+        Rows {
+            x: &self.x[..len],
+            y: &self.y[..len],
+            radius: &self.radius[..len],
+            half_x: &self.half_x[..len],
+            half_y: &self.half_y[..len],
+        }
+    }
+
+    /// The same with room for a block behind them.
+    #[inline(always)]
+    fn padded(&self) -> Rows<'_, T> {
+        Rows {
+            x: &self.x,
+            y: &self.y,
+            radius: &self.radius,
+            half_x: &self.half_x,
+            half_y: &self.half_y,
+        }
+    }
+}
+
+/// Numbers of some shapes; half sizes may be empty.
+struct Rows<'a, T> {
+    x: &'a [T],
+    y: &'a [T],
+    radius: &'a [T],
+    half_x: &'a [T],
+    half_y: &'a [T],
+}
+
+impl<'a, T: Scalar> Rows<'a, T> {
+    /// All rows of `columns`, spare ones too.
+    #[inline(always)]
+    fn all(columns: &'a Columns<T>) -> Self {
+        Self {
+            x: &columns.x,
+            y: &columns.y,
+            radius: &columns.radius,
+            half_x: &columns.half_x,
+            half_y: &columns.half_y,
+        }
+    }
+
+    /// Some of them.
+    #[inline(always)]
+    fn of(columns: &'a Columns<T>, rows: Range<usize>) -> Self {
+        let half = |column: &'a [T]| if column.is_empty() { column } else { &column[rows.clone()] };
+        Self {
+            x: &columns.x[rows.clone()],
+            y: &columns.y[rows.clone()],
+            radius: &columns.radius[rows.clone()],
+            half_x: half(&columns.half_x),
+            half_y: half(&columns.half_y),
+        }
+    }
+}
+
+/// A block of shapes in registers.
 #[derive(Clone, Copy)]
-pub(super) enum Wanted<'a, T> {
-    /// Every row with every other.
-    All,
-    /// Both sides are the same rows: the second has to lie behind the first.
-    Behind,
-    /// Every row that reaches this cover of the others with every other.
-    Near(&'a Cover<T>),
+struct Loaded<B> {
+    x: B,
+    y: B,
+    radius: B,
+    half: [B; 2],
 }
 
-impl<T: Scalar> Block<'_, T> {
-    /// Emits every wanted overlapping pair. The kernels for circles and for what
-    /// pairs with everything are spared the other numbers.
+impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
+    /// Passes on every overlapping pair of one row each of two ranges.
     #[inline(always)]
-    pub(super) fn test(&self, shift: [T; 2], wanted: Wanted<'_, T>, output: &mut Output) {
-        let boxes = self.a.has_boxes() || self.b.has_boxes();
-        let filters = self.a.has_filters() || self.b.has_filters();
-        match (boxes, filters) {
-            (false, false) => self.rows::<false, false>(shift, wanted, output),
-            (true, false) => self.rows::<true, false>(shift, wanted, output),
-            (false, true) => self.rows::<false, true>(shift, wanted, output),
-            (true, true) => self.rows::<true, true>(shift, wanted, output),
-        }
-    }
-
-    #[inline(always)]
-    fn rows<const BOXES: bool, const FILTERS: bool>(
+    pub(super) fn leaves<F: Finish>(
         &self,
-        shift: [T; 2],
-        wanted: Wanted<'_, T>,
-        output: &mut Output,
+        first: &Side<'_, T>,
+        second: &Side<'_, T>,
+        scratch: &mut Scratch<T>,
+        output: &mut Output<'_, F>,
     ) {
-        let Range { start, end } = self.rows;
-        match wanted {
-            Wanted::All => {
-                for row in start..end {
-                    self.row::<BOXES, FILTERS>(row, self.others.start, shift, output);
-                }
-            }
-            Wanted::Behind => {
-                for row in start..end {
-                    let from = self.others.start.max(row + 1);
-                    self.row::<BOXES, FILTERS>(row, from, shift, output);
-                }
-            }
-            Wanted::Near(cover) => {
-                for block in (start..end).step_by(LANES) {
-                    let near = reaching(self.a, block, shift, cover) & first_lanes(end - block);
-                    for_each_bit(near, |lane| {
-                        let from = self.others.start;
-                        self.row::<BOXES, FILTERS>(block + lane, from, shift, output);
-                    });
-                }
-            }
+        match self.kind() {
+            (false, false) => self.near::<F, false, false>(first, second, scratch, output),
+            (true, false) => self.near::<F, true, false>(first, second, scratch, output),
+            (false, true) => self.near::<F, false, true>(first, second, scratch, output),
+            (true, true) => self.near::<F, true, true>(first, second, scratch, output),
         }
     }
 
-    /// Tests one row against the others from `from`.
+    /// Passes on every overlapping pair within a range of the same columns.
     #[inline(always)]
-    fn row<const BOXES: bool, const FILTERS: bool>(
+    pub(super) fn itself<F: Finish>(&self, range: Range<usize>, output: &mut Output<'_, F>) {
+        match self.kind() {
+            (false, false) => self.behind::<F, false, false>(range, output),
+            (true, false) => self.behind::<F, true, false>(range, output),
+            (false, true) => self.behind::<F, false, true>(range, output),
+            (true, true) => self.behind::<F, true, true>(range, output),
+        }
+    }
+
+    /// Passes on the pairs of one row with rows of `others`, in their order.
+    #[inline(always)]
+    pub(super) fn row<F: Finish>(
         &self,
         row: usize,
-        from: usize,
-        shift: [T; 2],
-        output: &mut Output,
+        others: Range<usize>,
+        output: &mut Output<'_, F>,
     ) {
-        let end = self.others.end;
-        if from >= end || output.is_full() {
-            return;
+        match self.kind() {
+            (false, false) => self.along::<F, false, false>(row, others, output),
+            (true, false) => self.along::<F, true, false>(row, others, output),
+            (false, true) => self.along::<F, false, true>(row, others, output),
+            (true, true) => self.along::<F, true, true>(row, others, output),
         }
-        let mut shape = self.a.shape(row);
-        shape.center = [shape.center[0] - shift[0], shape.center[1] - shift[1]];
-        output.tests += (end - from) as u64;
-        for start in (from..end).step_by(LANES) {
-            let hits = hits::<T, BOXES, FILTERS>(&shape, self.b, start) & first_lanes(end - start);
-            for_each_bit(hits, |lane| output.push([row as u32, (start + lane) as u32]));
+    }
+
+    /// Whether half sizes and filters matter: circles, and what pairs with everything,
+    /// are spared them.
+    #[inline(always)]
+    fn kind(&self) -> (bool, bool) {
+        let boxes = self.a.has_boxes() || self.b.has_boxes();
+        (boxes, self.a.has_filters() || self.b.has_filters())
+    }
+
+    /// Leaf against leaf: only what reaches the other's cover is tested.
+    #[inline(always)]
+    fn near<F: Finish, const BOXES: bool, const FILTERS: bool>(
+        &self,
+        first: &Side<'_, T>,
+        second: &Side<'_, T>,
+        Scratch([near_a, near_b]): &mut Scratch<T>,
+        output: &mut Output<'_, F>,
+    ) {
+        let shift = self.shift;
+        let cover_a = first.cover.moved(shift);
+        for start in first.range.clone().step_by(CHUNK) {
+            let rows = start..first.range.end.min(start + CHUNK);
+            self.pack::<BOXES>(self.a, rows, shift, second.cover, near_a);
+            if near_a.len == 0 {
+                continue;
+            }
+            for start in second.range.clone().step_by(CHUNK) {
+                let rows = start..second.range.end.min(start + CHUNK);
+                self.pack::<BOXES>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
+                if near_b.len > 0 {
+                    self.packed::<F, BOXES, FILTERS>(near_a, near_b, output);
+                }
+            }
+            if output.is_full() {
+                return;
+            }
         }
+    }
+
+    /// Everything packed in `near_a` against everything packed in `near_b`.
+    #[inline(always)]
+    fn packed<F: Finish, const BOXES: bool, const FILTERS: bool>(
+        &self,
+        near_a: &Packed<T>,
+        near_b: &Packed<T>,
+        output: &mut Output<'_, F>,
+    ) {
+        output.tests += (near_a.len * near_b.len) as u64;
+        let rows = near_a.rows();
+        for start in (0..near_b.len.min(CHUNK)).step_by(LANES) {
+            let others = self.load::<BOXES>(&near_b.padded(), start);
+            let lanes = first_lanes(near_b.len - start);
+            let places = block(&near_b.place, start);
+            let allowed = |row: usize, bits: u32| {
+                let shape = self.a.shape(near_a.place[row] as usize);
+                allowed(&shape, self.b, |lane| places[lane] as usize, bits)
+            };
+            let wanted = |_: usize| lanes;
+            let notes = &mut output.notes;
+            let count = self.test::<BOXES, FILTERS>(&rows, &others, wanted, allowed, notes);
+            output.settle(count, |row| near_a.place[row as usize], |lane| places[lane % LANES]);
+        }
+    }
+
+    /// Packs the `rows` (at most [`CHUNK`]) that, moved by `-shift`, could overlap
+    /// something under `cover`. Filters are left to the pairs themselves.
+    #[inline(always)]
+    fn pack<const BOXES: bool>(
+        &self,
+        columns: &Columns<T>,
+        rows: Range<usize>,
+        shift: [T; 2],
+        cover: &Cover<T>,
+        to: &mut Packed<T>,
+    ) {
+        let simd = self.simd;
+        to.len = 0;
+        for start in rows.clone().step_by(LANES) {
+            let load = |column: &[T]| simd.load(block(column, start));
+            let moved = |column: &[T], axis| simd.sub(load(column), simd.splat(shift[axis]));
+            let shapes = Loaded {
+                x: moved(&columns.x, 0),
+                y: moved(&columns.y, 1),
+                radius: load(&columns.radius),
+                half: if BOXES && columns.has_boxes() {
+                    [load(&columns.half_x), load(&columns.half_y)]
+                } else {
+                    [simd.splat(T::ZERO); 2]
+                },
+            };
+            let bits = self.reaching::<BOXES>(&shapes, cover) & first_lanes(rows.end - start);
+            let end = to.len.min(CHUNK);
+            simd.pack(shapes.x, bits, block_mut(&mut to.x, end));
+            simd.pack(shapes.y, bits, block_mut(&mut to.y, end));
+            simd.pack(shapes.radius, bits, block_mut(&mut to.radius, end));
+            if BOXES {
+                simd.pack(shapes.half[0], bits, block_mut(&mut to.half_x, end));
+                simd.pack(shapes.half[1], bits, block_mut(&mut to.half_y, end));
+            }
+            simd.pack_places(start as u32, bits, block_mut(&mut to.place, end));
+            to.len = end + bits.count_ones() as usize;
+        }
+    }
+
+    /// A bit for each shape of a block that could overlap something under `cover`.
+    #[inline(always)]
+    fn reaching<const BOXES: bool>(&self, shapes: &Loaded<S::Block>, cover: &Cover<T>) -> u32 {
+        let simd = self.simd;
+        let zero = simd.splat(T::ZERO);
+        let distance = |v: S::Block, axis: usize| {
+            let below = simd.sub(simd.splat(cover.min[axis]), v);
+            let above = simd.sub(v, simd.splat(cover.max[axis]));
+            let gap = simd.most(simd.most(below, above), zero);
+            if !BOXES {
+                return gap;
+            }
+            simd.sub(gap, simd.add(shapes.half[axis], simd.splat(cover.half_size[axis])))
+        };
+        let reach = simd.add(shapes.radius, simd.splat(cover.radius));
+        self.overlap::<BOXES>(distance(shapes.x, 0), distance(shapes.y, 1), reach)
+    }
+
+    /// A bit for each of the block's shapes that overlaps the one given.
+    #[inline(always)]
+    fn hits<const BOXES: bool>(
+        &self,
+        center: [T; 2],
+        half: [T; 2],
+        radius: T,
+        others: &Loaded<S::Block>,
+    ) -> u32 {
+        let simd = self.simd;
+        let distance = |v: T, others: S::Block, half: T, half_others: S::Block| {
+            let v = simd.splat(v);
+            let offset = simd.sub(v, others);
+            if !BOXES {
+                return offset;
+            }
+            let apart = simd.most(offset, simd.sub(others, v));
+            simd.sub(apart, simd.add(simd.splat(half), half_others))
+        };
+        let dx = distance(center[0], others.x, half[0], others.half[0]);
+        let dy = distance(center[1], others.y, half[1], others.half[1]);
+        let reach = simd.add(simd.splat(radius), others.radius);
+        self.overlap::<BOXES>(dx, dy, reach)
+    }
+
+    /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. Without
+    /// boxes the signs of the distances do not matter.
+    #[inline(always)]
+    fn overlap<const BOXES: bool>(&self, dx: S::Block, dy: S::Block, reach: S::Block) -> u32 {
+        let simd = self.simd;
+        let zero = simd.splat(T::ZERO);
+        let square = |v: S::Block| simd.mul(v, v);
+        if !BOXES {
+            return simd.less(simd.add(square(dx), square(dy)), square(reach));
+        }
+        let (ex, ey) = (simd.most(dx, zero), simd.most(dy, zero));
+        let round = simd.less(simd.add(square(ex), square(ey)), square(reach));
+        round | (simd.less(dx, zero) & simd.less(dy, zero))
+    }
+
+    #[inline(always)]
+    fn load<const BOXES: bool>(&self, rows: &Rows<'_, T>, start: usize) -> Loaded<S::Block> {
+        let load = |column: &[T]| self.simd.load(block(column, start));
+        let half = |column: &[T]| {
+            if BOXES && !column.is_empty() { load(column) } else { self.simd.splat(T::ZERO) }
+        };
+        let half = [half(rows.half_x), half(rows.half_y)];
+        Loaded { x: load(rows.x), y: load(rows.y), radius: load(rows.radius), half }
+    }
+
+    /// Tests at most [`NOTES`] rows against a block and notes what overlaps, as far as
+    /// `wanted` has the lane; returns how many notes there are. Nothing branches on them.
+    #[inline(always)]
+    fn test<const BOXES: bool, const FILTERS: bool>(
+        &self,
+        rows: &Rows<'_, T>,
+        others: &Loaded<S::Block>,
+        wanted: impl Fn(usize) -> u32,
+        allowed: impl Fn(usize, u32) -> u32,
+        notes: &mut [(u32, u32); NOTES],
+    ) -> usize {
+        let mut count = 0;
+        let centers = rows.x.iter().zip(rows.y).zip(rows.radius);
+        for (row, ((&x, &y), &radius)) in centers.enumerate() {
+            let half = if BOXES && !rows.half_x.is_empty() {
+                [rows.half_x[row], rows.half_y[row]]
+            } else {
+                [T::ZERO; 2]
+            };
+            let mut bits = self.hits::<BOXES>([x, y], half, radius, others) & wanted(row);
+            if FILTERS && bits != 0 {
+                bits = allowed(row, bits);
+            }
+            notes[count % NOTES] = (row as u32, bits);
+            count += usize::from(bits != 0);
+        }
+        count
+    }
+
+    /// All pairs within a range. Blocks are counted from its end, so that only the
+    /// foremost is not full, and that one meets the fewest rows.
+    #[inline(always)]
+    fn behind<F: Finish, const BOXES: bool, const FILTERS: bool>(
+        &self,
+        range: Range<usize>,
+        output: &mut Output<'_, F>,
+    ) {
+        let mut end = range.end;
+        while end > range.start + 1 {
+            let start = range.start.max(end.saturating_sub(LANES));
+            let lanes = first_lanes(end - start);
+            let others = self.load::<BOXES>(&Rows::all(self.b), start);
+            for first in (range.start..end - 1).step_by(CHUNK) {
+                let rows = Rows::of(self.a, first..(end - 1).min(first + CHUNK));
+                let wanted = |row: usize| lanes & u32::MAX << (first + row + 1).saturating_sub(start);
+                self.against::<F, BOXES, FILTERS>(first, &rows, start, &others, wanted, output);
+            }
+            output.tests += ((end - start) * (end + start - 1 - 2 * range.start)) as u64 / 2;
+            if output.is_full() {
+                return;
+            }
+            end = start;
+        }
+    }
+
+    /// One row against some others in their order.
+    #[inline(always)]
+    fn along<F: Finish, const BOXES: bool, const FILTERS: bool>(
+        &self,
+        row: usize,
+        others: Range<usize>,
+        output: &mut Output<'_, F>,
+    ) {
+        output.tests += others.len() as u64;
+        let shape = self.a.shape(row);
+        let [x, y] = [0, 1].map(|axis| [shape.center[axis] - self.shift[axis]]);
+        let [half_x, half_y] = shape.half_size.map(|half| [half]);
+        let radius = [shape.radius];
+        let alone = Rows { x: &x, y: &y, radius: &radius, half_x: &half_x, half_y: &half_y };
+        for start in others.clone().step_by(LANES) {
+            let loaded = self.load::<BOXES>(&Rows::all(self.b), start);
+            let lanes = first_lanes(others.end - start);
+            self.against::<F, BOXES, FILTERS>(row, &alone, start, &loaded, |_| lanes, output);
+        }
+    }
+
+    /// The rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
+    #[inline(always)]
+    fn against<F: Finish, const BOXES: bool, const FILTERS: bool>(
+        &self,
+        first: usize,
+        rows: &Rows<'_, T>,
+        start: usize,
+        others: &Loaded<S::Block>,
+        wanted: impl Fn(usize) -> u32,
+        output: &mut Output<'_, F>,
+    ) {
+        let allowed = |row: usize, bits: u32| {
+            allowed(&self.a.shape(first + row), self.b, |lane| start + lane, bits)
+        };
+        let notes = &mut output.notes;
+        let count = self.test::<BOXES, FILTERS>(rows, others, wanted, allowed, notes);
+        output.settle(count, |row| first as u32 + row, |lane| (start + lane) as u32);
     }
 }
 
-/// Bits of the first `count` lanes.
+/// Those of the `bits` whose row has a filter that agrees with the shape's.
 #[inline(always)]
-fn first_lanes(count: usize) -> u32 {
-    if count < LANES { (1 << count) - 1 } else { u32::MAX }
-}
-
-#[inline(always)]
-fn for_each_bit(mut bits: u32, mut act: impl FnMut(usize)) {
-    while bits != 0 {
-        act(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
-    }
-}
-
-/// A bit for each of the [`LANES`] rows from `start` that `shape` overlaps.
-#[inline(always)]
-fn hits<T: Scalar, const BOXES: bool, const FILTERS: bool>(
+fn allowed<T: Scalar>(
     shape: &Shape<T>,
     others: &Columns<T>,
-    start: usize,
+    row: impl Fn(usize) -> usize,
+    bits: u32,
 ) -> u32 {
-    let block = start..start + LANES;
-    let (x, y) = (&others.x[block.clone()], &others.y[block.clone()]);
-    let radius = &others.radius[block.clone()];
-    let mut near = [false; LANES];
-    if BOXES && others.has_boxes() {
-        let half_x = &others.half_x[block.clone()];
-        let half_y = &others.half_y[block.clone()];
-        for lane in 0..LANES {
-            let half_sum = [shape.half_size[0] + half_x[lane], shape.half_size[1] + half_y[lane]];
-            near[lane] = reaches(shape, x[lane], y[lane], half_sum, radius[lane]);
-        }
-    } else if BOXES {
-        for lane in 0..LANES {
-            near[lane] = reaches(shape, x[lane], y[lane], shape.half_size, radius[lane]);
-        }
-    } else {
-        for lane in 0..LANES {
-            let dx = shape.center[0] - x[lane];
-            let dy = shape.center[1] - y[lane];
-            let reach = shape.radius + radius[lane];
-            near[lane] = dx * dx + dy * dy < reach * reach;
-        }
-    }
-    let mut bits = as_bits(&near);
-    if FILTERS && bits != 0 {
-        bits &= allowed(shape, others, block);
-    }
-    bits
-}
-
-/// A bit for each of the [`LANES`] rows from `start` that, moved by `-shift`, could
-/// overlap something under `cover`. Filters are left to the pairs themselves.
-#[inline(always)]
-fn reaching<T: Scalar>(rows: &Columns<T>, start: usize, shift: [T; 2], cover: &Cover<T>) -> u32 {
-    let block = start..start + LANES;
-    let (x, y) = (&rows.x[block.clone()], &rows.y[block.clone()]);
-    let radius = &rows.radius[block.clone()];
-    let gap = |v: T, axis: usize| {
-        let v = v - shift[axis];
-        (cover.min[axis] - v).most(v - cover.max[axis]).most(T::ZERO)
-    };
-    let mut near = [false; LANES];
-    if rows.has_boxes() {
-        let (half_x, half_y) = (&rows.half_x[block.clone()], &rows.half_y[block]);
-        for lane in 0..LANES {
-            let half_sum = [half_x[lane] + cover.half_size[0], half_y[lane] + cover.half_size[1]];
-            let gaps = [gap(x[lane], 0), gap(y[lane], 1)];
-            near[lane] = overlap(gaps, half_sum, radius[lane] + cover.radius);
-        }
-    } else {
-        for lane in 0..LANES {
-            let gaps = [gap(x[lane], 0), gap(y[lane], 1)];
-            near[lane] = overlap(gaps, cover.half_size, radius[lane] + cover.radius);
-        }
-    }
-    as_bits(&near)
-}
-
-/// Lane k as bit k.
-#[inline(always)]
-fn as_bits(lanes: &[bool; LANES]) -> u32 {
-    lanes.iter().enumerate().fold(0, |bits, (lane, &set)| bits | u32::from(set) << lane)
-}
-
-/// The overlap formula for one lane.
-#[inline(always)]
-fn reaches<T: Scalar>(shape: &Shape<T>, x: T, y: T, half_sum: [T; 2], radius: T) -> bool {
-    let distance = [(shape.center[0] - x).abs(), (shape.center[1] - y).abs()];
-    overlap(distance, half_sum, shape.radius + radius)
-}
-
-/// A bit for each row whose filter and the shape's agree.
-#[inline(always)]
-fn allowed<T: Scalar>(shape: &Shape<T>, others: &Columns<T>, block: Range<usize>) -> u32 {
-    let mut bits = 0;
-    for (lane, row) in block.enumerate() {
+    let mut agreeing = 0;
+    for_each_lane(bits, |lane| {
         let (category, mask) = if others.has_filters() {
-            (others.category[row], others.mask[row])
+            (others.category[row(lane)], others.mask[row(lane)])
         } else {
             (DEFAULT_CATEGORY, DEFAULT_MASK)
         };
         let agree = (shape.category & mask) != 0 && (category & shape.mask) != 0;
-        bits |= u32::from(agree) << lane;
-    }
-    bits
+        agreeing |= u32::from(agree) << lane;
+    });
+    agreeing
 }

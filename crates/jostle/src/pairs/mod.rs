@@ -3,12 +3,14 @@
 //!
 //! The join walks two trees at once. Nodes whose covers do not meet are left
 //! behind with everything in them; what remains is leaf against leaf, tested in
-//! blocks of [`LANES`](crate::columns::LANES) shapes whose results are bits of a mask. Every shape is
+//! blocks of [`LANES`](crate::simd::LANES) shapes whose results are bits of a mask. Every shape is
 //! in one leaf, so every pair comes up once.
 
 mod join;
 mod kernel;
 mod output;
+
+use std::ops::Range;
 
 use crate::columns::Columns;
 use crate::error::Result;
@@ -16,10 +18,10 @@ use crate::geometry::{self, Scalar};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
-use crate::simd;
+use crate::simd::{Simd, Work};
 use join::Join;
-use kernel::{Block, Wanted};
-use output::{Budget, Output};
+use kernel::Kernel;
+use output::{Budget, Finish, Output};
 
 /// Below this many shapes brute force is faster than building a tree.
 const BRUTE_FORCE_LIMIT: usize = 160;
@@ -60,23 +62,19 @@ pub fn find<T: Scalar>(
 
 /// All overlapping pairs of rows of one tree, `i < j`, in the tree's order.
 pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
-    let mut found = places_within(tree, max_pairs)?;
     let rows = tree.rows();
-    for pair in &mut found.pairs {
-        let (i, j) = (rows[pair[0] as usize], rows[pair[1] as usize]);
-        *pair = [i.min(j), i.max(j)];
-    }
-    Ok(found)
+    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true };
+    join.run(max_pairs, |a, b| {
+        let (i, j) = (rows[a as usize], rows[b as usize]);
+        [i.min(j), i.max(j)]
+    })
 }
 
 /// All overlapping pairs, the first a row of `a`, the second a row of `b`, in
 /// the order of `a`'s tree.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
-    let mut found = places_between(a, b, [T::ZERO; 2], max_pairs)?;
-    for pair in &mut found.pairs {
-        *pair = [a.rows()[pair[0] as usize], b.rows()[pair[1] as usize]];
-    }
-    Ok(found)
+    let join = Join { a, b, shift: [T::ZERO; 2], itself: false };
+    join.run(max_pairs, |i, j| [a.rows()[i as usize], b.rows()[j as usize]])
 }
 
 /// The pairs of [`within`] with the geometry of their overlap.
@@ -110,7 +108,7 @@ pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overl
 
 /// As [`within`], in places of the tree's order instead of rows.
 pub fn places_within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
-    Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true }.run(max_pairs)
+    Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true }.run(max_pairs, as_they_are)
 }
 
 /// As [`between`], in places, with every shape of `a` moved by `-shift`.
@@ -120,7 +118,7 @@ pub fn places_between<T: Scalar>(
     shift: [T; 2],
     max_pairs: usize,
 ) -> Result<Found> {
-    Join { a, b, shift, itself: false }.run(max_pairs)
+    Join { a, b, shift, itself: false }.run(max_pairs, as_they_are)
 }
 
 /// All overlapping pairs of rows, `i < j`, sorted, every row tested against
@@ -139,16 +137,12 @@ pub fn brute<T: Scalar>(
     };
     let budget = Budget::new(max_pairs);
     let parts = parallel::map(threads, bands, |band| {
-        let mut output = Output::new(&budget);
-        let block =
-            Block { a: columns, rows: edge(band)..edge(band + 1), b: columns, others: 0..len };
-        simd::widest(
-            #[inline(always)]
-            || block.test([T::ZERO; 2], Wanted::Behind, &mut output),
-        );
-        output.finish()
+        let mut output = Output::new(&budget, as_they_are);
+        let rows = edge(band)..edge(band + 1);
+        T::with_widest(Brute { a: columns, b: columns, shift: [T::ZERO; 2], rows, itself: true, output: &mut output });
+        output.into_found()
     });
-    budget.collect(parts)
+    budget.collect(threads, parts)
 }
 
 /// As [`places_between`] for two sets without trees, by brute force.
@@ -159,10 +153,41 @@ pub fn brute_between<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
-    let mut output = Output::new(&budget);
-    Block { a, rows: 0..a.len(), b, others: 0..b.len() }.test(shift, Wanted::All, &mut output);
-    let part = output.finish();
-    budget.collect(vec![part])
+    let mut output = Output::new(&budget, as_they_are);
+    T::with_widest(Brute { a, b, shift, rows: 0..a.len(), itself: false, output: &mut output });
+    let part = output.into_found();
+    budget.collect(Some(1), vec![part])
+}
+
+/// Pairs that are wanted as they were found.
+fn as_they_are(first: u32, second: u32) -> [u32; 2] {
+    [first, second]
+}
+
+/// Every one of `rows` against all others, or all behind it where both sides are the same.
+struct Brute<'a, 'b, T, F> {
+    a: &'a Columns<T>,
+    b: &'a Columns<T>,
+    shift: [T; 2],
+    rows: Range<usize>,
+    itself: bool,
+    output: &'a mut Output<'b, F>,
+}
+
+impl<T: Scalar, F: Finish> Work<T> for Brute<'_, '_, T, F> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<S: Simd<T>>(self, simd: S) {
+        let Self { a, b, shift, rows, itself, output } = self;
+        let kernel = Kernel { simd, a, b, shift };
+        for row in rows {
+            if output.is_full() {
+                return;
+            }
+            kernel.row(row, if itself { row + 1 } else { 0 }..b.len(), output);
+        }
+    }
 }
 
 /// Sorts pairs of places below `len` by first, then by second, in `scratch`.

@@ -25,11 +25,12 @@ impl<T: Scalar> Quadtree<T> {
             Some(_) => {}
         }
         let mut seen = 1;
+        let cells = self.cells();
         for index in 0..self.nodes.len() {
             self.check_size(index)?;
             self.check_children(index, &mut seen)?;
             self.check_cover(index)?;
-            self.check_cell(index)?;
+            self.check_cell(index, &cells)?;
         }
         if seen == self.nodes.len() { Ok(()) } else { Err("some nodes have no parent".into()) }
     }
@@ -90,18 +91,18 @@ impl<T: Scalar> Quadtree<T> {
         }
     }
 
-    fn check_cell(&self, index: usize) -> Result<(), String> {
+    fn check_cell(&self, index: usize, cells: &[[f64; 4]]) -> Result<(), String> {
         let node = &self.nodes[index];
-        let [min_x, min_y, max_x, max_y] = node.cell;
+        let [min_x, min_y, max_x, max_y] = cells[index];
         let cover = &self.covers[index];
         let (low, high) = (cover.min.map(T::to_f64), cover.max.map(T::to_f64));
         if low[0] < min_x || low[1] < min_y || high[0] > max_x || high[1] > max_y {
-            return Err(format!("node {index} has centres outside its cell {:?}", node.cell));
+            return Err(format!("node {index} has centres outside its cell {:?}", cells[index]));
         }
         let inside = |cell: [f64; 4]| {
             cell[0] >= min_x && cell[1] >= min_y && cell[2] <= max_x && cell[3] <= max_y
         };
-        if node.children().all(|child| inside(self.nodes[child].cell)) {
+        if node.children().all(|child| inside(cells[child])) {
             Ok(())
         } else {
             Err(format!("a child of node {index} leaves its cell"))

@@ -8,8 +8,11 @@
 //! never the distances between them.
 
 mod build;
+mod cells;
 mod check;
+mod grid;
 mod order;
+mod sort;
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -17,19 +20,22 @@ use std::ops::Range;
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
+use crate::parallel;
 use crate::settings::Settings;
 
 /// A box of the tree.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Node {
     start: u32,
     end: u32,
     children: u32,
     child_count: u8,
+    /// Subdivisions of its grid above it.
+    level: u8,
     /// Subdivisions above this node.
     pub depth: u16,
-    /// The part of the plane it stands for: min x, min y, max x, max y.
-    pub cell: [f64; 4],
+    /// Which entry of `Order::keyed` tells its shapes apart.
+    grid: u32,
 }
 
 impl Node {
@@ -79,9 +85,12 @@ impl<T: Scalar> Quadtree<T> {
     /// Builds the tree of `columns`. Refuses settings that no tree can follow.
     pub fn new(columns: &Columns<T>, settings: Settings) -> Result<Self> {
         settings.validate()?;
-        let mut tree = Self::default();
-        tree.rebuild(columns, settings, &|a, b| compare_shapes(columns, a, b));
-        Ok(tree)
+        let threads = parallel::worthwhile(settings.threads, columns.len());
+        Ok(parallel::among(threads, || {
+            let mut tree = Self::default();
+            tree.rebuild(columns, settings, &|a, b| compare_shapes(columns, a, b));
+            tree
+        }))
     }
 
     /// Builds the tree anew in its old memory. `tie` orders rows whose centres
@@ -93,10 +102,10 @@ impl<T: Scalar> Quadtree<T> {
         tie: &impl Fn(usize, usize) -> Ordering,
     ) {
         self.settings = settings;
-        self.order.sort(columns, tie);
-        self.columns.gather(columns, &self.order.rows);
-        build::nodes(&self.order, &self.settings, &mut self.nodes);
-        build::covers(self);
+        let threads = parallel::worthwhile(settings.threads, columns.len());
+        self.order.sort(columns, tie, threads);
+        self.columns.gather(columns, &self.order.rows, threads);
+        build::nodes(&self.order, &self.columns, &settings, &mut self.nodes, &mut self.covers);
         debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
     }
 

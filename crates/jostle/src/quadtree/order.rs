@@ -9,94 +9,19 @@
 //! in which they were given.
 
 use std::cmp::Ordering;
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
+use std::ops::Range;
 
+use super::grid::Grid;
+use super::sort::Sorter;
 use crate::columns::Columns;
 use crate::geometry::Scalar;
-
-/// Subdivisions that one grid's keys can tell apart.
-pub const GRID_LEVELS: u32 = 16;
+use crate::parallel;
+use crate::simd::{LANES, Simd, Work};
 
 /// Runs of equal keys up to this length are sorted by comparing; longer ones
 /// are given a finer grid.
 const SHORT_RUN: usize = 8;
-
-/// Below this many keys a comparison sort beats the radix sort.
-const SMALL_SORT: usize = 2048;
-
-/// A square grid over some centres, fitted when it was made.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Grid {
-    /// Coordinates are multiplied by this power of two before anything else,
-    /// so that neither the largest nor the smallest float64 leaves the range.
-    prescale: f64,
-    origin: [f64; 2],
-    side: f64,
-}
-
-impl Grid {
-    /// The grid whose cells hold all centres between `min` and `max`.
-    ///
-    /// The side is a power of two and the origin a multiple of an eighth of
-    /// it: as the shapes move, the cells stay where they are.
-    fn around(min: [f64; 2], max: [f64; 2]) -> Self {
-        let widest =
-            |scale: f64| (max[0] * scale - min[0] * scale).max(max[1] * scale - min[1] * scale);
-        let prescale = match widest(0.125) {
-            extent if extent > 1e300 => 0.125,
-            extent if extent < 1e-280 => 2f64.powi(64),
-            _ => 1.0,
-        };
-        let side = power_of_two_at_least(widest(prescale) * (8.0 / 7.0));
-        let step = side / 8.0;
-        let origin = [0, 1].map(|axis| (min[axis] * prescale / step).floor() * step);
-        Self { prescale, origin, side }
-    }
-
-    /// The Z-order key of a centre: bits of x and y in turn, coarsest first.
-    #[inline]
-    fn key(&self, center: [f64; 2]) -> u32 {
-        let cells = f64::from(1u32 << GRID_LEVELS) / self.side;
-        let index = |axis: usize| {
-            let along = (center[axis] * self.prescale - self.origin[axis]) * cells;
-            (along as u32).min((1 << GRID_LEVELS) - 1)
-        };
-        spread(index(0)) | spread(index(1)) << 1
-    }
-
-    /// The cell of `key` after `level` subdivisions: min x, min y, max x, max y.
-    pub fn cell(&self, key: u32, level: u32) -> [f64; 4] {
-        let side = self.side / f64::from(1u32 << level);
-        let shift = GRID_LEVELS - level;
-        let index = [compact(key) >> shift, compact(key >> 1) >> shift];
-        let min = [0, 1].map(|axis| self.origin[axis] + f64::from(index[axis]) * side);
-        let back = |v: f64| v / self.prescale;
-        [back(min[0]), back(min[1]), back(min[0] + side), back(min[1] + side)]
-    }
-}
-
-/// Smallest power of two that is at least `value`, for positive normal values.
-fn power_of_two_at_least(value: f64) -> f64 {
-    let floor = f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000);
-    if floor < value { floor * 2.0 } else { floor }
-}
-
-/// Moves the low 16 bits to the even places.
-fn spread(v: u32) -> u32 {
-    let v = (v | v << 8) & 0x00ff_00ff;
-    let v = (v | v << 4) & 0x0f0f_0f0f;
-    let v = (v | v << 2) & 0x3333_3333;
-    (v | v << 1) & 0x5555_5555
-}
-
-/// Gathers the even bits, the inverse of [`spread`].
-fn compact(v: u32) -> u32 {
-    let v = v & 0x5555_5555;
-    let v = (v | v >> 1) & 0x3333_3333;
-    let v = (v | v >> 2) & 0x0f0f_0f0f;
-    let v = (v | v >> 4) & 0x00ff_00ff;
-    (v | v >> 8) & 0x0000_ffff
-}
 
 /// Keys of the places `start..end` of the order, in one grid.
 #[derive(Clone, Debug, Default)]
@@ -111,6 +36,13 @@ pub struct Keyed {
     pub keys: Vec<u32>,
 }
 
+impl Keyed {
+    /// The key of the shape at a place.
+    pub fn key(&self, place: usize) -> u32 {
+        self.keys[place - self.start]
+    }
+}
+
 /// The shapes' rows in canonical order, and the keys that led there.
 #[derive(Clone, Debug, Default)]
 pub struct Order {
@@ -120,7 +52,7 @@ pub struct Order {
     /// one finest cell of an earlier entry.
     pub keyed: Vec<Keyed>,
     finer: HashMap<(usize, usize), usize>,
-    scratch: [Vec<u64>; 2],
+    sorter: Sorter,
 }
 
 impl Order {
@@ -129,30 +61,34 @@ impl Order {
         &mut self,
         columns: &Columns<T>,
         tie: &impl Fn(usize, usize) -> Ordering,
+        threads: Option<usize>,
     ) {
         let len = columns.len();
         self.rows.clear();
         self.rows.extend(0..len as u32);
         let mut root = self.keyed.drain(..).next().unwrap_or_default();
         (root.start, root.end) = (0, len);
-        root.keys.clear();
         self.finer.clear();
         if len == 0 {
             return;
         }
-        if let Some(grid) = grid_of(columns, &self.rows) {
+        let mut open = VecDeque::new();
+        if let Some(grid) = grid_of_all(columns) {
             root.grid = grid;
-            self.sort_by_key(columns, &mut root);
+            self.sort_by_key(&mut root, threads, &mut open, |rows, items| {
+                let range = rows[0] as usize..rows[0] as usize + rows.len();
+                let (x, y) = (&columns.x[range.clone()], &columns.y[range]);
+                T::with_widest(KeyRows { grid: &grid, x, y, rows, items });
+            });
         } else {
-            let origin = [columns.x[0].to_f64(), columns.y[0].to_f64()];
-            root.grid = Grid { prescale: 1.0, origin, side: 1.0 };
+            root.grid = Grid::at([columns.x[0].to_f64(), columns.y[0].to_f64()]);
+            root.keys.clear();
             root.keys.resize(len, 0);
+            open.extend((len > 1).then_some(0..len));
         }
         self.keyed.push(root);
-        let mut next = 0;
-        while next < self.keyed.len() {
-            self.resolve_runs(next, columns, tie);
-            next += 1;
+        while let Some(range) = open.pop_front() {
+            self.resolve(range, columns, tie, threads, &mut open);
         }
     }
 
@@ -161,35 +97,17 @@ impl Order {
         self.finer.get(&(start, end)).copied()
     }
 
-    /// Orders what shares a key in `keyed[which]`.
-    fn resolve_runs<T: Scalar>(
+    /// Orders a range of places that share a key: few by comparing, many by the keys of
+    /// a finer grid, which may leave ranges `open` in their turn.
+    fn resolve<T: Scalar>(
         &mut self,
-        which: usize,
+        range: Range<usize>,
         columns: &Columns<T>,
         tie: &impl Fn(usize, usize) -> Ordering,
+        threads: Option<usize>,
+        open: &mut VecDeque<Range<usize>>,
     ) {
-        let offset = self.keyed[which].start;
-        let count = self.keyed[which].keys.len();
-        let mut start = 0;
-        while start < count {
-            let keys = &self.keyed[which].keys;
-            let key = keys[start];
-            let end = start + keys[start..].iter().take_while(|&&other| other == key).count();
-            if end - start > 1 {
-                self.resolve_run(offset + start, offset + end, columns, tie);
-            }
-            start = end;
-        }
-    }
-
-    fn resolve_run<T: Scalar>(
-        &mut self,
-        start: usize,
-        end: usize,
-        columns: &Columns<T>,
-        tie: &impl Fn(usize, usize) -> Ordering,
-    ) {
-        let rows = &mut self.rows[start..end];
+        let rows = &mut self.rows[range.clone()];
         let finer = if rows.len() > SHORT_RUN { grid_of(columns, rows) } else { None };
         let Some(grid) = finer else {
             rows.sort_unstable_by(|&a, &b| {
@@ -200,127 +118,102 @@ impl Order {
             });
             return;
         };
+        let Range { start, end } = range;
         let mut keyed = Keyed { start, end, grid, keys: Vec::new() };
-        self.sort_by_key(columns, &mut keyed);
+        self.sort_by_key(&mut keyed, threads, open, |rows, items| {
+            for (&row, item) in rows.iter().zip(items) {
+                let center = [columns.x[row as usize].to_f64(), columns.y[row as usize].to_f64()];
+                *item = u64::from(grid.key(center)) << 32 | u64::from(row);
+            }
+        });
         self.finer.insert((start, end), self.keyed.len());
         self.keyed.push(keyed);
     }
 
-    /// Sorts the rows at `keyed`'s places by their key in `keyed`'s grid, then
-    /// by row, and fills in the keys.
-    fn sort_by_key<T: Scalar>(&mut self, columns: &Columns<T>, keyed: &mut Keyed) {
+    /// Sorts the rows at `keyed`'s places by `key`, then by row, and fills in the keys.
+    /// Ranges that share a key are left `open`.
+    fn sort_by_key(
+        &mut self,
+        keyed: &mut Keyed,
+        threads: Option<usize>,
+        open: &mut VecDeque<Range<usize>>,
+        key: impl Fn(&[u32], &mut [u64]) + Sync + Send,
+    ) {
         let rows = &mut self.rows[keyed.start..keyed.end];
-        let [items, spare] = &mut self.scratch;
-        items.clear();
-        items.extend(rows.iter().map(|&row| {
-            let center = [columns.x[row as usize].to_f64(), columns.y[row as usize].to_f64()];
-            u64::from(keyed.grid.key(center)) << 32 | u64::from(row)
-        }));
-        if items.len() < SMALL_SORT {
-            items.sort_unstable();
-        } else {
-            radix_sort(items, spare);
+        keyed.keys.resize(rows.len(), 0);
+        let threads = parallel::worthwhile(threads, rows.len());
+        let equal = self.sorter.sort(threads, rows, &mut keyed.keys, key);
+        open.extend(equal.iter().map(|range| keyed.start + range.start..keyed.start + range.end));
+    }
+}
+
+/// The keys of adjacent rows.
+struct KeyRows<'a, T> {
+    grid: &'a Grid,
+    x: &'a [T],
+    y: &'a [T],
+    rows: &'a [u32],
+    items: &'a mut [u64],
+}
+
+impl<T: Scalar> Work<T> for KeyRows<'_, T> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<S: Simd<T>>(self, _: S) {
+        let rows = self.x.iter().zip(self.y).zip(self.rows);
+        for (((&x, &y), &row), item) in rows.zip(self.items) {
+            let key = self.grid.key([x.to_f64(), y.to_f64()]);
+            *item = u64::from(key) << 32 | u64::from(row);
         }
-        keyed.keys.clear();
-        keyed.keys.extend(items.iter().map(|&item| (item >> 32) as u32));
-        for (row, &item) in rows.iter_mut().zip(items.iter()) {
-            *row = item as u32;
+    }
+}
+
+/// The grid around all centres; none where they all coincide.
+fn grid_of_all<T: Scalar>(columns: &Columns<T>) -> Option<Grid> {
+    let len = columns.len();
+    let x = T::with_widest(Extent(&columns.x[..len]));
+    let y = T::with_widest(Extent(&columns.y[..len]));
+    grid_around([x[0], y[0]], [x[1], y[1]])
+}
+
+/// The smallest and the largest of some numbers.
+struct Extent<'a, T>(&'a [T]);
+
+impl<T: Scalar> Work<T> for Extent<'_, T> {
+    type Out = [T; 2];
+
+    #[inline(always)]
+    fn run<S: Simd<T>>(self, simd: S) -> [T; 2] {
+        let (blocks, rest) = self.0.as_chunks::<LANES>();
+        let first = simd.splat(self.0[0]);
+        let (mut low, mut high) = (first, first);
+        for block in blocks {
+            let block = simd.load(block);
+            (low, high) = (simd.least(low, block), simd.most(high, block));
         }
+        let (mut lows, mut highs) = ([self.0[0]; LANES], [self.0[0]; LANES]);
+        simd.store(low, &mut lows);
+        simd.store(high, &mut highs);
+        let low = lows.iter().chain(rest).copied().reduce(T::least);
+        let high = highs.iter().chain(rest).copied().reduce(T::most);
+        [low.unwrap_or(self.0[0]), high.unwrap_or(self.0[0])]
     }
 }
 
 /// The grid around the centres of `rows`; none where they all coincide.
 fn grid_of<T: Scalar>(columns: &Columns<T>, rows: &[u32]) -> Option<Grid> {
-    let first = rows[0] as usize;
-    let (mut min, mut max) =
-        ([columns.x[first], columns.y[first]], [columns.x[first], columns.y[first]]);
+    let center = |row: u32| [columns.x[row as usize], columns.y[row as usize]];
+    let (mut min, mut max) = (center(rows[0]), center(rows[0]));
     for &row in rows {
-        let center = [columns.x[row as usize], columns.y[row as usize]];
         for axis in 0..2 {
-            min[axis] = min[axis].least(center[axis]);
-            max[axis] = max[axis].most(center[axis]);
+            min[axis] = min[axis].least(center(row)[axis]);
+            max[axis] = max[axis].most(center(row)[axis]);
         }
     }
-    if min == max {
-        return None;
-    }
-    Some(Grid::around(min.map(Scalar::to_f64), max.map(Scalar::to_f64)))
+    grid_around(min, max)
 }
 
-/// Sorts by the upper 32 bits in three passes of 11, keeping the order of equals.
-/// The rows in the lower half must ascend to begin with where ties matter.
-fn radix_sort(items: &mut Vec<u64>, spare: &mut Vec<u64>) {
-    const BITS: u32 = 11;
-    const BUCKETS: usize = 1 << BITS;
-    let digit = |item: u64, pass: u32| (item >> (32 + pass * BITS)) as usize & (BUCKETS - 1);
-    let mut counts = [[0u32; BUCKETS]; 3];
-    for &item in items.iter() {
-        for pass in 0..3 {
-            counts[pass as usize][digit(item, pass)] += 1;
-        }
-    }
-    spare.clear();
-    spare.resize(items.len(), 0);
-    for pass in 0..3 {
-        let counts = &mut counts[pass as usize];
-        let mut sum = 0;
-        for count in counts.iter_mut() {
-            sum += std::mem::replace(count, sum);
-        }
-        for &item in items.iter() {
-            let place = &mut counts[digit(item, pass)];
-            spare[*place as usize] = item;
-            *place += 1;
-        }
-        std::mem::swap(items, spare);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spreading_and_compacting_are_inverse() {
-        for v in [0, 1, 0x8000, 0xffff, 0x1234] {
-            assert_eq!(compact(spread(v)), v);
-        }
-    }
-
-    #[test]
-    fn a_cell_holds_the_centres_that_have_its_key() {
-        let grid = Grid::around([-3.0, 10.0], [500.0, 300.0]);
-        for center in [[-3.0, 10.0], [500.0, 300.0], [100.25, 299.0]] {
-            for level in [0, 1, 7, GRID_LEVELS] {
-                let cell = grid.cell(grid.key(center), level);
-                assert!(cell[0] <= center[0] && center[0] < cell[2], "{cell:?} {center:?}");
-                assert!(cell[1] <= center[1] && center[1] < cell[3], "{cell:?} {center:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn grids_fit_the_extremes_of_float64() {
-        for [min, max] in [
-            [-f64::MAX, f64::MAX],
-            [0.0, 5e-324],
-            [1.0, 1.0 + f64::EPSILON],
-            [1e300, f64::MAX],
-            [-1e-300, 1e300],
-        ] {
-            let grid = Grid::around([min; 2], [max; 2]);
-            assert!(grid.key([min; 2]) < grid.key([max; 2]), "{min} {max} {grid:?}");
-        }
-    }
-
-    #[test]
-    fn both_sorts_agree() {
-        let items: Vec<u64> =
-            (0..5000u64).map(|i| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) << 32 | i).collect();
-        let mut expected = items.clone();
-        expected.sort_unstable();
-        let (mut sorted, mut spare) = (items, Vec::new());
-        radix_sort(&mut sorted, &mut spare);
-        assert_eq!(sorted, expected);
-    }
+fn grid_around<T: Scalar>(min: [T; 2], max: [T; 2]) -> Option<Grid> {
+    (min != max).then(|| Grid::around(min.map(Scalar::to_f64), max.map(Scalar::to_f64)))
 }

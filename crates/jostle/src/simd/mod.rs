@@ -1,0 +1,145 @@
+//! Sixteen numbers at a time, by the widest vector instructions of the machine.
+//!
+//! A kernel is written once, as [`Work`] over any [`Simd`]; which one it gets is
+//! decided while the program runs, so one build is fast on every processor. No
+//! operation is fused or reordered, so all give the same bits.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::ops::{Add, Mul, Sub};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Numbers in a block.
+pub const LANES: usize = 16;
+
+/// Bits of the first `count` lanes.
+#[inline(always)]
+pub fn first_lanes(count: usize) -> u32 {
+    if count < LANES { (1 << count) - 1 } else { (1 << LANES) - 1 }
+}
+
+/// Calls `act` with the lane of every bit that is set, lowest first.
+#[inline(always)]
+pub fn for_each_lane(mut bits: u32, mut act: impl FnMut(usize)) {
+    while bits != 0 {
+        act(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}
+
+/// The [`LANES`] items of `column` from `start`. Panics where they are not there.
+#[inline(always)]
+pub fn block<V>(column: &[V], start: usize) -> &[V; LANES] {
+    column[start..].first_chunk().expect("columns carry spare rows")
+}
+
+/// As [`block`], to be written.
+#[inline(always)]
+pub fn block_mut<V>(column: &mut [V], start: usize) -> &mut [V; LANES] {
+    column[start..].first_chunk_mut().expect("columns carry spare rows")
+}
+
+/// The vector instructions of one kind of processor, on blocks of [`LANES`] numbers.
+/// A value of such a type exists only where the processor has them.
+pub trait Simd<T>: Copy {
+    /// [`LANES`] numbers in registers.
+    type Block: Copy;
+    /// The same number in every lane.
+    fn splat(self, value: T) -> Self::Block;
+    /// Numbers from memory.
+    fn load(self, from: &[T; LANES]) -> Self::Block;
+    /// Numbers to memory.
+    fn store(self, block: Self::Block, to: &mut [T; LANES]);
+    /// a + b.
+    fn add(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// a − b.
+    fn sub(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// a · b.
+    fn mul(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// The larger in each lane.
+    fn most(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// The smaller in each lane.
+    fn least(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// A bit for each lane in which a < b.
+    fn less(self, a: Self::Block, b: Self::Block) -> u32;
+    /// The numbers whose bit is set, side by side; what lies behind them is unspecified.
+    fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]);
+    /// `first` + lane for every bit that is set, side by side, as in [`Simd::pack`].
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]);
+}
+
+/// Something to be done with the widest instructions there are.
+pub trait Work<T> {
+    /// What comes of it.
+    type Out;
+    /// Does it. To be inlined, with everything that calls `simd`.
+    fn run<S: Simd<T>>(self, simd: S) -> Self::Out;
+}
+
+/// A type of number that the vector instructions know.
+pub trait Number:
+    Copy
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// Does `work` with the widest instructions of the machine.
+    fn with_widest<W: Work<Self>>(work: W) -> W::Out;
+}
+
+macro_rules! number {
+    ($t:ty) => {
+        impl Number for $t {
+            #[inline]
+            fn with_widest<W: Work<Self>>(work: W) -> W::Out {
+                #[cfg(target_arch = "x86_64")]
+                match widest() {
+                    Instructions::Avx512 => return x86::with_avx512(work),
+                    Instructions::Avx2 => return x86::with_avx2(work),
+                    Instructions::Portable => {}
+                }
+                work.run(portable::Portable)
+            }
+        }
+    };
+}
+number!(f32);
+number!(f64);
+
+/// Kinds of vector instructions, narrowest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Instructions {
+    /// What every processor of its family has; the compiler's choice.
+    Portable,
+    /// x86-64 of about 2013 and later.
+    Avx2,
+    /// x86-64 servers, and desktops of about 2022 and later.
+    Avx512,
+}
+
+const KINDS: [Instructions; 3] =
+    [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
+
+static LIMIT: AtomicU8 = AtomicU8::new(Instructions::Avx512 as u8);
+
+/// Uses nothing wider than `most` from now on. For measurements and tests: the
+/// answers are the same.
+pub fn limit(most: Instructions) {
+    LIMIT.store(most as u8, Ordering::Relaxed);
+}
+
+/// The instructions in use.
+pub fn widest() -> Instructions {
+    let limit = KINDS[usize::from(LIMIT.load(Ordering::Relaxed))];
+    #[cfg(target_arch = "x86_64")]
+    return limit.min(x86::widest());
+    #[cfg(not(target_arch = "x86_64"))]
+    return limit.min(Instructions::Portable);
+}

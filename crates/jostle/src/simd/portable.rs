@@ -1,0 +1,85 @@
+//! Blocks as plain arrays: the compiler makes of them what the target has.
+
+use super::{LANES, Number, Simd, for_each_lane};
+
+/// No instructions but those that every processor of the family has.
+#[derive(Clone, Copy)]
+pub struct Portable;
+
+/// Packs by walking along the bits.
+#[inline(always)]
+pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
+    let mut count = 0;
+    for_each_lane(bits, |lane| {
+        to[count % LANES] = from[lane % LANES];
+        count += 1;
+    });
+}
+
+/// Packs the numbers from `first` by walking along the bits.
+#[inline(always)]
+pub fn pack_places(first: u32, bits: u32, to: &mut [u32; LANES]) {
+    let mut count = 0;
+    for_each_lane(bits, |lane| {
+        to[count % LANES] = first + lane as u32;
+        count += 1;
+    });
+}
+
+#[inline(always)]
+fn both<T: Number>(a: [T; LANES], b: [T; LANES], f: impl Fn(T, T) -> T) -> [T; LANES] {
+    let mut out = a;
+    for (out, b) in out.iter_mut().zip(b) {
+        *out = f(*out, b);
+    }
+    out
+}
+
+impl<T: Number> Simd<T> for Portable {
+    type Block = [T; LANES];
+
+    #[inline(always)]
+    fn splat(self, value: T) -> Self::Block {
+        [value; LANES]
+    }
+    #[inline(always)]
+    fn load(self, from: &[T; LANES]) -> Self::Block {
+        *from
+    }
+    #[inline(always)]
+    fn store(self, block: Self::Block, to: &mut [T; LANES]) {
+        *to = block;
+    }
+    #[inline(always)]
+    fn add(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn most(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn least(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Block, b: Self::Block) -> u32 {
+        (0..LANES).fold(0, |bits, lane| bits | u32::from(a[lane] < b[lane]) << lane)
+    }
+    #[inline(always)]
+    fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]) {
+        pack(&from, bits, to);
+    }
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_places(first, bits, to);
+    }
+}

@@ -1,0 +1,291 @@
+//! AVX2 and AVX-512, the only unsafe code of the core.
+//!
+//! Two reasons make it sound. A token ([`Avx2`], [`Avx512`]) is made only in
+//! [`with_avx2`] and [`with_avx512`], after the processor was asked; so whoever holds
+//! one may use its instructions. And loads and stores go through references to
+//! arrays of exactly the length that they touch.
+#![allow(unsafe_code)]
+
+use std::arch::x86_64::*;
+
+use super::{Instructions, LANES, Simd, Work, portable};
+
+/// Proof that the processor has AVX2 and what came before it.
+#[derive(Clone, Copy)]
+pub struct Avx2(());
+
+/// Proof that the processor has AVX-512 (F, VL, BW, DQ) and what came before it.
+#[derive(Clone, Copy)]
+pub struct Avx512(());
+
+/// The widest instructions of this processor.
+pub fn widest() -> Instructions {
+    let older = is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("popcnt");
+    let newer = is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512dq");
+    match (older, newer) {
+        (true, true) => Instructions::Avx512,
+        (true, false) => Instructions::Avx2,
+        _ => Instructions::Portable,
+    }
+}
+
+/// Does `work` with AVX2.
+#[inline]
+pub fn with_avx2<T, W: Work<T>>(work: W) -> W::Out
+where
+    Avx2: Simd<T>,
+{
+    #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
+    fn inner<T, W: Work<T>>(work: W) -> W::Out
+    where
+        Avx2: Simd<T>,
+    {
+        work.run(Avx2(()))
+    }
+    assert!(widest() >= Instructions::Avx2);
+    // SAFETY: the line above has made sure that the processor has the features.
+    unsafe { inner(work) }
+}
+
+/// Does `work` with AVX-512.
+#[inline]
+pub fn with_avx512<T, W: Work<T>>(work: W) -> W::Out
+where
+    Avx512: Simd<T>,
+{
+    #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,popcnt")]
+    fn inner<T, W: Work<T>>(work: W) -> W::Out
+    where
+        Avx512: Simd<T>,
+    {
+        work.run(Avx512(()))
+    }
+    assert!(widest() >= Instructions::Avx512);
+    // SAFETY: the line above has made sure that the processor has the features.
+    unsafe { inner(work) }
+}
+
+/// Implements [`Simd`] but for packing: `$count` registers of `$each` numbers.
+macro_rules! arithmetic {
+    ($t:ty, $register:ty, $count:literal, $each:literal, $splat:ident, $load:ident, $store:ident,
+     $add:ident, $sub:ident, $mul:ident, $most:ident, $least:ident, $less:expr) => {
+        type Block = [$register; $count];
+
+        #[inline(always)]
+        fn splat(self, value: $t) -> Self::Block {
+            // SAFETY: the token proves that the processor has the instruction.
+            [unsafe { $splat(value) }; $count]
+        }
+        #[inline(always)]
+        fn load(self, from: &[$t; LANES]) -> Self::Block {
+            // SAFETY: as above; register k covers numbers k · each … of the LANES there are.
+            std::array::from_fn(|k| unsafe { $load(from.as_ptr().add(k * $each)) })
+        }
+        #[inline(always)]
+        fn store(self, block: Self::Block, to: &mut [$t; LANES]) {
+            for (k, register) in block.into_iter().enumerate() {
+                // SAFETY: as in `load`.
+                unsafe { $store(to.as_mut_ptr().add(k * $each), register) }
+            }
+        }
+        #[inline(always)]
+        fn add(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            // SAFETY: the token proves that the processor has the instruction.
+            std::array::from_fn(|k| unsafe { $add(a[k], b[k]) })
+        }
+        #[inline(always)]
+        fn sub(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            // SAFETY: as above.
+            std::array::from_fn(|k| unsafe { $sub(a[k], b[k]) })
+        }
+        #[inline(always)]
+        fn mul(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            // SAFETY: as above.
+            std::array::from_fn(|k| unsafe { $mul(a[k], b[k]) })
+        }
+        #[inline(always)]
+        fn most(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            // SAFETY: as above.
+            std::array::from_fn(|k| unsafe { $most(a[k], b[k]) })
+        }
+        #[inline(always)]
+        fn least(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            // SAFETY: as above.
+            std::array::from_fn(|k| unsafe { $least(a[k], b[k]) })
+        }
+        #[inline(always)]
+        fn less(self, a: Self::Block, b: Self::Block) -> u32 {
+            let bits = |k: usize| $less(a[k], b[k]) << (k * $each);
+            (0..$count).fold(0, |all, k| all | bits(k))
+        }
+    };
+}
+
+// SAFETY (of the four comparisons): they are only called by holders of a token.
+
+#[inline(always)]
+fn less_512(a: __m512, b: __m512) -> u32 {
+    u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })
+}
+
+#[inline(always)]
+fn less_512d(a: __m512d, b: __m512d) -> u32 {
+    u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b) })
+}
+
+#[inline(always)]
+fn less_256(a: __m256, b: __m256) -> u32 {
+    (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn less_256d(a: __m256d, b: __m256d) -> u32 {
+    (unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) }) as u32
+}
+
+impl Simd<f32> for Avx512 {
+    arithmetic!(
+        f32, __m512, 1, 16, _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps,
+        _mm512_sub_ps, _mm512_mul_ps, _mm512_max_ps, _mm512_min_ps, less_512
+    );
+
+    #[inline(always)]
+    fn pack(self, [from]: Self::Block, bits: u32, to: &mut [f32; LANES]) {
+        // SAFETY: the token proves the instruction; the array is one register long.
+        unsafe {
+            let packed = _mm512_maskz_compress_ps(bits as u16, from);
+            _mm512_storeu_ps(to.as_mut_ptr(), packed);
+        }
+    }
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_places_512(first, bits, to);
+    }
+}
+
+impl Simd<f64> for Avx512 {
+    arithmetic!(
+        f64, __m512d, 2, 8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd,
+        _mm512_sub_pd, _mm512_mul_pd, _mm512_max_pd, _mm512_min_pd, less_512d
+    );
+
+    #[inline(always)]
+    fn pack(self, from: Self::Block, bits: u32, to: &mut [f64; LANES]) {
+        let low = bits & 0xff;
+        // SAFETY: the token proves the instruction; the first register's numbers are at
+        // most eight, so that the second one's eight end within the sixteen there are.
+        unsafe {
+            let packed = _mm512_maskz_compress_pd(low as u8, from[0]);
+            _mm512_storeu_pd(to.as_mut_ptr(), packed);
+            let packed = _mm512_maskz_compress_pd((bits >> 8) as u8, from[1]);
+            _mm512_storeu_pd(to.as_mut_ptr().add(low.count_ones() as usize), packed);
+        }
+    }
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_places_512(first, bits, to);
+    }
+}
+
+// Compressing into a register and storing that is many times faster on some
+// processors than compressing into memory.
+
+// SAFETY: only called by holders of a token; the array is one register long.
+
+#[inline(always)]
+fn pack_places_512(first: u32, bits: u32, to: &mut [u32; LANES]) {
+    unsafe {
+        let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+        let places = _mm512_add_epi32(_mm512_set1_epi32(first as i32), lanes);
+        let packed = _mm512_maskz_compress_epi32(bits as u16, places);
+        _mm512_storeu_epi32(to.as_mut_ptr().cast(), packed);
+    }
+}
+
+impl Simd<f32> for Avx2 {
+    arithmetic!(
+        f32, __m256, 2, 8, _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps,
+        _mm256_sub_ps, _mm256_mul_ps, _mm256_max_ps, _mm256_min_ps, less_256
+    );
+
+    #[inline(always)]
+    fn pack(self, from: Self::Block, bits: u32, to: &mut [f32; LANES]) {
+        // SAFETY: the token proves the instruction.
+        let words = from.map(|register| unsafe { _mm256_castps_si256(register) });
+        pack_256(words, bits, to.as_mut_ptr().cast());
+    }
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_places_256(first, bits, to);
+    }
+}
+
+impl Simd<f64> for Avx2 {
+    arithmetic!(
+        f64, __m256d, 4, 4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd,
+        _mm256_sub_pd, _mm256_mul_pd, _mm256_max_pd, _mm256_min_pd, less_256d
+    );
+
+    #[inline(always)]
+    fn pack(self, from: Self::Block, bits: u32, to: &mut [f64; LANES]) {
+        let mut numbers = [0.0; LANES];
+        self.store(from, &mut numbers);
+        portable::pack(&numbers, bits, to);
+    }
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_places_256(first, bits, to);
+    }
+}
+
+/// For each set of bits the lanes that it names, lowest first, a byte each.
+static LANES_OF: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if bits >> lane & 1 == 1 {
+                table[bits] |= lane << (8 * count);
+                count += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
+/// Packs two registers of eight into sixteen words at `to`.
+#[inline(always)]
+fn pack_256(registers: [__m256i; 2], bits: u32, to: *mut __m256i) {
+    let order = |bits: u32| LANES_OF[(bits & 0xff) as usize] as i64;
+    let first = (bits & 0xff).count_ones() as usize;
+    // SAFETY: only called by holders of a token, with room for sixteen words at `to`; the
+    // first register's words are at most eight, so the second store ends within them.
+    unsafe {
+        let permute = |k: usize, bits: u32| {
+            let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order(bits)));
+            _mm256_permutevar8x32_epi32(registers[k], order)
+        };
+        _mm256_storeu_si256(to, permute(0, bits));
+        _mm256_storeu_si256(to.cast::<u32>().add(first).cast(), permute(1, bits >> 8));
+    }
+}
+
+// SAFETY: only called by holders of a token; the array is two registers long.
+
+#[inline(always)]
+fn pack_places_256(first: u32, bits: u32, to: &mut [u32; LANES]) {
+    let places = |from: u32| unsafe {
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        _mm256_add_epi32(_mm256_set1_epi32(from as i32), lanes)
+    };
+    pack_256([places(first), places(first.wrapping_add(8))], bits, to.as_mut_ptr().cast());
+}
