@@ -4,7 +4,7 @@
 //! checked and copied, so that nobody can change it once other threads run.
 //! Out: vectors become arrays without a copy.
 
-use jostle::{Error, Scalar};
+use jostle::{Each, Scalar};
 use numpy::ndarray::Array2;
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
@@ -73,41 +73,6 @@ pub struct Argument<'py> {
     name: &'static str,
     array: Bound<'py, PyUntypedArray>,
     was_array: bool,
-}
-
-/// A value for every row, or one value for each.
-pub enum Each<V> {
-    /// One for all.
-    One(V),
-    /// A row each.
-    Rows(Vec<V>),
-}
-
-impl<V: Copy> Each<V> {
-    /// Lets the core check the value for all, as an argument without rows.
-    pub fn check_one(&self, check: impl Fn(&[V]) -> jostle::Result<()>) -> jostle::Result<()> {
-        let Self::One(value) = self else { return Ok(()) };
-        check(&[*value]).map_err(|error| match error {
-            Error::Value { argument, value, rule, .. } => Error::of(argument, value, &rule),
-            other => other,
-        })
-    }
-
-    /// Lets the core check every value.
-    pub fn check(&self, check: impl Fn(&[V]) -> jostle::Result<()>) -> jostle::Result<()> {
-        match self {
-            Self::One(_) => self.check_one(check),
-            Self::Rows(values) => check(values),
-        }
-    }
-
-    /// A value for each of `len` rows.
-    pub fn rows(self, len: usize) -> Vec<V> {
-        match self {
-            Self::One(value) => vec![value; len],
-            Self::Rows(values) => values,
-        }
-    }
 }
 
 impl<'py> Argument<'py> {
@@ -180,10 +145,10 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// `len` pairs, x and y in turn.
-    pub fn pairs<T: Scalar + Element>(&self, len: usize) -> PyResult<Vec<T>> {
+    /// `len` pairs.
+    pub fn pairs<T: Scalar + Element>(&self, len: usize) -> PyResult<Vec<[T; 2]>> {
         match self.array.shape() {
-            [rows, 2] if *rows == len => self.real(),
+            [rows, 2] if *rows == len => self.real_pairs(),
             [0] if len == 0 => Ok(Vec::new()),
             _ => Err(self.wrong_shape(&format!("({len}, 2)"))),
         }
@@ -198,8 +163,8 @@ impl<'py> Argument<'py> {
     pub fn half_sizes<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<[T; 2]>> {
         match self.array.shape() {
             [] => Ok(Each::One([self.real()?[0]; 2])),
-            [2] => Ok(Each::One(in_pairs(&self.real()?)[0])),
-            [rows, 2] if *rows == len => Ok(Each::Rows(in_pairs(&self.real()?))),
+            [2] => Ok(Each::One(self.real_pairs()?[0])),
+            [rows, 2] if *rows == len => Ok(Each::Rows(self.real_pairs()?)),
             [0] if len == 0 => Ok(Each::Rows(Vec::new())),
             _ => Err(self.wrong_shape(&format!("a number, (2,) or ({len}, 2)"))),
         }
@@ -237,11 +202,22 @@ impl<'py> Argument<'py> {
     /// All numbers as `T`, row after row.
     fn real<T: Scalar + Element>(&self) -> PyResult<Vec<T>> {
         if self.is_single() {
-            let singles = self.copied::<f32>()?;
-            return Ok(singles.into_iter().map(|v| T::from_f64(v.into())).collect());
+            self.read(|values: &[f32]| values.iter().map(|&v| T::from_f64(v.into())).collect())
+        } else {
+            self.read(|values: &[f64]| values.iter().map(|&v| T::from_f64(v)).collect())
         }
-        let doubles = self.copied::<f64>()?;
-        Ok(doubles.into_iter().map(T::from_f64).collect())
+    }
+
+    /// All numbers as pairs of `T`.
+    fn real_pairs<T: Scalar + Element>(&self) -> PyResult<Vec<[T; 2]>> {
+        fn pairs<V: Copy, T>(values: &[V], number: impl Fn(V) -> T) -> Vec<[T; 2]> {
+            values.as_chunks().0.iter().map(|&[x, y]| [number(x), number(y)]).collect()
+        }
+        if self.is_single() {
+            self.read(|values: &[f32]| pairs(values, |v| T::from_f64(v.into())))
+        } else {
+            self.read(|values: &[f64]| pairs(values, T::from_f64))
+        }
     }
 
     /// All numbers as unsigned 32-bit integers.
@@ -269,15 +245,21 @@ impl<'py> Argument<'py> {
 
     /// A copy of all values, row after row.
     fn copied<V: Element + Copy>(&self) -> PyResult<Vec<V>> {
+        self.read(<[V]>::to_vec)
+    }
+
+    /// What `take` makes of all values, row after row, of whatever layout and byte order
+    /// they are.
+    fn read<V: Element + Copy, R>(&self, take: impl FnOnce(&[V]) -> R) -> PyResult<R> {
         if let Ok(array) = self.array.cast::<PyArrayDyn<V>>()
             && array.is_c_contiguous()
             && let Ok(values) = array.try_readonly()?.as_slice()
         {
-            return Ok(values.to_vec());
+            return Ok(take(values));
         }
         let wanted = dtype::<V>(self.array.py());
         let copy = self.array.call_method1("astype", (wanted, "C", "unsafe", false))?;
-        Ok(copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.to_vec()?)
+        Ok(take(&copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.to_vec()?))
     }
 
     fn wrong_shape(&self, expected: &str) -> PyErr {
@@ -323,11 +305,6 @@ pub fn all_single(arguments: &[Option<&Argument<'_>>]) -> bool {
     arrays.peek().is_some() && arrays.all(|argument| argument.is_single())
 }
 
-/// x, y, x, y, … as pairs.
-pub fn in_pairs<V: Copy>(values: &[V]) -> Vec<[V; 2]> {
-    values.as_chunks().0.to_vec()
-}
-
 /// One real number.
 pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     match value.extract::<f64>() {
@@ -340,7 +317,7 @@ pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
 pub fn point(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f32; 2]> {
     let argument = Argument::reals(name, value)?;
     match argument.array.shape() {
-        [2] => Ok(in_pairs(&argument.real()?)[0]),
+        [2] => Ok(argument.real_pairs()?[0]),
         _ => Err(argument.wrong_shape("(2,)")),
     }
 }

@@ -103,8 +103,8 @@ struct Search {
 
 impl Search {
     fn run<T: Scalar + Element>(&self, rows: Rows<T>) -> jostle::Result<Vec<[u32; 2]>> {
-        let columns = rows.columns()?;
-        let mut found = pairs::find(&columns, self.method, self.threads, self.max_pairs)?;
+        let shapes = rows.checked()?;
+        let mut found = pairs::find(&shapes, self.method, self.threads, self.max_pairs)?;
         if self.sort {
             found.sort();
         }

@@ -1,10 +1,10 @@
 //! Columns of particles on their way into a world.
 
 use jostle::particles::{check_masses, check_radii, check_restitutions, check_vectors};
-use jostle::{Error, Particles};
+use jostle::{Each, Error, Particles};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Each, in_pairs};
+use crate::arrays::Argument;
 
 /// An argument that may be left out or None.
 type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -80,7 +80,7 @@ pub fn vectors(
     value: Maybe<'_, '_>,
     len: usize,
 ) -> PyResult<Option<Vec<[f32; 2]>>> {
-    value.map(|value| Ok(in_pairs(&Argument::reals(name, value)?.pairs(len)?))).transpose()
+    value.map(|value| Argument::reals(name, value)?.pairs(len)).transpose()
 }
 
 /// A float32 for all or one for each of `len` particles.

@@ -109,7 +109,7 @@ fn build<T: Scalar + Element>(
     rows: Rows<T>,
     settings: Settings,
 ) -> jostle::Result<jostle::Quadtree<T>> {
-    jostle::Quadtree::new(&rows.columns()?, settings)
+    jostle::Quadtree::new(&rows.checked()?, settings)
 }
 
 #[pymethods]
@@ -271,7 +271,7 @@ impl PyQuadtree {
     ///        [0., 0., 4., 4.],
     ///        [4., 4., 8., 8.]])
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_tree!(&self.tree, tree => results::nodes(py, tree.nodes()))
+        with_tree!(&self.tree, tree => results::nodes(py, tree))
     }
 
     /// What the tree looks like and how much work its last answer was.

@@ -1,5 +1,6 @@
 //! Answers of several arrays, as the named tuples of `jostle.results`.
 
+use jostle::Scalar;
 use jostle::pairs::Overlaps;
 use numpy::Element;
 use pyo3::prelude::*;
@@ -15,10 +16,14 @@ pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<
 }
 
 /// `jostle.Nodes`.
-pub fn nodes<'py>(py: Python<'py>, all: &[jostle::Node]) -> PyResult<Bound<'py, PyAny>> {
+pub fn nodes<'py, T: Scalar>(
+    py: Python<'py>,
+    tree: &jostle::Quadtree<T>,
+) -> PyResult<Bound<'py, PyAny>> {
     static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let all = tree.nodes();
     let fields = (
-        table(py, all.iter().map(|node| node.cell).collect())?,
+        table(py, tree.cells())?,
         column(py, all.iter().map(|node| u32::from(node.depth)).collect()),
         column(py, all.iter().map(|node| node.len() as u32).collect()),
         column(py, all.iter().map(jostle::Node::is_leaf).collect()),

@@ -1,12 +1,12 @@
 //! The shapes of a call: centres, radii, half sizes and filters, copied out of
 //! NumPy with one precision for all of them.
 
-use jostle::columns::{DEFAULT_CATEGORY, DEFAULT_MASK, check_size};
-use jostle::{Columns, Scalar};
+use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use jostle::{Each, Scalar};
 use numpy::Element;
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Each, Given, all_single};
+use crate::arrays::{Argument, Given, all_single};
 
 /// Shapes in the precision that their arrays ask for.
 pub enum Shapes {
@@ -18,8 +18,7 @@ pub enum Shapes {
 
 /// Copied and of the right shapes; the values are not yet checked.
 pub struct Rows<T> {
-    /// x, y, x, y, …
-    centers: Vec<T>,
+    centers: Vec<[T; 2]>,
     radii: Each<T>,
     half_sizes: Option<Each<[T; 2]>>,
     filters: Option<[Each<u32>; 2]>,
@@ -87,19 +86,8 @@ impl<T: Scalar + Element> Rows<T> {
         })
     }
 
-    /// The core's columns; needs no Python.
-    pub fn columns(self) -> jostle::Result<Columns<T>> {
-        let len = self.centers.len() / 2;
-        self.radii.check_one(|one| check_size("radii", "a radius", one))?;
-        if let Some(sizes) = &self.half_sizes {
-            sizes.check_one(|one| check_size("half_sizes", "a half size", &one[0]))?;
-        }
-        let axis = |k: usize| self.centers.iter().skip(k).step_by(2).copied().collect::<Vec<T>>();
-        let half_sizes = self.half_sizes.map(|sizes| {
-            let sizes = sizes.rows(len);
-            [0, 1].map(|k| sizes.iter().map(|size| size[k]).collect::<Vec<T>>())
-        });
-        let filters = self.filters.map(|filters| filters.map(|each| each.rows(len)));
-        Columns::new(axis(0), axis(1), self.radii.rows(len), half_sizes, filters)
+    /// The core's shapes; needs no Python.
+    pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
+        jostle::Shapes::new(self.centers, self.radii, self.half_sizes, self.filters)
     }
 }

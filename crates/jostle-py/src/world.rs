@@ -4,14 +4,14 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use jostle::pairs::Overlaps;
-use jostle::{Error, Stage, World, WorldSettings};
+use jostle::{Each, Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Argument, Each, Given, column, count, decimal, number, point, table};
+use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
 use crate::containers;
 use crate::error::refused;
 use crate::particles::{Draft, reals, truths, vectors};

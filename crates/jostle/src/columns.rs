@@ -1,17 +1,10 @@
 //! Shapes as columns: one array for each number, so that a leaf's shapes lie
 //! side by side for vector instructions.
 
-use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
 use crate::parallel;
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes};
 use crate::simd::LANES;
-
-
-/// What a shape is where nothing is said.
-pub const DEFAULT_CATEGORY: u32 = 1;
-
-/// What a shape may pair with where nothing is said: everything.
-pub const DEFAULT_MASK: u32 = u32::MAX;
 
 /// Shapes in columns of equal length, with [`LANES`] spare rows behind them, so that a
 /// kernel may read a whole block from any row.
@@ -38,64 +31,44 @@ pub struct Columns<T> {
 }
 
 impl<T: Scalar> Columns<T> {
-    /// Checks shapes given as slices and stores them.
-    ///
-    /// `half_sizes` holds half widths and half heights, `filters` categories
-    /// and masks. Every slice has the length of `x`.
-    pub fn new(
-        x: Vec<T>,
-        y: Vec<T>,
-        radius: Vec<T>,
-        half_sizes: Option<[Vec<T>; 2]>,
-        filters: Option<[Vec<u32>; 2]>,
-    ) -> Result<Self> {
-        let len = x.len();
-        let [half_x, half_y] = half_sizes.unwrap_or_default();
-        let [category, mask] = filters.unwrap_or_default();
-        let mut columns = Self { len, x, y, radius, half_x, half_y, category, mask };
-        columns.validate()?;
-        columns.pad();
-        Ok(columns)
+    /// All shapes in the order of their rows.
+    pub fn of(shapes: &Shapes<T>) -> Self {
+        let mut columns = Self::default();
+        columns.fill(shapes, shapes.len(), Some(1), |place| place);
+        columns
     }
 
-    fn validate(&self) -> Result<()> {
-        let expected = self.len;
-        if expected > u32::MAX as usize / 2 {
-            return Err(Error::of("centers", expected, "there may be at most 2147483647 rows"));
-        }
-        let lengths = [
-            ("centers", self.y.len(), false),
-            ("radii", self.radius.len(), false),
-            ("half_sizes", self.half_x.len(), true),
-            ("half_sizes", self.half_y.len(), true),
-            ("categories", self.category.len(), true),
-            ("masks", self.mask.len(), true),
-        ];
-        for (argument, found, optional) in lengths {
-            if found != expected && !(optional && found == 0) {
-                return Err(Error::Length { argument, found, expected });
-            }
-        }
-        check_finite("centers", &self.x, &self.y)?;
-        check_size("radii", "a radius", &self.radius)?;
-        check_size("half_sizes", "a half size", &self.half_x)?;
-        check_size("half_sizes", "a half size", &self.half_y)
+    /// Replaces the contents by the shapes in `rows`, in that order.
+    pub fn gather(&mut self, shapes: &Shapes<T>, rows: &[u32], threads: Option<usize>) {
+        self.fill(shapes, rows.len(), threads, |place| rows[place] as usize);
     }
 
-    /// Gives every column in use its spare rows.
-    fn pad(&mut self) {
-        let padded = self.len + LANES;
-        self.x.resize(padded, T::ZERO);
-        self.y.resize(padded, T::ZERO);
-        self.radius.resize(padded, T::ZERO);
-        for column in [&mut self.half_x, &mut self.half_y] {
-            if !column.is_empty() {
-                column.resize(padded, T::ZERO);
-            }
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        shapes: &Shapes<T>,
+        len: usize,
+        threads: Option<usize>,
+        row: impl Fn(usize) -> usize + Sync + Send,
+    ) {
+        self.len = len;
+        let Shapes { centers, radii, half_sizes, filters } = shapes;
+        let pairs = |to: [&mut Vec<T>; 2], from: &[[T; 2]]| {
+            put_pairs(to, len, threads, |place| from[row(place)]);
+        };
+        pairs([&mut self.x, &mut self.y], centers);
+        put_each(&mut self.radius, radii, len, threads, &row);
+        let half = [&mut self.half_x, &mut self.half_y];
+        match half_sizes {
+            None => half.into_iter().for_each(Vec::clear),
+            Some(Each::Rows(sizes)) => pairs(half, sizes),
+            Some(Each::One(size)) => put_pairs(half, len, threads, |_| *size),
         }
-        for column in [&mut self.category, &mut self.mask] {
-            if !column.is_empty() {
-                column.resize(padded, 0);
+        match filters {
+            None => [&mut self.category, &mut self.mask].into_iter().for_each(Vec::clear),
+            Some([categories, masks]) => {
+                put_each(&mut self.category, categories, len, threads, &row);
+                put_each(&mut self.mask, masks, len, threads, &row);
             }
         }
     }
@@ -136,89 +109,41 @@ impl<T: Scalar> Columns<T> {
             mask: if filtered { self.mask[row] } else { DEFAULT_MASK },
         }
     }
+}
 
-    /// Replaces the contents by the rows `order` of `source`, in that order.
-    pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
-        self.len = order.len();
-        take(&mut self.x, &source.x, order, threads);
-        take(&mut self.y, &source.y, order, threads);
-        take(&mut self.radius, &source.radius, order, threads);
-        take(&mut self.half_x, &source.half_x, order, threads);
-        take(&mut self.half_y, &source.half_y, order, threads);
-        take(&mut self.category, &source.category, order, threads);
-        take(&mut self.mask, &source.mask, order, threads);
-    }
-
-    /// Empties the columns and fills them with `len` rounded boxes; `row` gives
-    /// centre, half size and radius. For callers that have checked their numbers.
-    pub fn refill(&mut self, len: usize, row: impl Fn(usize) -> ([T; 2], [T; 2], T)) {
-        self.len = len;
-        for column in
-            [&mut self.x, &mut self.y, &mut self.radius, &mut self.half_x, &mut self.half_y]
-        {
-            column.clear();
-            column.reserve(len + LANES);
-        }
-        for i in 0..len {
-            let (center, half_size, radius) = row(i);
-            self.x.push(center[0]);
-            self.y.push(center[1]);
-            self.half_x.push(half_size[0]);
-            self.half_y.push(half_size[1]);
-            self.radius.push(radius);
-        }
-        self.pad();
+/// Fills a column of `len` values, and spare rows behind them.
+#[inline(always)]
+fn put_each<V: Copy + Default + Send + Sync>(
+    column: &mut Vec<V>,
+    values: &Each<V>,
+    len: usize,
+    threads: Option<usize>,
+    row: impl Fn(usize) -> usize + Sync + Send,
+) {
+    column.resize(len + LANES, V::default());
+    match values {
+        Each::One(value) => column[..len].fill(*value),
+        Each::Rows(values) => parallel::for_chunks(threads, &mut column[..len], |first, chunk| {
+            for (offset, to) in chunk.iter_mut().enumerate() {
+                *to = values[row(first + offset)];
+            }
+        }),
     }
 }
 
-/// Replaces a column by the rows `order` of `from`, and spare rows.
-fn take<V: Copy + Default + Send + Sync>(
-    to: &mut Vec<V>,
-    from: &[V],
-    order: &[u32],
+/// Fills two columns of `len` values from pairs, and spare rows behind them.
+#[inline(always)]
+fn put_pairs<T: Scalar>(
+    [x, y]: [&mut Vec<T>; 2],
+    len: usize,
     threads: Option<usize>,
+    pair: impl Fn(usize) -> [T; 2] + Sync + Send,
 ) {
-    if from.is_empty() {
-        return to.clear();
-    }
-    to.resize(order.len() + LANES, V::default());
-    parallel::for_chunks(threads, &mut to[..order.len()], |first, chunk| {
-        for (value, &row) in chunk.iter_mut().zip(&order[first..]) {
-            *value = from[row as usize];
+    x.resize(len + LANES, T::ZERO);
+    y.resize(len + LANES, T::ZERO);
+    parallel::for_chunks_of_two(threads, &mut x[..len], &mut y[..len], |first, x, y| {
+        for (offset, (x, y)) in x.iter_mut().zip(y).enumerate() {
+            [*x, *y] = pair(first + offset);
         }
     });
-}
-
-/// Refuses a pair of coordinates that is not finite.
-pub fn check_finite<T: Scalar>(argument: &'static str, x: &[T], y: &[T]) -> Result<()> {
-    let finite = |column: &[T]| column.iter().fold(true, |all, v| all & v.is_finite());
-    if finite(x) && finite(y) {
-        return Ok(());
-    }
-    for (index, (&x, &y)) in x.iter().zip(y).enumerate() {
-        if !(x.is_finite() && y.is_finite()) {
-            let rule = "both coordinates must be finite";
-            return Err(Error::at(argument, index, format!("({x}, {y})"), rule));
-        }
-    }
-    Ok(())
-}
-
-/// Refuses a size that is negative, not finite or beyond [`Scalar::MAX_SIZE`].
-pub fn check_size<T: Scalar>(argument: &'static str, noun: &str, sizes: &[T]) -> Result<()> {
-    let fits = |size: T| (size >= T::ZERO) & (size <= T::MAX_SIZE);
-    if sizes.iter().fold(true, |all, &size| all & fits(size)) {
-        return Ok(());
-    }
-    for (index, &size) in sizes.iter().enumerate() {
-        if !(size >= T::ZERO && size.is_finite()) {
-            let rule = format!("{noun} must be finite and at least 0");
-            return Err(Error::at(argument, index, size, &rule));
-        }
-        if size > T::MAX_SIZE {
-            let rule = format!("{noun} must be at most {:e}", T::MAX_SIZE.to_f64());
-            return Err(Error::at(argument, index, size, &rule));
-        }
-    }
-    Ok(())
 }

@@ -13,9 +13,7 @@ use std::ops::Neg;
 use crate::simd::Number;
 
 /// The arithmetic of a tree: `f32` or `f64`.
-pub trait Scalar:
-    Number + Debug + Display + Neg<Output = Self>
-{
+pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
     /// Zero.
     const ZERO: Self;
     /// One.

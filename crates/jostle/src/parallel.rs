@@ -84,6 +84,25 @@ pub fn for_chunks<T: Send>(
     act(0, items);
 }
 
+/// As [`for_chunks`] with two slices of equal length.
+pub fn for_chunks_of_two<A: Send, B: Send>(
+    threads: Option<usize>,
+    a: &mut [A],
+    b: &mut [B],
+    act: impl Fn(usize, &mut [A], &mut [B]) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    if threads != Some(1) && a.len() > WORTHWHILE {
+        use rayon::prelude::*;
+        return run(threads, || {
+            let chunks = a.par_chunks_mut(CHUNK).zip(b.par_chunks_mut(CHUNK)).enumerate();
+            chunks.for_each(|(index, (a, b))| act(index * CHUNK, a, b));
+        });
+    }
+    let _ = threads;
+    act(0, a, b);
+}
+
 /// Whether more than one thread will work.
 pub fn is_parallel(threads: Option<usize>) -> bool {
     cfg!(feature = "parallel") && threads != Some(1)

@@ -1,7 +1,7 @@
 //! The particles of a world as rows: what they are, and what is refused.
 
-use crate::columns::{check_finite, check_size};
 use crate::error::{Error, Result};
+use crate::shapes::{check_finite, check_sizes};
 
 /// Coordinates and speeds beyond this are refused; nothing travels further.
 pub const FARTHEST: f32 = 1e18;
@@ -123,7 +123,7 @@ impl Particles {
 /// Refuses positions or velocities that are not finite or too large.
 pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()> {
     for (index, &[x, y]) in vectors.iter().enumerate() {
-        check_finite(argument, &[x], &[y]).map_err(|_| {
+        check_finite(argument, &[[x, y]]).map_err(|_| {
             Error::at(argument, index, format!("({x}, {y})"), "both coordinates must be finite")
         })?;
         if x.abs() > FARTHEST || y.abs() > FARTHEST {
@@ -136,7 +136,7 @@ pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()>
 
 /// Refuses radii that are negative, not finite or too large.
 pub fn check_radii(radii: &[f32]) -> Result<()> {
-    check_size("radii", "a radius", radii)?;
+    check_sizes("radii", "a radius", radii)?;
     match radii.iter().position(|&r| r > FARTHEST) {
         Some(index) => {
             let rule = format!("a radius must be at most {FARTHEST:e}");

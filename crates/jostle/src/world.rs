@@ -9,7 +9,6 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use crate::columns::Columns;
 use crate::contacts::Contacts;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
@@ -20,6 +19,7 @@ use crate::particles::{self, Particles};
 use crate::quadtree::Quadtree;
 use crate::resolve::{self, Rules, Scene};
 use crate::settings::{Method, Settings};
+use crate::shapes::{Each, Shapes};
 
 /// Bounces slower than this many steps' worth of gravity are not bounces.
 const REST_STEPS: f32 = 3.0;
@@ -154,7 +154,7 @@ pub struct World {
 #[derive(Debug, Default)]
 struct Memory {
     sweeps: Vec<Sweep>,
-    shapes: Columns<f32>,
+    shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
     at_walls: Vec<resolve::AtWall>,
@@ -413,10 +413,19 @@ impl World {
                 Sweep::still(position)
             }
         }));
-        shapes.refill(sweeps.len(), |place| {
-            let (center, half_size) = sweeps[place].as_box();
-            (center, half_size, particles.radii[place])
-        });
+        let mut half_sizes = match shapes.half_sizes.take() {
+            Some(Each::Rows(rows)) => rows,
+            _ => Vec::new(),
+        };
+        shapes.centers.clear();
+        half_sizes.clear();
+        for sweep in sweeps.iter() {
+            let (center, half_size) = sweep.as_box();
+            shapes.centers.push(center);
+            half_sizes.push(half_size);
+        }
+        shapes.half_sizes = Some(Each::Rows(half_sizes));
+        shapes.radii = Each::Rows(particles.radii.clone());
     }
 
     /// Builds the tree of the sweeps.

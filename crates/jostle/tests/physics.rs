@@ -3,7 +3,9 @@
 
 use jostle::scenes::{STEP, random::Random};
 use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{Columns, Container, Particles, Settings, World, WorldSettings, geometry, pairs};
+use jostle::{
+    Columns, Container, Each, Particles, Settings, Shapes, World, WorldSettings, geometry, pairs,
+};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {
     World::new(particles, settings).expect("the test's particles are valid")
@@ -213,9 +215,9 @@ fn an_inelastic_gas_never_gains_energy() {
 
 /// Deepest overlap as a share of the smaller radius.
 fn deepest_overlap(particles: &Particles) -> f32 {
-    let column = |k: usize| particles.positions.iter().map(|p| p[k]).collect();
-    let radii = particles.radii.clone();
-    let discs = Columns::new(column(0), column(1), radii, None, None).unwrap();
+    let radii = Each::Rows(particles.radii.clone());
+    let shapes = Shapes::circles(particles.positions.clone(), radii).unwrap();
+    let discs = Columns::of(&shapes);
     let found = pairs::brute(&discs, None, DEFAULT_MAX_PAIRS).unwrap();
     let depth = |&[i, j]: &[u32; 2]| {
         let (a, b) = (discs.shape(i as usize), discs.shape(j as usize));

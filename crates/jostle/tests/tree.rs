@@ -1,12 +1,12 @@
 //! The tree against brute force, on shapes made to break it.
 
 use jostle::settings::{DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
-use jostle::{Columns, Error, Quadtree, Scalar, Settings, pairs};
+use jostle::{Columns, Each, Error, Quadtree, Scalar, Settings, Shapes, pairs};
 use proptest::prelude::*;
 
 /// Raw shapes, to be read in either type.
 #[derive(Clone, Debug)]
-struct Shapes {
+struct Raw {
     x: Vec<f64>,
     y: Vec<f64>,
     radius: Vec<f64>,
@@ -14,12 +14,15 @@ struct Shapes {
     filter: Option<[Vec<u32>; 2]>,
 }
 
-impl Shapes {
-    fn columns<T: Scalar>(&self) -> Columns<T> {
-        let read = |v: &Vec<f64>| v.iter().map(|&v| T::from_f64(v)).collect::<Vec<T>>();
-        let half = self.half.as_ref().map(|half| [read(&half[0]), read(&half[1])]);
-        let filter = self.filter.clone();
-        Columns::new(read(&self.x), read(&self.y), read(&self.radius), half, filter)
+impl Raw {
+    fn typed<T: Scalar>(&self) -> Shapes<T> {
+        let pairs = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).map(|(&a, &b)| [T::from_f64(a), T::from_f64(b)]).collect()
+        };
+        let radii = self.radius.iter().map(|&v| T::from_f64(v)).collect();
+        let half_sizes = self.half.as_ref().map(|[x, y]| Each::Rows(pairs(x, y)));
+        let filters = self.filter.clone().map(|filter| filter.map(Each::Rows));
+        Shapes::new(pairs(&self.x, &self.y), Each::Rows(radii), half_sizes, filters)
             .expect("the generated shapes are valid")
     }
 }
@@ -52,13 +55,13 @@ fn bits() -> impl Strategy<Value = u32> + Clone {
 /// x, y, radius, half width, half height, category, mask.
 type Row = (f64, f64, f64, f64, f64, u32, u32);
 
-fn shapes() -> impl Strategy<Value = Shapes> {
+fn shapes() -> impl Strategy<Value = Raw> {
     let one = (coordinate(), coordinate(), size(), size(), size(), bits(), bits());
     let count = prop_oneof![0usize..4, 4usize..40, 40usize..250];
     let rows = count.prop_flat_map(move |count| prop::collection::vec(one.clone(), count));
     (rows, any::<bool>(), any::<bool>(), any::<bool>()).prop_map(|(rows, boxes, filters, line)| {
         let column = |pick: fn(&Row) -> f64| rows.iter().map(pick).collect::<Vec<f64>>();
-        Shapes {
+        Raw {
             x: column(|row| row.0),
             y: if line { vec![3.0; rows.len()] } else { column(|row| row.1) },
             radius: column(|row| row.2),
@@ -79,14 +82,14 @@ fn settings() -> impl Strategy<Value = Settings> {
     })
 }
 
-fn built<T: Scalar>(columns: &Columns<T>, settings: Settings) -> Quadtree<T> {
-    let tree = Quadtree::new(columns, settings).expect("valid settings");
+fn built<T: Scalar>(shapes: &Shapes<T>, settings: Settings) -> Quadtree<T> {
+    let tree = Quadtree::new(shapes, settings).expect("valid settings");
     tree.check().expect("the tree's invariants hold");
     tree
 }
 
 /// The plainest oracle there is, with the formula of the contract written out.
-fn by_the_book<T: Scalar>(a: &Columns<T>, b: &Columns<T>, itself: bool) -> Vec<[u32; 2]> {
+fn by_the_book<T: Scalar>(a: &Shapes<T>, b: &Shapes<T>, itself: bool) -> Vec<[u32; 2]> {
     let mut all = Vec::new();
     for i in 0..a.len() {
         for j in if itself { i + 1 } else { 0 }..b.len() {
@@ -106,16 +109,16 @@ fn by_the_book<T: Scalar>(a: &Columns<T>, b: &Columns<T>, itself: bool) -> Vec<[
     all
 }
 
-fn agree<T: Scalar>(shapes: &Shapes, settings: Settings) {
-    let columns = shapes.columns::<T>();
-    let expected = by_the_book(&columns, &columns, true);
-    let brute = pairs::brute(&columns, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
+fn agree<T: Scalar>(shapes: &Raw, settings: Settings) {
+    let given = shapes.typed::<T>();
+    let expected = by_the_book(&given, &given, true);
+    let brute = pairs::brute(&Columns::of(&given), settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     assert_eq!(brute.pairs, expected, "brute force");
-    let tree = built(&columns, settings);
+    let tree = built(&given, settings);
     let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
     found.sort();
     assert_eq!(found.pairs, expected, "the tree");
-    let auto = pairs::find(&columns, None, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
+    let auto = pairs::find(&given, None, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     let mut auto = auto;
     auto.sort();
     assert_eq!(auto.pairs, expected, "the faster of the two");
@@ -134,12 +137,12 @@ proptest! {
     fn pairs_between_two_trees_are_those_of_brute_force(
         first in shapes(), second in shapes(), settings in settings(),
     ) {
-        let (a, b) = (first.columns::<f32>(), second.columns::<f32>());
+        let (a, b) = (first.typed::<f32>(), second.typed::<f32>());
         let (tree_a, tree_b) = (built(&a, settings), built(&b, Settings::default()));
         let mut found = pairs::between(&tree_a, &tree_b, DEFAULT_MAX_PAIRS).unwrap();
         found.sort();
         prop_assert_eq!(&found.pairs, &by_the_book(&a, &b, false));
-        let mut brute = pairs::brute_between(&a, &b, [0.0; 2], DEFAULT_MAX_PAIRS).unwrap();
+        let mut brute = pairs::brute_between(&Columns::of(&a), &Columns::of(&b), [0.0; 2], DEFAULT_MAX_PAIRS).unwrap();
         brute.sort();
         prop_assert_eq!(&found.pairs, &brute.pairs);
     }
@@ -148,7 +151,7 @@ proptest! {
     fn a_shifted_join_is_brute_force_with_the_same_shift(
         shapes in shapes(), settings in settings(), shift in [-120.0f32..120.0, -120.0f32..120.0],
     ) {
-        let tree = built(&shapes.columns::<f32>(), settings);
+        let tree = built(&shapes.typed::<f32>(), settings);
         let columns = tree.columns();
         let mut found = pairs::places_between(&tree, &tree, shift, DEFAULT_MAX_PAIRS).unwrap();
         found.sort();
@@ -158,33 +161,51 @@ proptest! {
 
     #[test]
     fn the_order_of_the_input_does_not_show(shapes in shapes(), seed in any::<u64>()) {
-        let columns = shapes.columns::<f32>();
-        let mut order: Vec<u32> = (0..columns.len() as u32).collect();
+        let given = shapes.typed::<f32>();
+        let mut order: Vec<u32> = (0..given.len() as u32).collect();
         let mut state = seed | 1;
         for last in (1..order.len()).rev() {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             order.swap(last, (state >> 33) as usize % (last + 1));
         }
-        let mut mixed_up = Columns::default();
-        mixed_up.gather(&columns, &order, None);
-        let straight = built(&columns, Settings::default());
-        let permuted = built(&mixed_up, Settings::default());
+        let mixed_up = permuted(&given, &order);
+        let straight = built(&given, Settings::default());
+        let mixed_up = built(&mixed_up, Settings::default());
         // The same shapes stand at the same places, so pairs come in the same order.
-        for place in 0..columns.len() {
-            prop_assert_eq!(straight.columns().shape(place), permuted.columns().shape(place));
+        for place in 0..given.len() {
+            prop_assert_eq!(straight.columns().shape(place), mixed_up.columns().shape(place));
         }
         prop_assert_eq!(
             pairs::places_within(&straight, DEFAULT_MAX_PAIRS).unwrap(),
-            pairs::places_within(&permuted, DEFAULT_MAX_PAIRS).unwrap()
+            pairs::places_within(&mixed_up, DEFAULT_MAX_PAIRS).unwrap()
         );
     }
 }
 
+/// The shapes in another order.
+fn permuted(shapes: &Shapes<f32>, order: &[u32]) -> Shapes<f32> {
+    fn pick<V: Copy>(from: &Each<V>, order: &[u32]) -> Each<V> {
+        Each::Rows(order.iter().map(|&row| from.at(row as usize)).collect())
+    }
+    Shapes::new(
+        order.iter().map(|&row| shapes.centers[row as usize]).collect(),
+        pick(&shapes.radii, order),
+        shapes.half_sizes.as_ref().map(|sizes| pick(sizes, order)),
+        shapes.filters.as_ref().map(|filters| filters.each_ref().map(|each| pick(each, order))),
+    )
+    .unwrap()
+}
+
 /// Discs of equal radius at given places.
-fn discs(places: impl Iterator<Item = [f64; 2]>, radius: f64) -> Columns<f64> {
-    let places: Vec<[f64; 2]> = places.collect();
-    let column = |k: usize| places.iter().map(|p| p[k]).collect::<Vec<f64>>();
-    Columns::new(column(0), column(1), vec![radius; places.len()], None, None).unwrap()
+fn discs(places: impl Iterator<Item = [f64; 2]>, radius: f64) -> Shapes<f64> {
+    Shapes::circles(places.collect(), Each::One(radius)).unwrap()
+}
+
+/// The shapes with another radius in one row.
+fn with_radius(shapes: Shapes<f64>, row: usize, radius: f64) -> Shapes<f64> {
+    let mut radii = shapes.radii.rows(shapes.centers.len());
+    radii[row] = radius;
+    Shapes { radii: Each::Rows(radii), ..shapes }
 }
 
 /// Low-discrepancy points of the unit square.
@@ -194,7 +215,7 @@ fn spread_out(count: usize) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-fn tests_made(columns: &Columns<f64>) -> u64 {
+fn tests_made(columns: &Shapes<f64>) -> u64 {
     let tree = built(columns, Settings { threads: Some(1), ..Settings::default() });
     pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap().tests
 }
@@ -213,8 +234,7 @@ fn coincident_points_have_no_pairs_and_cost_nothing() {
     let points = discs((0..100_000).map(|_| [3.0, -4.0]), 0.0);
     assert_eq!(tests_made(&points), 0);
     // One disc on top of them meets them all, and only the disc is tested.
-    let mut with_a_disc = points;
-    with_a_disc.radius[500] = 1.0;
+    let with_a_disc = with_radius(points, 500, 1.0);
     let tree = built(&with_a_disc, Settings::default());
     let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
     assert_eq!(found.pairs.len(), 99_999);
@@ -224,8 +244,7 @@ fn coincident_points_have_no_pairs_and_cost_nothing() {
 #[test]
 fn one_huge_disc_among_many_tiny_ones_costs_one_sweep() {
     let tiny = 100_000;
-    let mut all = discs(spread_out(tiny).chain([[0.5, 0.5]]), 1e-6);
-    all.radius[tiny] = 10.0;
+    let all = with_radius(discs(spread_out(tiny).chain([[0.5, 0.5]]), 1e-6), tiny, 10.0);
     let tree = built(&all, Settings { threads: Some(1), ..Settings::default() });
     let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
     assert_eq!(found.pairs.iter().filter(|pair| pair[1] == tiny as u32).count(), tiny);
@@ -253,15 +272,14 @@ fn octaves_of_clusters_keep_memory_and_depth_in_bounds() {
 #[test]
 fn bullets_that_ignore_each_other_are_not_tested() {
     let count = 50_000;
-    let places: Vec<[f64; 2]> = spread_out(count).collect();
-    let column = |k: usize| places.iter().map(|p| p[k]).collect::<Vec<f64>>();
     // Bullets are 1 and meet ships, which are 2; the last ten are ships.
     let is_ship = |i: usize| i >= count - 10;
     let filter = [
-        (0..count).map(|i| 1 + u32::from(is_ship(i))).collect(),
-        (0..count).map(|i| 2 - u32::from(is_ship(i))).collect(),
+        Each::Rows((0..count).map(|i| 1 + u32::from(is_ship(i))).collect()),
+        Each::Rows((0..count).map(|i| 2 - u32::from(is_ship(i))).collect()),
     ];
-    let all = Columns::new(column(0), column(1), vec![0.01; count], None, Some(filter)).unwrap();
+    let places = spread_out(count).collect();
+    let all = Shapes::new(places, Each::One(0.01), None, Some(filter)).unwrap();
     let tree = built(&all, Settings::default());
     let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
     assert!(!found.pairs.is_empty());
@@ -279,7 +297,7 @@ fn too_many_pairs_are_an_error_that_names_the_limit() {
         for max_pairs in [exact - 1, 1000, 0] {
             let error = Error::TooManyPairs { max_pairs };
             assert_eq!(pairs::within(&tree, max_pairs), Err(error.clone()));
-            assert_eq!(pairs::brute(&all, Some(threads), max_pairs), Err(error));
+            assert_eq!(pairs::brute(&Columns::of(&all), Some(threads), max_pairs), Err(error));
         }
     }
 }
@@ -290,7 +308,7 @@ fn a_limit_stops_the_search_long_before_the_end() {
     let all = discs((0..1_000_000).map(|_| [0.0; 2]), 1.0);
     let tree = Quadtree::new(&all, Settings { max_depth: 0, ..Settings::default() }).unwrap();
     assert!(pairs::within(&tree, 1_000_000).is_err());
-    assert!(pairs::brute(&all, None, 1_000_000).is_err());
+    assert!(pairs::brute(&Columns::of(&all), None, 1_000_000).is_err());
 }
 
 #[test]
@@ -318,9 +336,10 @@ fn max_depth_counts_subdivisions() {
 
 #[test]
 fn refusals_name_argument_index_and_value() {
-    let refuse = |x: Vec<f32>, radius: Vec<f32>, half: Option<[Vec<f32>; 2]>| {
-        let y = vec![0.0; x.len()];
-        Columns::new(x, y, radius, half, None).unwrap_err().to_string()
+    let refuse = |x: Vec<f32>, radii: Vec<f32>, half: Option<Vec<[f32; 2]>>| {
+        let centers = x.into_iter().map(|x| [x, 0.0]).collect();
+        let refused = Shapes::new(centers, Each::Rows(radii), half.map(Each::Rows), None);
+        refused.unwrap_err().to_string()
     };
     assert_eq!(
         refuse(vec![0.0; 3], vec![1.0, 1.0, -0.5], None),
@@ -338,7 +357,7 @@ fn refusals_name_argument_index_and_value() {
         refuse(vec![0.0; 2], vec![1.0], None),
         "radii has 1 rows; it must have 2, one for each shape"
     );
-    let negative = Some([vec![1.0], vec![-1.0]]);
+    let negative = Some(vec![[1.0, -1.0]]);
     assert_eq!(
         refuse(vec![0.0], vec![1.0], negative),
         "half_sizes[0] is -1; a half size must be finite and at least 0"

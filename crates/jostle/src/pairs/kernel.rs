@@ -6,8 +6,9 @@
 use std::ops::Range;
 
 use super::output::{Finish, NOTES, Output};
-use crate::columns::{Columns, DEFAULT_CATEGORY, DEFAULT_MASK};
+use crate::columns::Columns;
 use crate::geometry::{Cover, Scalar, Shape};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use crate::simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
 
 /// Shapes that are packed at a time, and rows tested against a block at a time.
@@ -387,7 +388,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             let others = self.load::<BOXES>(&Rows::all(self.b), start);
             for first in (range.start..end - 1).step_by(CHUNK) {
                 let rows = Rows::of(self.a, first..(end - 1).min(first + CHUNK));
-                let wanted = |row: usize| lanes & u32::MAX << (first + row + 1).saturating_sub(start);
+                let wanted =
+                    |row: usize| lanes & u32::MAX << (first + row + 1).saturating_sub(start);
                 self.against::<F, BOXES, FILTERS>(first, &rows, start, &others, wanted, output);
             }
             output.tests += ((end - start) * (end + start - 1 - 2 * range.start)) as u64 / 2;

@@ -18,6 +18,7 @@ use crate::geometry::{self, Scalar};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
+use crate::shapes::Shapes;
 use crate::simd::{Simd, Work};
 use join::Join;
 use kernel::Kernel;
@@ -45,19 +46,33 @@ impl Found {
 /// All overlapping pairs of rows, `i < j`, in no promised order.
 /// `None` chooses the faster method.
 pub fn find<T: Scalar>(
-    columns: &Columns<T>,
+    shapes: &Shapes<T>,
+    method: Option<Method>,
+    threads: Option<usize>,
+    max_pairs: usize,
+) -> Result<Found> {
+    find_with(&mut Quadtree::default(), shapes, method, threads, max_pairs)
+}
+
+/// As [`find`]; if it takes a tree, it is built in the memory of the one given. Asking
+/// the system for memory can cost a sixth of the time.
+pub fn find_with<T: Scalar>(
+    tree: &mut Quadtree<T>,
+    shapes: &Shapes<T>,
     method: Option<Method>,
     threads: Option<usize>,
     max_pairs: usize,
 ) -> Result<Found> {
     let settings = Settings { threads, ..Settings::default() };
     settings.validate()?;
-    let small = columns.len() <= BRUTE_FORCE_LIMIT;
-    match method {
-        Some(Method::Brute) => brute(columns, threads, max_pairs),
-        None if small => brute(columns, threads, max_pairs),
-        _ => within(&Quadtree::new(columns, settings)?, max_pairs),
+    let small = shapes.len() <= BRUTE_FORCE_LIMIT;
+    if method == Some(Method::Brute) || (method.is_none() && small) {
+        return brute(&Columns::of(shapes), threads, max_pairs);
     }
+    parallel::among(parallel::worthwhile(threads, shapes.len()), || {
+        tree.fill(shapes, settings)?;
+        within(tree, max_pairs)
+    })
 }
 
 /// All overlapping pairs of rows of one tree, `i < j`, in the tree's order.
@@ -139,7 +154,14 @@ pub fn brute<T: Scalar>(
     let parts = parallel::map(threads, bands, |band| {
         let mut output = Output::new(&budget, as_they_are);
         let rows = edge(band)..edge(band + 1);
-        T::with_widest(Brute { a: columns, b: columns, shift: [T::ZERO; 2], rows, itself: true, output: &mut output });
+        T::with_widest(Brute {
+            a: columns,
+            b: columns,
+            shift: [T::ZERO; 2],
+            rows,
+            itself: true,
+            output: &mut output,
+        });
         output.into_found()
     });
     budget.collect(threads, parts)

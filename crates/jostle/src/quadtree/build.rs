@@ -7,7 +7,8 @@ use std::ops::Range;
 
 use super::Node;
 use super::grid::GRID_LEVELS;
-use super::order::Order;
+use super::order::{Keyed, Order};
+use super::sort::key_of;
 use crate::columns::Columns;
 use crate::geometry::{Cover, Scalar};
 use crate::parallel;
@@ -16,6 +17,9 @@ use crate::simd::{LANES, Simd, Work, block};
 
 /// A tree of more shapes than this has upper nodes.
 const LARGE: usize = 16_384;
+
+/// Quarters of so few shapes are told apart by looking at all.
+const FEW: usize = 256;
 
 /// Upper nodes hold at least this share of all shapes.
 const SHARE: usize = 64;
@@ -43,7 +47,8 @@ pub fn nodes<T: Scalar>(
     builder.grow(nodes, columns.len() / SHARE);
     let upper = nodes.len();
     let open: Vec<usize> = (0..upper).filter(|&node| nodes[node].is_leaf()).collect();
-    let parts = parallel::map(settings.threads, open.len(), |index| builder.below(nodes[open[index]]));
+    let parts =
+        parallel::map(settings.threads, open.len(), |index| builder.below(nodes[open[index]]));
     for (&node, part) in open.iter().zip(&parts) {
         adopt(nodes, node, &part.0);
     }
@@ -85,6 +90,11 @@ impl<T: Scalar> Builder<'_, T> {
     /// Splits the nodes from the last one on until each holds `enough` shapes, or no
     /// more than a leaf may.
     fn grow(&self, nodes: &mut Vec<Node>, enough: usize) {
+        T::with_widest(Grow { builder: self, nodes, enough });
+    }
+
+    #[inline(always)]
+    fn grow_here(&self, nodes: &mut Vec<Node>, enough: usize) {
         let enough = enough.max(self.settings.leaf_capacity);
         let mut next = nodes.len() - 1;
         while next < nodes.len() {
@@ -97,12 +107,15 @@ impl<T: Scalar> Builder<'_, T> {
     }
 
     /// Appends the non-empty quarters of a node.
+    #[inline(always)]
     fn split(&self, index: usize, nodes: &mut Vec<Node>) {
         let node = &mut nodes[index];
         let (start, end) = (node.start as usize, node.end as usize);
         let mut keyed = &self.order.keyed[node.grid as usize];
         let mut differing = keyed.key(start) ^ keyed.key(end - 1);
-        if differing == 0 && let Some(finer) = self.order.finer(start, end) {
+        if differing == 0
+            && let Some(finer) = self.order.finer(start, end)
+        {
             keyed = &self.order.keyed[finer];
             (node.grid, node.level) = (finer as u32, 0);
             differing = keyed.key(start) ^ keyed.key(end - 1);
@@ -113,18 +126,9 @@ impl<T: Scalar> Builder<'_, T> {
         // The level at which the first and the last key part: sorted, so all agree above.
         node.level = (differing.leading_zeros() / 2) as u8;
         let shift = 2 * (GRID_LEVELS - 1 - u32::from(node.level));
-        let keys = &keyed.keys[start - keyed.start..end - keyed.start];
-        let mut from = 0;
-        let mut ends = [0; 4];
-        let mut count = 0;
-        while from < keys.len() {
-            let quarter = keys[from] >> shift;
-            from += keys[from..].partition_point(|&key| key >> shift == quarter);
-            ends[count] = start + from;
-            count += 1;
-        }
         let level = node.level + 1;
-        append(index, nodes, &ends[..count], level);
+        let sizes = quarters(keyed, start, end, shift);
+        append(index, nodes, sizes, level);
     }
 
     /// Fills in the covers, children before parents. Where a leaf's `covers` entry
@@ -141,29 +145,57 @@ impl<T: Scalar> Builder<'_, T> {
 /// Splits a node into quarters by place, for shapes that no grid can tell apart.
 fn by_rank(index: usize, nodes: &mut Vec<Node>) {
     let node = nodes[index];
-    let (start, len) = (node.start as usize, node.len());
-    let mut ends = [0; 4];
-    let mut count = 0;
-    for quarter in 1..=4 {
-        let end = start + len * quarter / 4;
-        if end > if count == 0 { start } else { ends[count - 1] } {
-            ends[count] = end;
-            count += 1;
-        }
-    }
-    append(index, nodes, &ends[..count], node.level);
+    let end = |quarter: usize| node.len() * quarter / 4;
+    append(index, nodes, [0, 1, 2, 3].map(|quarter| end(quarter + 1) - end(quarter)), node.level);
 }
 
-/// Appends the children of a node, which end at `ends`.
-fn append(index: usize, nodes: &mut Vec<Node>, ends: &[usize], level: u8) {
-    let parent = Node { children: nodes.len() as u32, child_count: ends.len() as u8, ..nodes[index] };
-    nodes[index] = parent;
+/// How many of the shapes from `start` to `end` lie in each quarter, named by the two
+/// bits of their keys from `shift`; all bits above agree.
+#[inline(always)]
+fn quarters(keyed: &Keyed, start: usize, end: usize, shift: u32) -> [usize; 4] {
+    let before = if end - start > FEW {
+        let first = keyed.key(start) >> shift & !3;
+        [1, 2, 3].map(|q| keyed.first_at_least((first | q) << shift) - start)
+    } else {
+        // Counting all is faster than searching: no step waits for the one before it.
+        let mut before = [0u32; 3];
+        for &item in keyed.items(start..end) {
+            for q in 0..3 {
+                before[q as usize] += u32::from(key_of(item) >> shift & 3 <= q);
+            }
+        }
+        before.map(|count| count as usize)
+    };
+    let [one, two, three] = before;
+    [one, two - one, three - two, end - start - three]
+}
+
+/// Appends the children of a node; quarters of size 0 are left out.
+fn append(index: usize, nodes: &mut Vec<Node>, sizes: [usize; 4], level: u8) {
+    let (parent, children) = (nodes[index], nodes.len());
     let mut start = parent.start;
-    for &end in ends {
-        let end = end as u32;
-        let depth = parent.depth + 1;
+    for size in sizes.into_iter().filter(|&size| size > 0) {
+        let (end, depth) = (start + size as u32, parent.depth + 1);
         nodes.push(Node { start, end, children: 0, child_count: 0, depth, level, ..parent });
         start = end;
+    }
+    let child_count = (nodes.len() - children) as u8;
+    nodes[index] = Node { children: children as u32, child_count, ..parent };
+}
+
+/// [`Builder::grow`] with the widest instructions, for counting.
+struct Grow<'a, T> {
+    builder: &'a Builder<'a, T>,
+    nodes: &'a mut Vec<Node>,
+    enough: usize,
+}
+
+impl<T: Scalar> Work<T> for Grow<'_, T> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<S: Simd<T>>(self, _: S) {
+        self.builder.grow_here(self.nodes, self.enough);
     }
 }
 
@@ -195,28 +227,14 @@ impl<T: Scalar> Work<T> for CoverAll<'_, T> {
 fn cover_of_leaf<T: Scalar, S: Simd<T>>(simd: S, columns: &Columns<T>, leaf: &Node) -> Cover<T> {
     let range = leaf.range();
     let first = columns.shape(range.start);
-    // The last block overlaps the one before it instead of being cut; a leaf smaller than
-    // a block is filled up with its first shape.
-    let most = |column: &[T], first: T| {
-        let mut most = simd.splat(first);
-        fold(simd, column, &range, first, |block| most = simd.most(most, block));
-        reduce(simd, most, T::most)
-    };
-    let least = |column: &[T], first: T| {
-        let mut least = simd.splat(first);
-        fold(simd, column, &range, first, |block| least = simd.least(least, block));
-        reduce(simd, least, T::least)
-    };
-    let [x, y] = first.center;
-    let mut cover = Cover {
-        min: [least(&columns.x, x), least(&columns.y, y)],
-        max: [most(&columns.x, x), most(&columns.y, y)],
-        radius: most(&columns.radius, first.radius),
-        ..Cover::of(&first)
-    };
+    let x = extent(simd, &columns.x, &range, first.center[0]);
+    let y = extent(simd, &columns.y, &range, first.center[1]);
+    let radius = extent(simd, &columns.radius, &range, first.radius)[1];
+    let mut cover = Cover { min: [x[0], y[0]], max: [x[1], y[1]], radius, ..Cover::of(&first) };
     if columns.has_boxes() {
-        let [half_x, half_y] = first.half_size;
-        cover.half_size = [most(&columns.half_x, half_x), most(&columns.half_y, half_y)];
+        let half_x = extent(simd, &columns.half_x, &range, first.half_size[0])[1];
+        let half_y = extent(simd, &columns.half_y, &range, first.half_size[1])[1];
+        cover.half_size = [half_x, half_y];
     }
     if columns.has_filters() {
         let all = |column: &[u32]| column[range.clone()].iter().fold(0, |all, bits| all | bits);
@@ -225,40 +243,32 @@ fn cover_of_leaf<T: Scalar, S: Simd<T>>(simd: S, columns: &Columns<T>, leaf: &No
     cover
 }
 
-/// Calls `act` with blocks that hold every number of the range and nothing else but
-/// `filling`.
+/// The smallest and the largest number of a range of a column. The last block overlaps
+/// the one before it instead of being cut; a range smaller than a block is filled up with
+/// its `first` number.
 #[inline(always)]
-fn fold<T: Scalar, S: Simd<T>>(
-    simd: S,
-    column: &[T],
-    range: &Range<usize>,
-    filling: T,
-    mut act: impl FnMut(S::Block),
-) {
-    if range.len() < LANES {
-        let mut padded = [filling; LANES];
+fn extent<T: Scalar, S: Simd<T>>(simd: S, column: &[T], range: &Range<usize>, first: T) -> [T; 2] {
+    let last = if range.len() < LANES {
+        let mut padded = [first; LANES];
         let lanes = padded.iter_mut().zip(&column[range.clone()]);
         lanes.for_each(|(lane, &number)| *lane = number);
-        return act(simd.load(&padded));
+        simd.load(&padded)
+    } else {
+        simd.load(block(column, range.end - LANES))
+    };
+    let (mut low, mut high) = (last, last);
+    for start in (range.start..range.end.saturating_sub(LANES)).step_by(LANES) {
+        let block = simd.load(block(column, start));
+        (low, high) = (simd.least(low, block), simd.most(high, block));
     }
-    let last = range.end - LANES;
-    for start in (range.start..last).step_by(LANES) {
-        act(simd.load(block(column, start)));
-    }
-    act(simd.load(block(column, last)));
-}
-
-/// The lanes of a block, taken together.
-#[inline(always)]
-fn reduce<T: Scalar, S: Simd<T>>(simd: S, block: S::Block, both: impl Fn(T, T) -> T) -> T {
-    let mut lanes = [T::ZERO; LANES];
-    simd.store(block, &mut lanes);
-    let mut width = LANES;
-    while width > 1 {
-        width /= 2;
+    let (mut lows, mut highs) = ([first; LANES], [first; LANES]);
+    simd.store(low, &mut lows);
+    simd.store(high, &mut highs);
+    for width in [8, 4, 2, 1] {
         for lane in 0..width {
-            lanes[lane] = both(lanes[lane], lanes[lane + width]);
+            lows[lane] = lows[lane].least(lows[lane + width]);
+            highs[lane] = highs[lane].most(highs[lane + width]);
         }
     }
-    lanes[0]
+    [lows[0], highs[0]]
 }

@@ -41,10 +41,8 @@ impl Grid {
     #[inline(always)]
     pub fn key(&self, center: [f64; 2]) -> u32 {
         let cells = f64::from(1u32 << GRID_LEVELS) / self.side;
-        let index = |axis: usize| {
-            let along = (center[axis] * self.prescale - self.origin[axis]) * cells;
-            (along as u32).min((1 << GRID_LEVELS) - 1)
-        };
+        let index =
+            |axis: usize| cell_index((center[axis] * self.prescale - self.origin[axis]) * cells);
         spread(index(0)) | spread(index(1)) << 1
     }
 
@@ -57,6 +55,20 @@ impl Grid {
         let back = |v: f64| v / self.prescale;
         [back(min[0]), back(min[1]), back(min[0] + side), back(min[1] + side)]
     }
+}
+
+/// The whole part of a number, at least 0 and at most the last cell's. Unlike a cast, the
+/// compiler can do this for several numbers at once: adding 2⁵² leaves no room for bits
+/// behind the point, and puts those before it at the end of the mantissa.
+#[inline(always)]
+fn cell_index(along: f64) -> u32 {
+    const SHIFTER: f64 = (1u64 << 52) as f64;
+    const LAST: f64 = ((1u32 << GRID_LEVELS) - 1) as f64;
+    let along = if along > 0.0 { along } else { 0.0 };
+    let along = if along < LAST { along } else { LAST };
+    let rounded = (along + SHIFTER) - SHIFTER;
+    let whole = rounded - if rounded > along { 1.0 } else { 0.0 };
+    (whole + SHIFTER).to_bits() as u32
 }
 
 /// Smallest power of two that is at least `value`, for positive normal values.
@@ -91,6 +103,24 @@ mod tests {
     fn spreading_and_compacting_are_inverse() {
         for v in [0, 1, 0x8000, 0xffff, 0x1234] {
             assert_eq!(compact(spread(v)), v);
+        }
+    }
+
+    #[test]
+    fn cells_are_whole_parts() {
+        for (along, cell) in [
+            (-1.0, 0),
+            (0.0, 0),
+            (0.999_999, 0),
+            (1.0, 1),
+            (1.5, 1),
+            (2.5, 2),
+            (65_534.999, 65_534),
+            (65_535.0, 65_535),
+            (65_536.0, 65_535),
+            (1e300, 65_535),
+        ] {
+            assert_eq!(cell_index(along), cell, "{along}");
         }
     }
 

@@ -22,6 +22,7 @@ use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
 use crate::parallel;
 use crate::settings::Settings;
+use crate::shapes::Shapes;
 
 /// A box of the tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,8 +66,8 @@ impl Node {
 /// A quadtree over shapes that do not change.
 ///
 /// ```
-/// use jostle::{Columns, Quadtree, Settings};
-/// let discs = Columns::new(vec![0.0, 1.0, 5.0], vec![0.0; 3], vec![0.6; 3], None, None)?;
+/// use jostle::{Each, Quadtree, Settings, Shapes};
+/// let discs = Shapes::circles(vec![[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], Each::One(0.6))?;
 /// let tree = Quadtree::new(&discs, Settings::default())?;
 /// let found = jostle::pairs::within(&tree, jostle::settings::DEFAULT_MAX_PAIRS)?;
 /// assert_eq!(found.pairs.len(), 1);
@@ -82,29 +83,36 @@ pub struct Quadtree<T> {
 }
 
 impl<T: Scalar> Quadtree<T> {
-    /// Builds the tree of `columns`. Refuses settings that no tree can follow.
-    pub fn new(columns: &Columns<T>, settings: Settings) -> Result<Self> {
+    /// Builds the tree of `shapes`. Refuses settings that no tree can follow.
+    pub fn new(shapes: &Shapes<T>, settings: Settings) -> Result<Self> {
+        let mut tree = Self::default();
+        tree.fill(shapes, settings)?;
+        tree.order.forget_scratch();
+        Ok(tree)
+    }
+
+    /// Builds the tree of `shapes` in the memory of this one.
+    pub fn fill(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
         settings.validate()?;
-        let threads = parallel::worthwhile(settings.threads, columns.len());
-        Ok(parallel::among(threads, || {
-            let mut tree = Self::default();
-            tree.rebuild(columns, settings, &|a, b| compare_shapes(columns, a, b));
-            tree
-        }))
+        let threads = parallel::worthwhile(settings.threads, shapes.len());
+        parallel::among(threads, || {
+            self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b));
+        });
+        Ok(())
     }
 
     /// Builds the tree anew in its old memory. `tie` orders rows whose centres
     /// coincide; the settings are taken as valid.
     pub fn rebuild(
         &mut self,
-        columns: &Columns<T>,
+        shapes: &Shapes<T>,
         settings: Settings,
         tie: &impl Fn(usize, usize) -> Ordering,
     ) {
         self.settings = settings;
-        let threads = parallel::worthwhile(settings.threads, columns.len());
-        self.order.sort(columns, tie, threads);
-        self.columns.gather(columns, &self.order.rows, threads);
+        let threads = parallel::worthwhile(settings.threads, shapes.len());
+        self.order.sort(shapes, tie, threads);
+        self.columns.gather(shapes, &self.order.rows, threads);
         build::nodes(&self.order, &self.columns, &settings, &mut self.nodes, &mut self.covers);
         debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
     }
@@ -159,8 +167,8 @@ impl<T: Scalar> Quadtree<T> {
 const CHECKED: usize = 500;
 
 /// Orders shapes with coincident centres by everything else about them.
-fn compare_shapes<T: Scalar>(columns: &Columns<T>, a: usize, b: usize) -> Ordering {
-    let (a, b) = (columns.shape(a), columns.shape(b));
+fn compare_shapes<T: Scalar>(shapes: &Shapes<T>, a: usize, b: usize) -> Ordering {
+    let (a, b) = (shapes.shape(a), shapes.shape(b));
     let sizes = |s: &crate::geometry::Shape<T>| [s.radius, s.half_size[0], s.half_size[1]];
     let pairs = sizes(&a).into_iter().zip(sizes(&b));
     let by_size = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());

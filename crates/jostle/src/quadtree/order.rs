@@ -13,10 +13,10 @@ use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 
 use super::grid::Grid;
-use super::sort::Sorter;
-use crate::columns::Columns;
+use super::sort::{Item, Parts, Sorter, key_of};
 use crate::geometry::Scalar;
 use crate::parallel;
+use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work};
 
 /// Runs of equal keys up to this length are sorted by comparing; longer ones
@@ -32,14 +32,25 @@ pub struct Keyed {
     pub end: usize,
     /// The grid of the keys.
     pub grid: Grid,
-    /// One key for each place, ascending.
-    pub keys: Vec<u32>,
+    /// The key of each place above its row when it was sorted, ascending.
+    pub items: Vec<Item>,
+    parts: Parts,
 }
 
 impl Keyed {
     /// The key of the shape at a place.
     pub fn key(&self, place: usize) -> u32 {
-        self.keys[place - self.start]
+        key_of(self.items[place - self.start])
+    }
+
+    /// The first place whose key is at least `bound`.
+    pub fn first_at_least(&self, bound: u32) -> usize {
+        self.start + self.parts.first_at_least(&self.items, bound)
+    }
+
+    /// The items of some places.
+    pub fn items(&self, places: Range<usize>) -> &[Item] {
+        &self.items[places.start - self.start..places.end - self.start]
     }
 }
 
@@ -59,11 +70,11 @@ impl Order {
     /// Orders the shapes. `tie` compares two rows whose centres coincide.
     pub fn sort<T: Scalar>(
         &mut self,
-        columns: &Columns<T>,
+        shapes: &Shapes<T>,
         tie: &impl Fn(usize, usize) -> Ordering,
         threads: Option<usize>,
     ) {
-        let len = columns.len();
+        let len = shapes.len();
         self.rows.clear();
         self.rows.extend(0..len as u32);
         let mut root = self.keyed.drain(..).next().unwrap_or_default();
@@ -73,23 +84,27 @@ impl Order {
             return;
         }
         let mut open = VecDeque::new();
-        if let Some(grid) = grid_of_all(columns) {
+        if let Some(grid) = grid_of_all(&shapes.centers) {
             root.grid = grid;
-            self.sort_by_key(&mut root, threads, &mut open, |rows, items| {
-                let range = rows[0] as usize..rows[0] as usize + rows.len();
-                let (x, y) = (&columns.x[range.clone()], &columns.y[range]);
-                T::with_widest(KeyRows { grid: &grid, x, y, rows, items });
+            self.sort_by_key(&mut root, threads, &mut open, |range, items| {
+                let centers = &shapes.centers[range.clone()];
+                T::with_widest(KeyRows { grid: &grid, centers, first: range.start, items });
             });
         } else {
-            root.grid = Grid::at([columns.x[0].to_f64(), columns.y[0].to_f64()]);
-            root.keys.clear();
-            root.keys.resize(len, 0);
+            root.grid = Grid::at(shapes.centers[0].map(T::to_f64));
+            root.items.clear();
+            root.items.extend(0..len as Item);
             open.extend((len > 1).then_some(0..len));
         }
         self.keyed.push(root);
         while let Some(range) = open.pop_front() {
-            self.resolve(range, columns, tie, threads, &mut open);
+            self.resolve(range, shapes, tie, threads, &mut open);
         }
+    }
+
+    /// Gives back the memory that only sorting needs.
+    pub fn forget_scratch(&mut self) {
+        self.sorter = Sorter::default();
     }
 
     /// The index in `keyed` of the finer grid made for exactly these places.
@@ -102,27 +117,28 @@ impl Order {
     fn resolve<T: Scalar>(
         &mut self,
         range: Range<usize>,
-        columns: &Columns<T>,
+        shapes: &Shapes<T>,
         tie: &impl Fn(usize, usize) -> Ordering,
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
     ) {
         let rows = &mut self.rows[range.clone()];
-        let finer = if rows.len() > SHORT_RUN { grid_of(columns, rows) } else { None };
+        let finer = if rows.len() > SHORT_RUN { grid_of(shapes, rows) } else { None };
         let Some(grid) = finer else {
             rows.sort_unstable_by(|&a, &b| {
                 let (i, j) = (a as usize, b as usize);
-                let by_x = columns.x[i].total_order(&columns.x[j]);
-                let by_place = by_x.then_with(|| columns.y[i].total_order(&columns.y[j]));
+                let [[a_x, a_y], [b_x, b_y]] = [shapes.centers[i], shapes.centers[j]];
+                let by_place = a_x.total_order(&b_x).then_with(|| a_y.total_order(&b_y));
                 by_place.then_with(|| tie(i, j)).then(a.cmp(&b))
             });
             return;
         };
         let Range { start, end } = range;
-        let mut keyed = Keyed { start, end, grid, keys: Vec::new() };
-        self.sort_by_key(&mut keyed, threads, open, |rows, items| {
-            for (&row, item) in rows.iter().zip(items) {
-                let center = [columns.x[row as usize].to_f64(), columns.y[row as usize].to_f64()];
+        let mut keyed = Keyed { start, end, grid, ..Keyed::default() };
+        let rows = rows.to_vec();
+        self.sort_by_key(&mut keyed, threads, open, |range, items| {
+            for (&row, item) in rows[range].iter().zip(items) {
+                let center = shapes.centers[row as usize].map(T::to_f64);
                 *item = u64::from(grid.key(center)) << 32 | u64::from(row);
             }
         });
@@ -130,30 +146,34 @@ impl Order {
         self.keyed.push(keyed);
     }
 
-    /// Sorts the rows at `keyed`'s places by `key`, then by row, and fills in the keys.
-    /// Ranges that share a key are left `open`.
+    /// Sorts the shapes at `keyed`'s places by their keys, then by row. Ranges that share
+    /// a key are left `open`. `key` fills in the items of some of the rows.
     fn sort_by_key(
         &mut self,
         keyed: &mut Keyed,
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
-        key: impl Fn(&[u32], &mut [u64]) + Sync + Send,
+        key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
     ) {
         let rows = &mut self.rows[keyed.start..keyed.end];
-        keyed.keys.resize(rows.len(), 0);
         let threads = parallel::worthwhile(threads, rows.len());
-        let equal = self.sorter.sort(threads, rows, &mut keyed.keys, key);
+        keyed.items.resize(rows.len(), 0);
+        let equal = self.sorter.sort(threads, &mut keyed.items, &mut keyed.parts, key);
         open.extend(equal.iter().map(|range| keyed.start + range.start..keyed.start + range.end));
+        parallel::for_chunks(threads, rows, |first, rows| {
+            for (row, &item) in rows.iter_mut().zip(&keyed.items[first..]) {
+                *row = item as u32;
+            }
+        });
     }
 }
 
 /// The keys of adjacent rows.
 struct KeyRows<'a, T> {
     grid: &'a Grid,
-    x: &'a [T],
-    y: &'a [T],
-    rows: &'a [u32],
-    items: &'a mut [u64],
+    centers: &'a [[T; 2]],
+    first: usize,
+    items: &'a mut [Item],
 }
 
 impl<T: Scalar> Work<T> for KeyRows<'_, T> {
@@ -161,49 +181,51 @@ impl<T: Scalar> Work<T> for KeyRows<'_, T> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, _: S) {
-        let rows = self.x.iter().zip(self.y).zip(self.rows);
-        for (((&x, &y), &row), item) in rows.zip(self.items) {
-            let key = self.grid.key([x.to_f64(), y.to_f64()]);
-            *item = u64::from(key) << 32 | u64::from(row);
+        for ((row, center), item) in (self.first..).zip(self.centers).zip(self.items) {
+            let key = self.grid.key(center.map(T::to_f64));
+            *item = u64::from(key) << 32 | row as u64;
         }
     }
 }
 
 /// The grid around all centres; none where they all coincide.
-fn grid_of_all<T: Scalar>(columns: &Columns<T>) -> Option<Grid> {
-    let len = columns.len();
-    let x = T::with_widest(Extent(&columns.x[..len]));
-    let y = T::with_widest(Extent(&columns.y[..len]));
-    grid_around([x[0], y[0]], [x[1], y[1]])
+fn grid_of_all<T: Scalar>(centers: &[[T; 2]]) -> Option<Grid> {
+    let [min, max] = T::with_widest(Extent(centers));
+    grid_around(min, max)
 }
 
-/// The smallest and the largest of some numbers.
-struct Extent<'a, T>(&'a [T]);
+/// The corners of the box around some centres.
+struct Extent<'a, T>(&'a [[T; 2]]);
 
 impl<T: Scalar> Work<T> for Extent<'_, T> {
-    type Out = [T; 2];
+    type Out = [[T; 2]; 2];
 
+    /// Lanes hold x and y in turn.
     #[inline(always)]
-    fn run<S: Simd<T>>(self, simd: S) -> [T; 2] {
-        let (blocks, rest) = self.0.as_chunks::<LANES>();
-        let first = simd.splat(self.0[0]);
-        let (mut low, mut high) = (first, first);
+    fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
+        let numbers = self.0.as_flattened();
+        let (blocks, rest) = numbers.as_chunks::<LANES>();
+        let mut lows: [T; LANES] = std::array::from_fn(|lane| numbers[lane % 2]);
+        let mut highs = lows;
+        let (mut low, mut high) = (simd.load(&lows), simd.load(&lows));
         for block in blocks {
             let block = simd.load(block);
             (low, high) = (simd.least(low, block), simd.most(high, block));
         }
-        let (mut lows, mut highs) = ([self.0[0]; LANES], [self.0[0]; LANES]);
         simd.store(low, &mut lows);
         simd.store(high, &mut highs);
-        let low = lows.iter().chain(rest).copied().reduce(T::least);
-        let high = highs.iter().chain(rest).copied().reduce(T::most);
-        [low.unwrap_or(self.0[0]), high.unwrap_or(self.0[0])]
+        let of_axis = |lanes: &[T; LANES], axis: usize, both: fn(T, T) -> T| {
+            let all = lanes.iter().chain(rest).skip(axis).step_by(2).copied();
+            all.reduce(both).unwrap_or(numbers[axis])
+        };
+        let both_axes = |lanes: &[T; LANES], both| [0, 1].map(|axis| of_axis(lanes, axis, both));
+        [both_axes(&lows, T::least), both_axes(&highs, T::most)]
     }
 }
 
 /// The grid around the centres of `rows`; none where they all coincide.
-fn grid_of<T: Scalar>(columns: &Columns<T>, rows: &[u32]) -> Option<Grid> {
-    let center = |row: u32| [columns.x[row as usize], columns.y[row as usize]];
+fn grid_of<T: Scalar>(shapes: &Shapes<T>, rows: &[u32]) -> Option<Grid> {
+    let center = |row: u32| shapes.centers[row as usize];
     let (mut min, mut max) = (center(rows[0]), center(rows[0]));
     for &row in rows {
         for axis in 0..2 {

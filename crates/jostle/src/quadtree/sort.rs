@@ -27,13 +27,45 @@ const KEY_BITS: u32 = u32::BITS;
 const TASKS: usize = 64;
 
 /// A key above its row: sorted by key, then by row.
-type Item = u64;
+pub type Item = u64;
+
+/// The key of an item.
+#[inline(always)]
+pub fn key_of(item: Item) -> u32 {
+    (item >> 32) as u32
+}
+
+/// Where items with certain leading bits begin.
+#[derive(Clone, Debug, Default)]
+pub struct Parts {
+    bits: u32,
+    /// One more than there are parts.
+    starts: Vec<u32>,
+}
+
+impl Parts {
+    /// Index of the first of the sorted `items` whose key is at least `bound`.
+    pub fn first_at_least(&self, items: &[Item], bound: u32) -> usize {
+        let known = match self.bits {
+            0 => 0..items.len(),
+            bits => {
+                let part = (bound >> (KEY_BITS - bits)) as usize;
+                self.starts[part] as usize..self.starts[part + 1] as usize
+            }
+        };
+        known.start + items[known].partition_point(|&item| key_of(item) < bound)
+    }
+
+    fn clear(&mut self) {
+        self.bits = 0;
+        self.starts.clear();
+    }
+}
 
 /// Memory for sorting.
 #[derive(Clone, Debug, Default)]
 pub struct Sorter {
-    items: Vec<Item>,
-    spare: Vec<Item>,
+    parted: Vec<Item>,
     /// For each chunk the end of each part in it.
     ends: Vec<u32>,
 }
@@ -42,67 +74,66 @@ pub struct Sorter {
 struct Task<'a> {
     parts: Range<usize>,
     items: &'a mut [Item],
-    rows: &'a mut [u32],
-    keys: &'a mut [u32],
-    /// Place of the first row.
+    /// Where they stand among all.
     start: usize,
     equal: Vec<Range<usize>>,
 }
 
 impl Sorter {
-    /// Sorts `rows` by `key`, then by row; fills `keys` and returns the ranges that
-    /// share a key.
+    /// Fills `items` and sorts them; returns the ranges that share a key. `key` makes the
+    /// items of a range.
     pub fn sort(
         &mut self,
         threads: Option<usize>,
-        rows: &mut [u32],
-        keys: &mut [u32],
-        key: impl Fn(&[u32], &mut [Item]) + Sync + Send,
+        items: &mut [Item],
+        parts: &mut Parts,
+        key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
     ) -> Vec<Range<usize>> {
-        self.items.resize(rows.len(), 0);
-        if rows.len() <= SMALL {
-            key(rows, &mut self.items);
-            self.items.sort_unstable();
-            return write(&self.items, rows, keys, 0);
+        parts.clear();
+        if items.len() <= SMALL {
+            key(0..items.len(), items);
+            items.sort_unstable();
+            return equal_keys(items, 0);
         }
-        self.spare.resize(rows.len(), 0);
-        let bits = (rows.len() / PART).next_power_of_two().trailing_zeros().min(MOST_BITS);
-        self.part_chunks(threads, rows, key, bits);
-        self.sort_parts(threads, rows, keys, bits)
+        let bits = (items.len() / PART).next_power_of_two().trailing_zeros().min(MOST_BITS);
+        self.part_chunks(threads, items, key, bits);
+        self.sort_parts(threads, items, bits, parts)
     }
 
-    /// Fills `items` with every chunk's rows, parted by their leading bits.
+    /// Makes the items of every chunk and parts them by their leading bits.
     fn part_chunks(
         &mut self,
         threads: Option<usize>,
-        rows: &[u32],
-        key: impl Fn(&[u32], &mut [Item]) + Sync + Send,
+        items: &mut [Item],
+        key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
         bits: u32,
     ) {
-        let Self { items, spare, ends } = self;
+        let Self { parted, ends } = self;
         let parts = 1 << bits;
+        parted.resize(items.len(), 0);
         ends.clear();
-        ends.resize(rows.len().div_ceil(CHUNK) * parts, 0);
-        let chunks = rows.chunks(CHUNK).zip(spare.chunks_mut(CHUNK)).zip(items.chunks_mut(CHUNK));
-        let mut tasks: Vec<_> = chunks.zip(ends.chunks_mut(parts)).collect();
-        parallel::for_each(threads, &mut tasks, |(((rows, given), parted), ends)| {
-            key(rows, given);
-            let part = |item: Item| (item >> (Item::BITS - bits)) as usize;
-            counting_sort(given, parted, ends, part);
+        ends.resize(items.len().div_ceil(CHUNK) * parts, 0);
+        let chunks = items.chunks_mut(CHUNK).zip(parted.chunks_mut(CHUNK));
+        let mut tasks: Vec<_> = chunks.zip(ends.chunks_mut(parts)).enumerate().collect();
+        parallel::for_each(threads, &mut tasks, |(chunk, ((given, parted), ends))| {
+            let start = *chunk * CHUNK;
+            key(start..start + given.len(), given);
+            counting_sort(given, parted, ends, |item| (item >> (Item::BITS - bits)) as usize);
         });
     }
 
     /// Collects every part from all chunks and sorts it.
     fn sort_parts(
-        &mut self,
+        &self,
         threads: Option<usize>,
-        rows: &mut [u32],
-        keys: &mut [u32],
+        items: &mut [Item],
         bits: u32,
+        parts: &mut Parts,
     ) -> Vec<Range<usize>> {
-        let Self { items, spare, ends } = self;
-        let source = Parted { items, ends, parts: 1 << bits };
-        let mut tasks = source.tasks(spare, rows, keys);
+        let source = Parted { items: &self.parted, ends: &self.ends, parts: 1 << bits };
+        parts.bits = bits;
+        source.find_starts(&mut parts.starts);
+        let mut tasks = source.tasks(items, &parts.starts);
         parallel::for_each(threads, &mut tasks, |task| {
             let mut scratch = Scratch::default();
             let mut from = 0;
@@ -113,7 +144,7 @@ impl Sorter {
                 scratch.sort_into(&mut task.items[from..to], bits);
                 from = to;
             }
-            task.equal = write(task.items, task.rows, task.keys, task.start);
+            task.equal = equal_keys(task.items, task.start);
         });
         tasks.into_iter().flat_map(|task| task.equal).collect()
     }
@@ -136,38 +167,35 @@ impl Parted<'_> {
         })
     }
 
-    /// All parts, divided into tasks of about equal size.
-    fn tasks<'a>(
-        &self,
-        mut items: &'a mut [Item],
-        mut rows: &'a mut [u32],
-        mut keys: &'a mut [u32],
-    ) -> Vec<Task<'a>> {
-        let enough = items.len().div_ceil(TASKS);
-        let mut sizes = vec![0; self.parts];
+    /// Where each part begins once all are sorted, and where the last one ends.
+    fn find_starts(&self, starts: &mut Vec<u32>) {
+        starts.clear();
+        starts.resize(self.parts + 1, 0);
+        // A chunk's end of a part counts everything before it too.
         for ends in self.ends.chunks(self.parts) {
-            let mut start = 0;
-            for (size, &end) in sizes.iter_mut().zip(ends) {
-                *size += (end - start) as usize;
-                start = end;
+            for (start, &end) in starts[1..].iter_mut().zip(ends) {
+                *start += end;
             }
         }
+    }
+
+    /// All parts, divided into tasks of about equal size.
+    fn tasks<'a>(&self, mut items: &'a mut [Item], starts: &[u32]) -> Vec<Task<'a>> {
+        let enough = items.len().div_ceil(TASKS);
         let mut tasks = Vec::with_capacity(TASKS);
-        let (mut first, mut size, mut start) = (0, 0, 0);
-        for (part, &more) in sizes.iter().enumerate() {
-            size += more;
+        let (mut first, mut start) = (0, 0);
+        for part in 0..self.parts {
+            let size = starts[part + 1] as usize - start;
             if size < enough && part + 1 < self.parts {
                 continue;
             }
             tasks.push(Task {
                 parts: first..part + 1,
                 items: items.split_off_mut(..size).expect("the sizes add up"),
-                rows: rows.split_off_mut(..size).expect("the sizes add up"),
-                keys: keys.split_off_mut(..size).expect("the sizes add up"),
                 start,
                 equal: Vec::new(),
             });
-            (first, start, size) = (part + 1, start + size, 0);
+            (first, start) = (part + 1, start + size);
         }
         tasks
     }
@@ -215,12 +243,7 @@ impl Scratch {
 /// Sorts by `digit`, keeping the order of equals. `ends` comes in as zeros, one for each
 /// digit, and leaves with the place behind each digit's items.
 #[inline(always)]
-fn counting_sort(
-    from: &[Item],
-    to: &mut [Item],
-    ends: &mut [u32],
-    digit: impl Fn(Item) -> usize,
-) {
+fn counting_sort(from: &[Item], to: &mut [Item], ends: &mut [u32], digit: impl Fn(Item) -> usize) {
     for &item in from {
         ends[digit(item)] += 1;
     }
@@ -249,15 +272,11 @@ fn radix_sort(items: &mut Vec<Item>, spare: &mut Vec<Item>) {
     }
 }
 
-/// Takes sorted items apart and returns the ranges of places that share a key; the first
-/// item's place is `start`.
-fn write(items: &[Item], rows: &mut [u32], keys: &mut [u32], start: usize) -> Vec<Range<usize>> {
-    for ((&item, row), key) in items.iter().zip(rows).zip(keys.iter_mut()) {
-        (*row, *key) = (item as u32, (item >> 32) as u32);
-    }
+/// The ranges of sorted items that share a key; the first item stands at `start`.
+fn equal_keys(items: &[Item], start: usize) -> Vec<Range<usize>> {
     let mut equal: Vec<Range<usize>> = Vec::new();
-    for (index, pair) in keys.windows(2).enumerate() {
-        if pair[0] == pair[1] {
+    for (index, pair) in items.windows(2).enumerate() {
+        if key_of(pair[0]) == key_of(pair[1]) {
             let at = start + index;
             match equal.last_mut() {
                 Some(last) if last.end == at + 1 => last.end += 1,
@@ -296,24 +315,26 @@ mod tests {
     }
 
     fn check(len: u32, kind: u32, threads: usize) {
-        let mut expected: Vec<(u32, u32)> = (0..len).map(|row| (key(kind, row), row)).collect();
+        let item = |row: u32| Item::from(key(kind, row)) << 32 | Item::from(row);
+        let mut expected: Vec<Item> = (0..len).map(item).collect();
         expected.sort_unstable();
-        let mut rows: Vec<u32> = (0..len).collect();
-        let mut keys = vec![0; rows.len()];
-        let items = |rows: &[u32], items: &mut [Item]| {
-            for (&row, item) in rows.iter().zip(items) {
-                *item = u64::from(key(kind, row)) << 32 | u64::from(row);
+        let mut items = vec![0; expected.len()];
+        let (mut sorter, mut parts) = (Sorter::default(), Parts::default());
+        let equal = sorter.sort(Some(threads), &mut items, &mut parts, |range, items| {
+            for (row, to) in range.zip(items) {
+                *to = item(row as u32);
             }
-        };
-        let equal = Sorter::default().sort(Some(threads), &mut rows, &mut keys, items);
-        let sorted: Vec<(u32, u32)> = keys.iter().copied().zip(rows).collect();
-        assert_eq!(sorted, expected);
-        for at in 1..keys.len() {
-            let together = equal.iter().any(|range| range.contains(&at) && range.contains(&(at - 1)));
-            assert_eq!(together, keys[at] == keys[at - 1], "{len} {kind} {at}");
-            if at > 100 && kind == 1 {
-                break;
-            }
+        });
+        assert_eq!(items, expected);
+        let mut together = vec![false; items.len()];
+        equal.iter().for_each(|range| together[range.start + 1..range.end].fill(true));
+        for at in 1..items.len() {
+            let same = key_of(items[at]) == key_of(items[at - 1]);
+            assert_eq!(together[at], same, "{len} {kind} {at}");
+        }
+        for bound in [0, 1, 3, 7, 8, 1 << 11, 1 << 20, 1 << 31, u32::MAX] {
+            let first = items.partition_point(|&item| key_of(item) < bound);
+            assert_eq!(parts.first_at_least(&items, bound), first, "{len} {kind} {bound}");
         }
     }
 }

@@ -124,8 +124,7 @@ pub enum Instructions {
     Avx512,
 }
 
-const KINDS: [Instructions; 3] =
-    [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
+const KINDS: [Instructions; 3] = [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
 
 static LIMIT: AtomicU8 = AtomicU8::new(Instructions::Avx512 as u8);
 

@@ -151,8 +151,19 @@ fn less_256d(a: __m256d, b: __m256d) -> u32 {
 
 impl Simd<f32> for Avx512 {
     arithmetic!(
-        f32, __m512, 1, 16, _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps,
-        _mm512_sub_ps, _mm512_mul_ps, _mm512_max_ps, _mm512_min_ps, less_512
+        f32,
+        __m512,
+        1,
+        16,
+        _mm512_set1_ps,
+        _mm512_loadu_ps,
+        _mm512_storeu_ps,
+        _mm512_add_ps,
+        _mm512_sub_ps,
+        _mm512_mul_ps,
+        _mm512_max_ps,
+        _mm512_min_ps,
+        less_512
     );
 
     #[inline(always)]
@@ -171,8 +182,19 @@ impl Simd<f32> for Avx512 {
 
 impl Simd<f64> for Avx512 {
     arithmetic!(
-        f64, __m512d, 2, 8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd,
-        _mm512_sub_pd, _mm512_mul_pd, _mm512_max_pd, _mm512_min_pd, less_512d
+        f64,
+        __m512d,
+        2,
+        8,
+        _mm512_set1_pd,
+        _mm512_loadu_pd,
+        _mm512_storeu_pd,
+        _mm512_add_pd,
+        _mm512_sub_pd,
+        _mm512_mul_pd,
+        _mm512_max_pd,
+        _mm512_min_pd,
+        less_512d
     );
 
     #[inline(always)]
@@ -210,8 +232,19 @@ fn pack_places_512(first: u32, bits: u32, to: &mut [u32; LANES]) {
 
 impl Simd<f32> for Avx2 {
     arithmetic!(
-        f32, __m256, 2, 8, _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps,
-        _mm256_sub_ps, _mm256_mul_ps, _mm256_max_ps, _mm256_min_ps, less_256
+        f32,
+        __m256,
+        2,
+        8,
+        _mm256_set1_ps,
+        _mm256_loadu_ps,
+        _mm256_storeu_ps,
+        _mm256_add_ps,
+        _mm256_sub_ps,
+        _mm256_mul_ps,
+        _mm256_max_ps,
+        _mm256_min_ps,
+        less_256
     );
 
     #[inline(always)]
@@ -228,8 +261,19 @@ impl Simd<f32> for Avx2 {
 
 impl Simd<f64> for Avx2 {
     arithmetic!(
-        f64, __m256d, 4, 4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd,
-        _mm256_sub_pd, _mm256_mul_pd, _mm256_max_pd, _mm256_min_pd, less_256d
+        f64,
+        __m256d,
+        4,
+        4,
+        _mm256_set1_pd,
+        _mm256_loadu_pd,
+        _mm256_storeu_pd,
+        _mm256_add_pd,
+        _mm256_sub_pd,
+        _mm256_mul_pd,
+        _mm256_max_pd,
+        _mm256_min_pd,
+        less_256d
     );
 
     #[inline(always)]

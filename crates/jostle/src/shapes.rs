@@ -1,0 +1,189 @@
+//! Shapes as a caller gives them: a row each, checked once.
+
+use crate::error::{Error, Result};
+use crate::geometry::{Scalar, Shape};
+
+/// What a shape is where nothing is said.
+pub const DEFAULT_CATEGORY: u32 = 1;
+
+/// What a shape may pair with where nothing is said: everything.
+pub const DEFAULT_MASK: u32 = u32::MAX;
+
+/// Most rows of anything: indices fit into 31 bits.
+pub const MOST_ROWS: usize = u32::MAX as usize / 2;
+
+/// A value for every row, or one value for each.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Each<V> {
+    /// One for all.
+    One(V),
+    /// A row each.
+    Rows(Vec<V>),
+}
+
+impl<V> Default for Each<V> {
+    fn default() -> Self {
+        Self::Rows(Vec::new())
+    }
+}
+
+impl<V: Copy> Each<V> {
+    /// The value of `row`.
+    #[inline(always)]
+    pub fn at(&self, row: usize) -> V {
+        match self {
+            Self::One(value) => *value,
+            Self::Rows(values) => values[row],
+        }
+    }
+
+    /// A value for each of `len` rows.
+    pub fn rows(self, len: usize) -> Vec<V> {
+        match self {
+            Self::One(value) => vec![value; len],
+            Self::Rows(values) => values,
+        }
+    }
+
+    /// Checks every value. A refusal of the one for all names no row.
+    pub fn check(&self, check: impl Fn(&[V]) -> Result<()>) -> Result<()> {
+        match self {
+            Self::Rows(values) => check(values),
+            Self::One(value) => check(&[*value]).map_err(|error| match error {
+                Error::Value { argument, value, rule, .. } => Error::of(argument, value, &rule),
+                other => other,
+            }),
+        }
+    }
+
+    fn check_len(&self, argument: &'static str, expected: usize) -> Result<()> {
+        match self {
+            Self::Rows(values) if values.len() != expected => {
+                Err(Error::Length { argument, found: values.len(), expected })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Rounded boxes with filters, a row each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shapes<T> {
+    /// Centres.
+    pub centers: Vec<[T; 2]>,
+    /// Radii.
+    pub radii: Each<T>,
+    /// Half widths and half heights; none where every shape is a circle.
+    pub half_sizes: Option<Each<[T; 2]>>,
+    /// Categories and masks; none where everything pairs with everything.
+    pub filters: Option<[Each<u32>; 2]>,
+}
+
+impl<T> Default for Shapes<T> {
+    fn default() -> Self {
+        Self { centers: Vec::new(), radii: Each::default(), half_sizes: None, filters: None }
+    }
+}
+
+impl<T: Scalar> Shapes<T> {
+    /// Circles. Refuses what no tree can hold.
+    pub fn circles(centers: Vec<[T; 2]>, radii: Each<T>) -> Result<Self> {
+        Self::new(centers, radii, None, None)
+    }
+
+    /// Rounded boxes with categories and masks. Refuses what no tree can hold.
+    pub fn new(
+        centers: Vec<[T; 2]>,
+        radii: Each<T>,
+        half_sizes: Option<Each<[T; 2]>>,
+        filters: Option<[Each<u32>; 2]>,
+    ) -> Result<Self> {
+        let shapes = Self { centers, radii, half_sizes, filters };
+        shapes.validate()?;
+        Ok(shapes)
+    }
+
+    fn validate(&self) -> Result<()> {
+        let len = self.len();
+        if len > MOST_ROWS {
+            return Err(Error::of("centers", len, "there may be at most 2147483647 rows"));
+        }
+        self.radii.check_len("radii", len)?;
+        if let Some([categories, masks]) = &self.filters {
+            categories.check_len("categories", len)?;
+            masks.check_len("masks", len)?;
+        }
+        check_finite("centers", &self.centers)?;
+        self.radii.check(|radii| check_sizes("radii", "a radius", radii))?;
+        let Some(half_sizes) = &self.half_sizes else { return Ok(()) };
+        half_sizes.check_len("half_sizes", len)?;
+        half_sizes.check(|sizes| {
+            let bad = |size: &[T; 2]| check_sizes("half_sizes", "a half size", size).is_err();
+            let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
+            check_sizes("half_sizes", "a half size", &sizes[row]).map_err(|error| match error {
+                Error::Value { argument, value, rule, .. } => {
+                    Error::at(argument, row, value, &rule)
+                }
+                other => other,
+            })
+        })
+    }
+
+    /// Number of shapes.
+    pub fn len(&self) -> usize {
+        self.centers.len()
+    }
+
+    /// Whether there is no shape.
+    pub fn is_empty(&self) -> bool {
+        self.centers.is_empty()
+    }
+
+    /// The shape in `row`.
+    pub fn shape(&self, row: usize) -> Shape<T> {
+        let half_size = self.half_sizes.as_ref().map_or([T::ZERO; 2], |sizes| sizes.at(row));
+        let filter = |which: usize, default| {
+            self.filters.as_ref().map_or(default, |filters| filters[which].at(row))
+        };
+        Shape {
+            center: self.centers[row],
+            half_size,
+            radius: self.radii.at(row),
+            category: filter(0, DEFAULT_CATEGORY),
+            mask: filter(1, DEFAULT_MASK),
+        }
+    }
+}
+
+/// Refuses a pair of coordinates that is not finite.
+pub fn check_finite<T: Scalar>(argument: &'static str, centers: &[[T; 2]]) -> Result<()> {
+    let finite = |v: &T| v.is_finite();
+    // Without an early end the compiler looks at many numbers at once.
+    if centers.as_flattened().iter().fold(true, |all, v| all & finite(v)) {
+        return Ok(());
+    }
+    match centers.iter().position(|center| !center.iter().all(finite)) {
+        Some(index) => {
+            let [x, y] = centers[index];
+            let rule = "both coordinates must be finite";
+            Err(Error::at(argument, index, format!("({x}, {y})"), rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses a size that is negative, not finite or beyond [`Scalar::MAX_SIZE`].
+pub fn check_sizes<T: Scalar>(argument: &'static str, noun: &str, sizes: &[T]) -> Result<()> {
+    let fits = |size: &T| (*size >= T::ZERO) & (*size <= T::MAX_SIZE);
+    if sizes.iter().fold(true, |all, size| all & fits(size)) {
+        return Ok(());
+    }
+    let Some(index) = sizes.iter().position(|size| !fits(size)) else { return Ok(()) };
+    let size = sizes[index];
+    let rule = if size >= T::ZERO && size.is_finite() {
+        format!("{noun} must be at most {:e}", T::MAX_SIZE.to_f64())
+    } else {
+        format!("{noun} must be finite and at least 0")
+    };
+    Err(Error::at(argument, index, size, &rule))
+}
