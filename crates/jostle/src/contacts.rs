@@ -5,15 +5,17 @@
 //! the same time and in any order with the same result. Colours are given out
 //! greedily along the canonical order of the pairs, which comes from positions.
 
+use std::ops::Range;
+
 use crate::parallel;
 use crate::particles::Particles;
 
 /// Colours that a particle's contacts can be told apart by; the rest of a crowded
 /// particle's contacts are solved one after the other.
-const COLOURS: usize = 64;
+pub const COLOURS: usize = 64;
 
 /// Two particles that may touch during the step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     /// Places of the two particles in the world's order.
     pub places: [u32; 2],
@@ -31,12 +33,10 @@ pub struct Contact {
     pub gap: f32,
     /// Momentum that holds the two apart at rest, carried from step to step.
     pub impulse: f32,
-    /// Whether the two can rest on each other during this sub-step.
-    pub leans: bool,
     /// Whether the two pushed each other during this step.
     pub touched: bool,
-    /// Index in the canonical order.
-    pub index: u32,
+    /// Whether they move fast enough to get far into each other during this sub-step.
+    pub fast: bool,
 }
 
 /// All contacts of a step.
@@ -46,7 +46,8 @@ pub struct Contacts {
     pub list: Vec<Contact>,
     /// Ends of the colours in `list`; the last one is to be solved in sequence.
     ends: Vec<usize>,
-    canonical: Vec<Contact>,
+    /// Where in `list` each contact stands, in canonical order.
+    order: Vec<u32>,
     colours: Vec<u8>,
     taken: Vec<u64>,
     previous: Previous,
@@ -75,39 +76,74 @@ impl Previous {
 }
 
 impl Contacts {
-    /// Takes the pairs of a step, sorted, each with its torus image. `before` gives
-    /// the place that each particle had in the previous step's order.
+    /// Takes the pairs of a step, sorted, each with its torus image; `pairs` is gone
+    /// through twice. `before` gives the place that each particle had in the previous
+    /// step's order.
     pub fn collect(
         &mut self,
-        pairs: impl Iterator<Item = ([u32; 2], [f32; 2])>,
+        pairs: impl Iterator<Item = ([u32; 2], [f32; 2])> + Clone,
         particles: &Particles,
         restitution: f32,
         before: &[u32],
     ) {
-        self.canonical.clear();
-        for ([a, b], image) in pairs {
-            let (i, j) = (a as usize, b as usize);
-            let inverse_masses = [particles.inverse_mass(i), particles.inverse_mass(j)];
-            if inverse_masses == [0.0; 2] {
-                continue;
-            }
+        let movable = &particles.movable;
+        let solved = |[a, b]: [u32; 2]| movable[a as usize] || movable[b as usize];
+        let pairs = pairs.filter(|&(pair, _)| solved(pair));
+        let mut starts = self.colour(pairs.clone().map(|(pair, _)| pair), movable);
+        let previous = &self.previous;
+        self.order.clear();
+        for ((places, image), &colour) in pairs.zip(&self.colours) {
+            let [i, j] = places.map(|place| place as usize);
             let own = particles.restitutions[i] * particles.restitutions[j];
             let here = image == [0.0; 2];
-            self.canonical.push(Contact {
-                places: [a, b],
+            let at = &mut starts[usize::from(colour)];
+            self.order.push(*at as u32);
+            self.list[*at] = Contact {
+                places,
                 image,
                 reach: particles.radii[i] + particles.radii[j],
                 restitution: restitution * own,
-                inverse_masses,
+                inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
                 normal: [1.0, 0.0],
                 gap: 0.0,
-                impulse: if here { self.previous.impulse(before[i], before[j]) } else { 0.0 },
-                leans: false,
+                impulse: if here { previous.impulse(before[i], before[j]) } else { 0.0 },
                 touched: false,
-                index: self.canonical.len() as u32,
-            });
+                fast: false,
+            };
+            *at += 1;
         }
-        self.colour(particles.len());
+    }
+
+    /// Gives each pair its colour, makes room in the list, and returns where in it each
+    /// colour starts.
+    fn colour(
+        &mut self,
+        pairs: impl Iterator<Item = [u32; 2]>,
+        movable: &[bool],
+    ) -> [usize; COLOURS + 1] {
+        self.taken.clear();
+        self.taken.resize(movable.len(), 0);
+        self.colours.clear();
+        let mut counts = [0usize; COLOURS + 1];
+        for pair in pairs {
+            let [a, b] = pair.map(|place| place as usize);
+            let taken_by = |place: usize| if movable[place] { self.taken[place] } else { 0 };
+            let colour = (taken_by(a) | taken_by(b)).trailing_ones() as usize;
+            if colour < COLOURS {
+                self.taken[a] |= 1 << colour;
+                self.taken[b] |= 1 << colour;
+            }
+            counts[colour] += 1;
+            self.colours.push(colour as u8);
+        }
+        self.list.resize(self.colours.len(), Contact::default());
+        self.ends.clear();
+        let mut sum = 0;
+        counts.map(|count| {
+            sum += count;
+            self.ends.push(sum);
+            sum - count
+        })
     }
 
     /// Drops the contacts of particles that are gone and renames the places of
@@ -121,62 +157,36 @@ impl Contacts {
                 left - u32::from(kept)
             })
             .collect();
-        self.canonical.retain(|contact| contact.places.iter().all(|&place| keep[place as usize]));
-        for contact in &mut self.canonical {
+        let stays = |contact: &Contact| contact.places.iter().all(|&place| keep[place as usize]);
+        let canonical: Vec<Contact> = self.canonical().copied().filter(stays).collect();
+        self.order = (0..canonical.len() as u32).collect();
+        self.list = canonical;
+        for contact in &mut self.list {
             contact.places = contact.places.map(|place| renamed[place as usize]);
         }
-        self.index(left as usize);
+        self.remember(left as usize);
     }
 
-    /// Sorts the contacts by colour.
-    fn colour(&mut self, places: usize) {
-        self.taken.clear();
-        self.taken.resize(places, 0);
-        self.colours.clear();
-        let mut counts = [0usize; COLOURS + 1];
-        for contact in &self.canonical {
-            let [a, b] = contact.places.map(|place| place as usize);
-            let [movable_a, movable_b] = contact.inverse_masses.map(|m| m > 0.0);
-            let mut taken = 0;
-            if movable_a {
-                taken |= self.taken[a];
-            }
-            if movable_b {
-                taken |= self.taken[b];
-            }
-            let colour = taken.trailing_ones() as usize;
-            if colour < COLOURS {
-                self.taken[a] |= 1 << colour;
-                self.taken[b] |= 1 << colour;
-            }
-            counts[colour] += 1;
-            self.colours.push(colour as u8);
-        }
-        self.ends.clear();
-        let mut sum = 0;
-        let mut starts = counts.map(|count| {
-            sum += count;
-            self.ends.push(sum);
-            sum - count
-        });
-        self.list.clear();
-        self.list.extend_from_slice(&self.canonical);
-        for (contact, &colour) in self.canonical.iter().zip(&self.colours) {
-            self.list[starts[usize::from(colour)]] = *contact;
-            starts[usize::from(colour)] += 1;
-        }
-    }
-
-    /// Calls `act` on every contact, colour after colour.
-    pub fn solve(&mut self, threads: Option<usize>, act: impl Fn(&mut Contact) + Sync + Send) {
+    /// The ranges of `list` that have one colour; the last one is to be solved in sequence.
+    pub fn colours(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let mut start = 0;
-        for (colour, &end) in self.ends.iter().enumerate() {
-            let contacts = &mut self.list[start..end];
+        let ends = self.ends.clone();
+        ends.into_iter().map(move |end| {
+            let colour = start..end;
             start = end;
+            colour
+        })
+    }
+
+    /// Calls `act` on every contact, colour after colour, with the colour's number.
+    pub fn solve(&mut self, threads: Option<usize>, act: impl Fn(&mut Contact, u32) + Sync + Send) {
+        for (colour, range) in self.colours().enumerate() {
+            let contacts = &mut self.list[range];
+            let act = |contact: &mut Contact| act(contact, colour as u32);
             if colour == COLOURS {
-                contacts.iter_mut().for_each(&act);
+                contacts.iter_mut().for_each(act);
             } else {
-                parallel::for_chunks(threads, contacts, |_, chunk| chunk.iter_mut().for_each(&act));
+                parallel::for_chunks(threads, contacts, |_, chunk| chunk.iter_mut().for_each(act));
             }
         }
     }
@@ -186,22 +196,15 @@ impl Contacts {
         parallel::for_chunks(threads, &mut self.list, |_, chunk| chunk.iter_mut().for_each(&act));
     }
 
-    /// Keeps the resting impulses for the next step.
+    /// Keeps the resting impulses for the next step, easy to find by place.
     pub fn remember(&mut self, places: usize) {
-        for contact in &self.list {
-            self.canonical[contact.index as usize] = *contact;
-        }
-        self.index(places);
-    }
-
-    /// Makes the resting impulses easy to find by place.
-    fn index(&mut self, places: usize) {
-        let Previous { starts, seconds, impulses } = &mut self.previous;
+        let Self { list, order, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
         starts.resize(places + 1, 0);
         seconds.clear();
         impulses.clear();
-        for contact in &self.canonical {
+        for &at in order.iter() {
+            let contact = &list[at as usize];
             if contact.impulse > 0.0 && contact.image == [0.0; 2] {
                 starts[contact.places[0] as usize + 1] += 1;
                 seconds.push(contact.places[1]);
@@ -213,8 +216,13 @@ impl Contacts {
         }
     }
 
-    /// The contacts in canonical order, as the last step left them.
+    /// All contacts in canonical order.
+    fn canonical(&self) -> impl Iterator<Item = &Contact> {
+        self.order.iter().map(|&at| &self.list[at as usize])
+    }
+
+    /// The contacts that pushed, in canonical order, as the last step left them.
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
-        self.canonical.iter().filter(|contact| contact.touched)
+        self.canonical().filter(|contact| contact.touched)
     }
 }

@@ -61,7 +61,7 @@ pub fn kick(motion: Motion, gravity: [f32; 2], drag: f32, h: f32) -> Motion {
     // dv/dt = −drag · v, implicitly: stable however strong.
     let keep = 1.0 / (1.0 + drag * h);
     let velocity = [0, 1].map(|k| (motion.velocity[k] + gravity[k] * h) * keep);
-    Motion { velocity, travel: velocity.map(|v| v * h), since: 0.0, ..motion }
+    Motion { velocity, travel: velocity.map(|v| v * h), since: 0.0, turn: 0, ..motion }
 }
 
 /// Ends the way where the sweep or a wall ends. Speeds are left alone: what was

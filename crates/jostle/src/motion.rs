@@ -1,6 +1,6 @@
 //! How every particle moves during one sub-step, open to all threads.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// One particle's way through a sub-step of length h.
 ///
@@ -17,14 +17,50 @@ pub struct Motion {
     pub travel: [f32; 2],
     /// When the current line began, seconds into the sub-step.
     pub since: f32,
+    /// In which round, and for which colour of it, the current line began.
+    pub turn: u32,
 }
 
-const WORDS: usize = 8;
+/// Two numbers in one word, so that each is read and written at once.
+#[derive(Debug, Default)]
+struct Two(AtomicU64);
+
+impl Two {
+    #[inline(always)]
+    fn get(&self) -> [u32; 2] {
+        let word = self.0.load(Ordering::Relaxed);
+        [word as u32, (word >> 32) as u32]
+    }
+
+    #[inline(always)]
+    fn set(&self, [a, b]: [u32; 2]) {
+        self.0.store(u64::from(a) | u64::from(b) << 32, Ordering::Relaxed);
+    }
+
+    #[inline(always)]
+    fn vector(&self) -> [f32; 2] {
+        self.get().map(f32::from_bits)
+    }
+
+    #[inline(always)]
+    fn set_vector(&self, vector: [f32; 2]) {
+        self.set(vector.map(f32::to_bits));
+    }
+}
+
+/// A motion's numbers in memory.
+#[derive(Debug, Default)]
+struct Row {
+    position: Two,
+    velocity: Two,
+    travel: Two,
+    since_and_turn: Two,
+}
 
 /// The motions of all particles. Contacts of one colour share no movable
 /// particle, so plain (relaxed) loads and stores are enough, and safe.
 #[derive(Debug, Default)]
-pub struct Motions(Vec<[AtomicU32; WORDS]>);
+pub struct Motions(Vec<Row>);
 
 impl Motions {
     /// Makes room for `len` motions; what is in them is unspecified.
@@ -35,69 +71,89 @@ impl Motions {
     /// The motion of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> Motion {
+        let row = &self.0[place as usize];
+        let [since, turn] = row.since_and_turn.get();
         Motion {
-            position: self.position(place),
-            velocity: self.velocity(place),
-            travel: self.travel(place),
-            since: self.word(place, 6),
+            position: row.position.vector(),
+            velocity: row.velocity.vector(),
+            travel: row.travel.vector(),
+            since: f32::from_bits(since),
+            turn,
         }
     }
 
     /// Replaces the motion of the particle at `place`.
     #[inline(always)]
     pub fn set(&self, place: u32, motion: Motion) {
-        self.set_position(place, motion.position);
-        self.set_velocity(place, motion.velocity);
-        self.set_travel(place, motion.travel);
-        self.put(place, 6, motion.since);
+        let row = &self.0[place as usize];
+        row.position.set_vector(motion.position);
+        row.velocity.set_vector(motion.velocity);
+        row.travel.set_vector(motion.travel);
+        row.since_and_turn.set([motion.since.to_bits(), motion.turn]);
     }
 
     /// Its position alone.
     #[inline(always)]
     pub fn position(&self, place: u32) -> [f32; 2] {
-        [self.word(place, 0), self.word(place, 1)]
+        self.0[place as usize].position.vector()
     }
 
     /// Its velocity alone.
     #[inline(always)]
     pub fn velocity(&self, place: u32) -> [f32; 2] {
-        [self.word(place, 2), self.word(place, 3)]
+        self.0[place as usize].velocity.vector()
     }
 
     /// Its way alone.
     #[inline(always)]
     pub fn travel(&self, place: u32) -> [f32; 2] {
-        [self.word(place, 4), self.word(place, 5)]
+        self.0[place as usize].travel.vector()
+    }
+
+    /// Its turn alone.
+    #[inline(always)]
+    pub fn turn(&self, place: u32) -> u32 {
+        self.0[place as usize].since_and_turn.get()[1]
     }
 
     /// Replaces its position alone.
     #[inline(always)]
-    pub fn set_position(&self, place: u32, [x, y]: [f32; 2]) {
-        self.put(place, 0, x);
-        self.put(place, 1, y);
+    pub fn set_position(&self, place: u32, position: [f32; 2]) {
+        self.0[place as usize].position.set_vector(position);
     }
 
     /// Replaces its velocity alone.
     #[inline(always)]
-    pub fn set_velocity(&self, place: u32, [x, y]: [f32; 2]) {
-        self.put(place, 2, x);
-        self.put(place, 3, y);
+    pub fn set_velocity(&self, place: u32, velocity: [f32; 2]) {
+        self.0[place as usize].velocity.set_vector(velocity);
     }
 
     /// Replaces its way alone.
     #[inline(always)]
-    pub fn set_travel(&self, place: u32, [x, y]: [f32; 2]) {
-        self.put(place, 4, x);
-        self.put(place, 5, y);
+    pub fn set_travel(&self, place: u32, travel: [f32; 2]) {
+        self.0[place as usize].travel.set_vector(travel);
+    }
+}
+
+/// The velocities of all particles, and nothing else in the way.
+#[derive(Debug, Default)]
+pub struct Velocities(Vec<Two>);
+
+impl Velocities {
+    /// Makes room for `len` velocities; what is in them is unspecified.
+    pub fn resize(&mut self, len: usize) {
+        self.0.resize_with(len, Default::default);
     }
 
+    /// The velocity of the particle at `place`.
     #[inline(always)]
-    fn word(&self, place: u32, which: usize) -> f32 {
-        f32::from_bits(self.0[place as usize][which].load(Ordering::Relaxed))
+    pub fn get(&self, place: u32) -> [f32; 2] {
+        self.0[place as usize].vector()
     }
 
+    /// Replaces the velocity of the particle at `place`.
     #[inline(always)]
-    fn put(&self, place: u32, which: usize, value: f32) {
-        self.0[place as usize][which].store(value.to_bits(), Ordering::Relaxed);
+    pub fn set(&self, place: u32, velocity: [f32; 2]) {
+        self.0[place as usize].set_vector(velocity);
     }
 }

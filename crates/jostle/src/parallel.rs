@@ -47,12 +47,16 @@ pub fn for_each<T: Send>(
 /// Rows that one thread takes at a time in [`for_chunks`].
 pub const CHUNK: usize = 1024;
 
-/// Fewer items than this are not worth waking other threads for.
-const WORTHWHILE: usize = 32 * CHUNK;
+/// Fewer items than this are not worth a word to other threads, even if they are awake.
+#[cfg(feature = "parallel")]
+const WORTHWHILE: usize = 4 * CHUNK;
 
-/// The threads to use on `len` items: one where another would cost more than it saves.
+/// Fewer shapes than this are not worth waking other threads for.
+const WORTH_WAKING: usize = 16 * CHUNK;
+
+/// The threads to use on `len` shapes: one where another would cost more than it saves.
 pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
-    if len < WORTHWHILE { Some(1) } else { threads }
+    if len < WORTH_WAKING { Some(1) } else { threads }
 }
 
 /// Runs `work` where the threads are, so that each of its parallel parts starts at once.
@@ -101,6 +105,21 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
     }
     let _ = threads;
     act(0, a, b);
+}
+
+/// Calls `act` with every number below `len`.
+pub fn for_rows(threads: Option<usize>, len: usize, act: impl Fn(usize) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    if threads != Some(1) && len > WORTHWHILE {
+        use rayon::prelude::*;
+        let chunks = len.div_ceil(CHUNK);
+        let chunk = |index: usize| index * CHUNK..len.min((index + 1) * CHUNK);
+        return run(threads, || {
+            (0..chunks).into_par_iter().for_each(|index| chunk(index).for_each(&act));
+        });
+    }
+    let _ = threads;
+    (0..len).for_each(act);
 }
 
 /// Whether more than one thread will work.

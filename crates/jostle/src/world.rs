@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::integrate::Sweep;
 use crate::motion::{Motion, Motions};
 use crate::pairs::{self, SortScratch};
+use crate::parallel;
 use crate::particles::{self, Particles};
 use crate::quadtree::Quadtree;
 use crate::resolve::{self, Rules, Scene};
@@ -157,7 +158,7 @@ struct Memory {
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
-    at_walls: Vec<resolve::AtWall>,
+    resolving: resolve::Memory,
     sorting: SortScratch,
     particles: Particles,
     rows: Vec<u32>,
@@ -326,11 +327,27 @@ impl World {
     }
 
     /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends.
-    pub fn step(&mut self, dt: f64, steps: usize, watch: &mut dyn FnMut(Stage)) -> Result<()> {
+    pub fn step(&mut self, dt: f64, steps: usize, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let single = dt as f32;
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0"));
         }
+        let threads = self.threads();
+        parallel::among(threads, || self.step_often(single, dt, steps, watch))
+    }
+
+    /// The threads to use: one for a small world.
+    fn threads(&self) -> Option<usize> {
+        parallel::worthwhile(self.settings.tree.threads, self.len())
+    }
+
+    fn step_often(
+        &mut self,
+        single: f32,
+        dt: f64,
+        steps: usize,
+        watch: &mut (dyn FnMut(Stage) + Send),
+    ) -> Result<()> {
         for _ in 0..steps {
             let parts = self.parts(single)?;
             for _ in 0..parts {
@@ -369,7 +386,7 @@ impl World {
 
     /// The order of a step, spelled once: positions → sweeps → tree → candidate
     /// pairs → contacts → resolved velocities and positions.
-    fn step_once(&mut self, dt: f32, watch: &mut dyn FnMut(Stage)) -> Result<()> {
+    fn step_once(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         self.sweep(dt);
         watch(Stage::Integrate);
         self.build();
@@ -491,7 +508,7 @@ impl World {
             restitution: settings.restitution,
             container: settings.container,
             rest_speed: REST_STEPS * dt * (gx * gx + gy * gy).sqrt(),
-            threads: settings.tree.threads,
+            threads: parallel::worthwhile(settings.tree.threads, self.particles.len()),
         };
         let memory = &mut self.memory;
         memory.motions.resize(self.particles.len());
@@ -505,12 +522,12 @@ impl World {
             sweeps: &memory.sweeps,
             contacts: &mut self.contacts,
             wall_pushes: &mut self.wall_pushes,
-            at_walls: &mut memory.at_walls,
+            memory: &mut memory.resolving,
         };
         for _ in 0..settings.substeps {
             resolve::substep(&mut scene, &rules, dt / settings.substeps as f32);
         }
-        resolve::measure_all(&mut scene, &rules);
+        resolve::measure_touching(&mut scene, &rules);
         self.contacts.remember(self.particles.len());
         for place in 0..self.particles.len() {
             let motion = memory.motions.get(place as u32);

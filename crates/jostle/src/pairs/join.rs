@@ -12,10 +12,6 @@ use crate::simd::{Simd, Work};
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
 
-/// Two trees with fewer shapes than this together are joined by one thread: to wake
-/// another one costs more than it would save.
-const WORTHWHILE: usize = 32_768;
-
 /// Two trees to be walked together; `itself` where they are the same tree and
 /// each unordered pair is wanted once.
 pub(super) struct Join<'a, T> {
@@ -35,8 +31,9 @@ impl<T: Scalar> Join<'_, T> {
         if !self.a.is_empty() && !self.b.is_empty() {
             self.push((0, 0), &mut |task| tasks.push(task));
         }
-        let threads = self.a.settings().threads;
-        if parallel::is_parallel(threads) && self.a.len() + self.b.len() > WORTHWHILE {
+        let shapes = if self.itself { self.a.len() } else { self.a.len() + self.b.len() };
+        let threads = parallel::worthwhile(self.a.settings().threads, shapes);
+        if parallel::is_parallel(threads) {
             tasks = self.cut(tasks);
         }
         let budget = Budget::new(max_pairs);

@@ -6,7 +6,7 @@
 //! it cuts through the contact, both ways are shortened to where it enters. Ways
 //! only ever get shorter, and standing still is always allowed, so this ends.
 
-use crate::contacts::Contact;
+use crate::contacts::{Contact, Contacts};
 use crate::motion::Motions;
 
 /// Passes that shorten to the point of touching; later ones stop at the start.
@@ -16,13 +16,21 @@ const GENTLE_PASSES: usize = 8;
 /// no passage.
 const TOLERANCE: f32 = 0.95;
 
-/// Shortens the ways of everything that would pass through something.
-pub fn guard(contacts: &[Contact], motions: &Motions) {
-    let fast: Vec<&Contact> =
-        contacts.iter().filter(|contact| may_be_fast(contact, motions)).collect();
+/// Shortens the ways of everything that would pass through something. `fast` is memory.
+pub fn guard(
+    contacts: &mut Contacts,
+    motions: &Motions,
+    fast: &mut Vec<u32>,
+    threads: Option<usize>,
+) {
+    contacts.each(threads, |contact| contact.fast = may_get_through(contact, motions));
+    fast.clear();
+    let listed = contacts.list.iter().zip(0..).filter(|(contact, _)| contact.fast);
+    fast.extend(listed.map(|(_, at)| at));
     for pass in 0.. {
         let mut any = false;
-        for contact in &fast {
+        for &at in fast.iter() {
+            let contact = &contacts.list[at as usize];
             if let Some(share) = free_share(contact, motions) {
                 shorten(contact, motions, if pass < GENTLE_PASSES { share } else { 0.0 });
                 any = true;
@@ -44,12 +52,16 @@ fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Whether the two could become fast against each other: a way that is shortened
-/// makes those behind it fast, however alike the two ways were before.
-fn may_be_fast(contact: &Contact, motions: &Motions) -> bool {
-    let length = |place| dot(motions.travel(place), motions.travel(place)).sqrt();
-    let [a, b] = contact.places.map(length);
-    a + b > 0.1 * contact.reach
+/// Whether the two could get far into each other, now or once other ways are shortened:
+/// a way that is shortened makes those behind it fast, however alike the two ways were
+/// before. But no way gets longer, so what is too far apart now stays so.
+fn may_get_through(contact: &Contact, motions: &Motions) -> bool {
+    let square = |place| dot(motions.travel(place), motions.travel(place));
+    let [a, b] = contact.places.map(square);
+    let needed = (0.1 * contact.reach).max(0.99 * contact.gap);
+    // (√a + √b)² ≤ 2 (a + b): most contacts need no root.
+    let needed_squared = needed * needed;
+    2.0 * (a + b) > needed_squared && a + b + 2.0 * (a * b).sqrt() > needed_squared
 }
 
 /// Whether the two move by more than a tenth of the sum of radii against each

@@ -26,8 +26,14 @@ fn both(f: impl Fn(usize) -> f64) -> [f64; 2] {
 }
 
 /// Lets the two particles of a contact bounce if they meet in this sub-step.
-/// Returns whether they did.
-pub fn between(contact: &mut Contact, motions: &Motions, rest_speed: f32, h: f32) -> bool {
+/// Returns whether they did; what changed says in which `turn`.
+pub fn between(
+    contact: &mut Contact,
+    motions: &Motions,
+    rest_speed: f32,
+    h: f32,
+    turn: u32,
+) -> bool {
     let [a, b] = contact.places.map(|place| motions.get(place));
     if is_idle(contact, &a, &b, rest_speed) {
         return false;
@@ -52,7 +58,7 @@ pub fn between(contact: &mut Contact, motions: &Motions, rest_speed: f32, h: f32
     let time = start + wait;
     let push = |motion: Motion, inverse: f64| {
         let change = both(|k| inverse * share * normal[k]);
-        changed(motion, change, time, h)
+        Motion { turn, ..changed(motion, change, time, h) }
     };
     if inverse_a > 0.0 {
         motions.set(contact.places[0], push(a, -inverse_a));
@@ -109,6 +115,7 @@ fn changed(motion: Motion, change: [f64; 2], time: f64, h: f32) -> Motion {
         velocity: [0, 1].map(|k| add(motion.velocity[k], change[k])),
         travel: [0, 1].map(|k| add(motion.travel[k], change[k] * left)),
         since: time as f32,
+        ..motion
     }
 }
 

@@ -18,14 +18,15 @@ mod impact;
 mod rest;
 mod separate;
 
-pub use rest::AtWall;
+pub use rest::{AtWall, Leaning};
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use crate::contacts::{Contact, Contacts};
+use crate::contacts::{COLOURS, Contact, Contacts};
 use crate::container::{Container, MAX_WALLS};
 use crate::integrate::{self, Sweep};
-use crate::motion::Motions;
+use crate::motion::{Motion, Motions, Velocities};
 use crate::parallel;
 use crate::particles::Particles;
 
@@ -34,6 +35,9 @@ const IMPACT_ROUNDS: usize = 4;
 
 /// Rounds over the resting contacts in a sub-step.
 const REST_ROUNDS: usize = 12;
+
+/// Pairs are in balance when no speed changes by more than this share of the rest speed.
+const BALANCED: f32 = 0.0005;
 
 /// What is the same for all particles during a step.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +68,17 @@ pub struct Scene<'a> {
     pub contacts: &'a mut Contacts,
     /// Resting speeds given by each wall to each particle.
     pub wall_pushes: &'a mut [[f32; MAX_WALLS]],
-    /// Memory for those of them that are near a wall.
-    pub at_walls: &'a mut Vec<AtWall>,
+    /// Memory for a sub-step.
+    pub memory: &'a mut Memory,
+}
+
+/// What a sub-step needs and the next one uses again.
+#[derive(Debug, Default)]
+pub struct Memory {
+    at_walls: Vec<AtWall>,
+    leaning: Vec<Leaning>,
+    velocities: Velocities,
+    fast: Vec<u32>,
 }
 
 /// One sub-step of `h` seconds.
@@ -77,7 +90,7 @@ pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
         lean(scene, rules, h);
     }
     confine(scene, rules);
-    guard::guard(&scene.contacts.list, scene.motions);
+    guard::guard(scene.contacts, scene.motions, &mut scene.memory.fast, rules.threads);
     advance(scene, rules);
     settle(scene, rules);
 }
@@ -106,9 +119,19 @@ fn kick(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 }
 
 /// Brings normal and gap of every contact up to date with the positions.
-pub fn measure_all(scene: &mut Scene<'_>, rules: &Rules) {
+fn measure_all(scene: &mut Scene<'_>, rules: &Rules) {
     let motions = scene.motions;
     scene.contacts.each(rules.threads, |contact| measure(contact, motions));
+}
+
+/// As [`measure_all`] for those that pushed, for whoever looks at them afterwards.
+pub fn measure_touching(scene: &mut Scene<'_>, rules: &Rules) {
+    let motions = scene.motions;
+    scene.contacts.each(rules.threads, |contact| {
+        if contact.touched {
+            measure(contact, motions);
+        }
+    });
 }
 
 fn measure(contact: &mut Contact, motions: &Motions) {
@@ -121,24 +144,43 @@ fn measure(contact: &mut Contact, motions: &Motions) {
     contact.gap = length - contact.reach;
 }
 
+/// The number of a turn: rounds have one for each colour and one for the walls. Turn 0 is
+/// before all rounds.
+fn turn(round: usize, colour: u32) -> u32 {
+    1 + round as u32 * (COLOURS as u32 + 2) + colour
+}
+
 fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     let motions = scene.motions;
     let particles = scene.particles;
-    for _ in 0..IMPACT_ROUNDS {
+    for round in 0..IMPACT_ROUNDS {
         let any = AtomicBool::new(false);
-        scene.contacts.solve(rules.threads, |contact| {
-            if impact::between(contact, motions, rules.rest_speed, h) {
+        // What has not changed since it was looked at last still does not bounce.
+        let changed = |place: u32, colour: u32| {
+            round == 0 || motions.turn(place) >= turn(round - 1, colour)
+        };
+        scene.contacts.solve(rules.threads, |contact, colour| {
+            let [a, b] = contact.places;
+            if !changed(a, colour) && !changed(b, colour) {
+                return;
+            }
+            let turn = turn(round, colour);
+            if impact::between(contact, motions, rules.rest_speed, h, turn) {
                 any.store(true, Ordering::Relaxed);
             }
         });
         if rules.container.has_walls() {
+            let walls = COLOURS as u32 + 1;
             each_particle(scene, rules, |place, _| {
+                if !changed(place, walls) {
+                    return;
+                }
                 let restitution = rules.restitution * particles.restitutions[place as usize];
                 let motion = motions.get(place);
                 let radius = particles.radii[place as usize];
                 let bounced = impact::against_walls(motion, radius, restitution, rules, h);
                 if let Some(bounced) = bounced {
-                    motions.set(place, bounced);
+                    motions.set(place, Motion { turn: turn(round, walls), ..bounced });
                     any.store(true, Ordering::Relaxed);
                 }
             });
@@ -151,25 +193,88 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 
 fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     let (motions, threads) = (scene.motions, rules.threads);
-    scene.contacts.each(threads, |contact| rest::prepare(contact, motions, rules));
     find_at_walls(scene, rules, h);
-    each_particle(scene, rules, |place, _| rest::suspend(place, motions, h));
-    scene.contacts.solve(threads, |contact| rest::start(contact, motions));
-    each_at_wall(scene, rules, |at_wall| at_wall.start(motions));
-    scene.contacts.solve(threads, |contact| rest::calm(contact, motions, rules, h));
+    let Memory { leaning, velocities, at_walls, .. } = scene.memory;
+    let len = scene.particles.len();
+    velocities.resize(len);
+    let velocities = &*velocities;
+    parallel::for_rows(threads, len, |place| {
+        velocities.set(place as u32, motions.velocity(place as u32));
+    });
+    let contacts = &mut *scene.contacts;
+    leaning.resize(contacts.list.len(), Leaning::default());
+    parallel::for_chunks_of_two(threads, leaning, &mut contacts.list, |_, leaning, contacts| {
+        for (leaning, contact) in leaning.iter_mut().zip(contacts) {
+            *leaning = Leaning::of(contact, motions, rules.rest_speed, h);
+        }
+    });
+    let mut pairs = Coloured { colours: contacts.colours().collect(), leaning, threads };
+    pairs.each(|leaning| leaning.start(velocities));
+    parallel::for_chunks(threads, at_walls, |_, chunk| {
+        chunk.iter_mut().for_each(|at_wall| at_wall.start(velocities));
+    });
+    pairs.each(|leaning| leaning.calm(velocities, rules.rest_speed, h));
     for _ in 0..REST_ROUNDS {
-        scene.contacts.solve(threads, |contact| rest::between(contact, motions, h));
-        each_at_wall(scene, rules, |at_wall| at_wall.correct(motions, h));
+        let most = pairs.most(|leaning| leaning.correct(velocities));
+        parallel::for_chunks(threads, at_walls, |_, chunk| {
+            chunk.iter_mut().for_each(|at_wall| at_wall.correct(velocities, h));
+        });
+        if most < BALANCED * rules.rest_speed {
+            break;
+        }
     }
-    for at_wall in scene.at_walls.iter() {
+    for at_wall in at_walls.iter() {
         scene.wall_pushes[at_wall.place as usize] = at_wall.pushes;
     }
-    each_particle(scene, rules, |place, _| rest::resume(place, motions, h));
+    parallel::for_chunks_of_two(threads, leaning, &mut contacts.list, |_, leaning, contacts| {
+        leaning.iter().zip(contacts).for_each(|(leaning, contact)| leaning.tell(contact));
+    });
+    let movable = &scene.particles.movable;
+    parallel::for_rows(threads, len, |place| {
+        if movable[place] {
+            let place = place as u32;
+            motions.set(place, rest::resume(motions.get(place), velocities.get(place), h));
+        }
+    });
+}
+
+/// Pairs that lean, colour by colour.
+struct Coloured<'a> {
+    colours: Vec<Range<usize>>,
+    leaning: &'a mut [Leaning],
+    threads: Option<usize>,
+}
+
+impl Coloured<'_> {
+    /// Calls `act` on every pair, colour after colour.
+    fn each(&mut self, act: impl Fn(&mut Leaning) + Sync + Send) {
+        self.chunks(|chunk| chunk.iter_mut().for_each(&act));
+    }
+
+    /// As `each`; returns the largest of what `act` returns, and at least 0.
+    fn most(&mut self, act: impl Fn(&mut Leaning) -> f32 + Sync + Send) -> f32 {
+        // The bits of numbers that are not negative are in the order of the numbers.
+        let most = AtomicU32::new(0);
+        self.chunks(|chunk| {
+            let largest = chunk.iter_mut().map(&act).fold(0.0f32, f32::max);
+            most.fetch_max(largest.to_bits(), Ordering::Relaxed);
+        });
+        f32::from_bits(most.into_inner())
+    }
+
+    fn chunks(&mut self, act: impl Fn(&mut [Leaning]) + Sync + Send) {
+        for (colour, range) in self.colours.iter().enumerate() {
+            let leaning = &mut self.leaning[range.clone()];
+            let threads = if colour == COLOURS { Some(1) } else { self.threads };
+            parallel::for_chunks(threads, leaning, |_, chunk| act(chunk));
+        }
+    }
 }
 
 /// Lists the movable particles that may touch a wall.
 fn find_at_walls(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
-    let Scene { particles, motions, wall_pushes, at_walls, .. } = scene;
+    let Scene { particles, motions, wall_pushes, memory, .. } = scene;
+    let at_walls = &mut memory.at_walls;
     at_walls.clear();
     if !rules.container.has_walls() {
         return;
@@ -179,10 +284,6 @@ fn find_at_walls(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     at_walls.extend(movable.filter_map(|(place, ((&radius, &pushes), _))| {
         AtWall::find(place as u32, motions, radius, pushes, rules, h)
     }));
-}
-
-fn each_at_wall(scene: &mut Scene<'_>, rules: &Rules, act: impl Fn(&mut AtWall) + Sync + Send) {
-    parallel::for_chunks(rules.threads, scene.at_walls, |_, chunk| chunk.iter_mut().for_each(&act));
 }
 
 fn confine(scene: &mut Scene<'_>, rules: &Rules) {
@@ -208,7 +309,7 @@ fn settle(scene: &mut Scene<'_>, rules: &Rules) {
     let (motions, particles) = (scene.motions, scene.particles);
     scene
         .contacts
-        .solve(rules.threads, |contact| separate::push_apart(contact, motions, &particles.radii));
+        .solve(rules.threads, |contact, _| separate::push_apart(contact, motions, &particles.radii));
     if rules.container.has_walls() {
         each_particle(scene, rules, |place, _| {
             let mut motion = motions.get(place);

@@ -13,101 +13,126 @@
 use super::Rules;
 use crate::contacts::Contact;
 use crate::container::{MAX_WALLS, Wall};
-use crate::motion::Motions;
+use crate::motion::{Motion, Motions, Velocities};
 
 /// Rate at which the slow motion of what leans dies away, per second.
 const CALMING: f32 = 200.0;
 
-/// Finds out whether the two lean on each other: they touch already or meet too slowly
-/// to bounce, and move little enough for the contact to be taken as flat. What meets at speed is
-/// left to the impacts of this sub-step or the next, or it would not bounce.
-pub fn prepare(contact: &mut Contact, motions: &Motions, rules: &Rules) {
-    let [a, b] = contact.places.map(|place| motions.travel(place));
-    let way = [b[0] - a[0], b[1] - a[1]];
-    let flat = way[0] * way[0] + way[1] * way[1] <= 0.25 * contact.reach * contact.reach;
-    let [a, b] = contact.places.map(|place| motions.velocity(place));
-    let parting = contact.normal[0] * (b[0] - a[0]) + contact.normal[1] * (b[1] - a[1]);
-    contact.leans = flat && (contact.gap <= 0.0 || parting > -rules.rest_speed);
-    if !contact.leans {
-        contact.impulse = 0.0;
+/// Two particles that lean on each other, with what all rounds need and nothing else.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Leaning {
+    places: [u32; 2],
+    normal: [f32; 2],
+    inverse_masses: [f32; 2],
+    /// Momentum for a change of speed by one: 1 / (1/m₁ + 1/m₂); 0 where they do not lean.
+    weight: f32,
+    /// How fast the gap between them may close.
+    slack: f32,
+    /// Momentum that holds them apart.
+    impulse: f32,
+    /// Whether it was ever above 0.
+    pressed: bool,
+}
+
+impl Leaning {
+    /// Finds out whether the two lean on each other: they touch already or meet too slowly
+    /// to bounce, and move little enough for the contact to be taken as flat. What meets
+    /// at speed is left to the impacts of this sub-step or the next, or it would not bounce.
+    pub fn of(contact: &Contact, motions: &Motions, rest_speed: f32, h: f32) -> Self {
+        let [a, b] = contact.places.map(|place| motions.travel(place));
+        let way = [b[0] - a[0], b[1] - a[1]];
+        let flat = way[0] * way[0] + way[1] * way[1] <= 0.25 * contact.reach * contact.reach;
+        let [a, b] = contact.places.map(|place| motions.velocity(place));
+        let parting = contact.normal[0] * (b[0] - a[0]) + contact.normal[1] * (b[1] - a[1]);
+        let leans = flat && (contact.gap <= 0.0 || parting > -rest_speed);
+        let [inverse_a, inverse_b] = contact.inverse_masses;
+        Self {
+            places: contact.places,
+            normal: contact.normal,
+            inverse_masses: contact.inverse_masses,
+            weight: if leans { 1.0 / (inverse_a + inverse_b) } else { 0.0 },
+            slack: contact.gap.max(0.0) / h,
+            impulse: if leans { contact.impulse } else { 0.0 },
+            pressed: false,
+        }
     }
-}
 
-/// Takes back from the way what the velocity gave to it.
-pub fn suspend(place: u32, motions: &Motions, h: f32) {
-    let (way, velocity) = (motions.travel(place), motions.velocity(place));
-    motions.set_travel(place, [0, 1].map(|k| way[k] - velocity[k] * h));
-}
+    /// Tells the contact what came of it.
+    pub fn tell(&self, contact: &mut Contact) {
+        contact.impulse = self.impulse;
+        contact.touched |= self.pressed;
+    }
 
-/// Gives to the way what the new velocity makes of it.
-pub fn resume(place: u32, motions: &Motions, h: f32) {
-    let (way, velocity) = (motions.travel(place), motions.velocity(place));
-    motions.set_travel(place, [0, 1].map(|k| way[k] + velocity[k] * h));
-}
+    /// Starts from the impulse of the sub-step before.
+    pub fn start(&mut self, velocities: &Velocities) {
+        if self.impulse > 0.0 {
+            let both = self.places.map(|place| velocities.get(place));
+            self.apply(velocities, both, self.impulse);
+        }
+    }
 
-fn apply(contact: &Contact, motions: &Motions, velocities: [[f32; 2]; 2], impulse: f32) {
-    for (which, sign) in [(0, -1.0), (1, 1.0)] {
-        let speed = sign * impulse * contact.inverse_masses[which];
-        if speed != 0.0 {
-            let velocity = [0, 1].map(|k| velocities[which][k] + contact.normal[k] * speed);
-            motions.set_velocity(contact.places[which], velocity);
+    /// Corrects the impulse so that the two do not come closer than touching. Returns by
+    /// how much that changed the speed of the lighter one.
+    #[inline(always)]
+    pub fn correct(&mut self, velocities: &Velocities) -> f32 {
+        let both = self.places.map(|place| velocities.get(place));
+        let [a, b] = both;
+        let n = self.normal;
+        let parting = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]);
+        let impulse = (self.impulse - (parting + self.slack) * self.weight).max(0.0);
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        self.pressed |= impulse > 0.0;
+        self.apply(velocities, both, change);
+        let [inverse_a, inverse_b] = self.inverse_masses;
+        change.abs() * if inverse_a > inverse_b { inverse_a } else { inverse_b }
+    }
+
+    /// What cannot move has an inverse mass of 0 and is left alone: others may be writing
+    /// to it at the same time.
+    #[inline(always)]
+    fn apply(&self, velocities: &Velocities, [a, b]: [[f32; 2]; 2], impulse: f32) {
+        let [inverse_a, inverse_b] = self.inverse_masses;
+        if inverse_a > 0.0 {
+            velocities.set(self.places[0], pushed(a, self.normal, -impulse * inverse_a));
+        }
+        if inverse_b > 0.0 {
+            velocities.set(self.places[1], pushed(b, self.normal, impulse * inverse_b));
+        }
+    }
+
+    /// Takes away some of the slow motion that two leaning particles have against each
+    /// other, evenly in all directions. Discs without friction would slide about for
+    /// minutes before a pile found its last gap; what moves fast enough to bounce is left
+    /// alone.
+    pub fn calm(&self, velocities: &Velocities, rest_speed: f32, h: f32) {
+        if self.impulse == 0.0 {
+            return;
+        }
+        let [a, b] = self.places.map(|place| velocities.get(place));
+        let sliding = [b[0] - a[0], b[1] - a[1]];
+        if sliding[0] * sliding[0] + sliding[1] * sliding[1] > rest_speed * rest_speed {
+            return;
+        }
+        let share = CALMING * h / (1.0 + CALMING * h);
+        let [inverse_a, inverse_b] = self.inverse_masses;
+        if inverse_a > 0.0 {
+            velocities.set(self.places[0], pushed(a, sliding, share * self.weight * inverse_a));
+        }
+        if inverse_b > 0.0 {
+            velocities.set(self.places[1], pushed(b, sliding, -share * self.weight * inverse_b));
         }
     }
 }
 
-/// Starts from the impulse of the sub-step before.
-pub fn start(contact: &mut Contact, motions: &Motions) {
-    if contact.impulse > 0.0 {
-        let velocities = contact.places.map(|place| motions.velocity(place));
-        apply(contact, motions, velocities, contact.impulse);
-    }
+/// Gives to the way what the new velocity makes of it, as if each push had come at the
+/// start of the sub-step.
+pub fn resume(motion: Motion, velocity: [f32; 2], h: f32) -> Motion {
+    let way = |k: usize| motion.travel[k] - motion.velocity[k] * h + velocity[k] * h;
+    Motion { velocity, travel: [way(0), way(1)], ..motion }
 }
 
-/// Corrects the impulse so that the two do not come closer than touching.
-pub fn between(contact: &mut Contact, motions: &Motions, h: f32) {
-    if !contact.leans {
-        return;
-    }
-    let velocities = contact.places.map(|place| motions.velocity(place));
-    let [a, b] = velocities;
-    let n = contact.normal;
-    let parting = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]);
-    let spare = parting + contact.gap.max(0.0) / h;
-    if spare >= 0.0 && contact.impulse == 0.0 {
-        return;
-    }
-    let [inverse_a, inverse_b] = contact.inverse_masses;
-    let impulse = (contact.impulse - spare / (inverse_a + inverse_b)).max(0.0);
-    let change = impulse - contact.impulse;
-    contact.impulse = impulse;
-    contact.touched |= impulse > 0.0;
-    apply(contact, motions, velocities, change);
-}
-
-/// Takes away some of the slow motion that two leaning particles have against each
-/// other, evenly in all directions. Discs without friction would slide about for
-/// minutes before a pile found its last gap; what moves fast enough to bounce is left
-/// alone.
-pub fn calm(contact: &Contact, motions: &Motions, rules: &Rules, h: f32) {
-    if contact.impulse == 0.0 {
-        return;
-    }
-    let [a, b] = contact.places.map(|place| motions.velocity(place));
-    let sliding = [b[0] - a[0], b[1] - a[1]];
-    if sliding[0] * sliding[0] + sliding[1] * sliding[1] > rules.rest_speed * rules.rest_speed {
-        return;
-    }
-    let share = CALMING * h / (1.0 + CALMING * h);
-    let [inverse_a, inverse_b] = contact.inverse_masses;
-    let push = sliding.map(|v| share * v / (inverse_a + inverse_b));
-    if inverse_a > 0.0 {
-        motions.set_velocity(contact.places[0], [0, 1].map(|k| a[k] + push[k] * inverse_a));
-    }
-    if inverse_b > 0.0 {
-        motions.set_velocity(contact.places[1], [0, 1].map(|k| b[k] - push[k] * inverse_b));
-    }
-}
-
+#[inline(always)]
 fn pushed(velocity: [f32; 2], direction: [f32; 2], speed: f32) -> [f32; 2] {
     [0, 1].map(|k| velocity[k] + direction[k] * speed)
 }
@@ -149,21 +174,21 @@ impl AtWall {
         watched.then_some(Self { place, walls, pushes })
     }
 
-    /// As [`start`], against the walls.
-    pub fn start(&mut self, motions: &Motions) {
-        let mut velocity = motions.velocity(self.place);
+    /// As [`Leaning::start`], against the walls.
+    pub fn start(&mut self, velocities: &Velocities) {
+        let mut velocity = velocities.get(self.place);
         for (wall, push) in self.walls.iter().zip(&mut self.pushes) {
             match wall {
                 Some(wall) => velocity = pushed(velocity, wall.inward, *push),
                 None => *push = 0.0,
             }
         }
-        motions.set_velocity(self.place, velocity);
+        velocities.set(self.place, velocity);
     }
 
-    /// As [`between`], against the walls.
-    pub fn correct(&mut self, motions: &Motions, h: f32) {
-        let mut velocity = motions.velocity(self.place);
+    /// As [`Leaning::correct`], against the walls.
+    pub fn correct(&mut self, velocities: &Velocities, h: f32) {
+        let mut velocity = velocities.get(self.place);
         for (wall, push) in self.walls.iter().zip(&mut self.pushes) {
             let Some(wall) = wall else { continue };
             let parting = wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1];
@@ -174,6 +199,6 @@ impl AtWall {
                 *push = new;
             }
         }
-        motions.set_velocity(self.place, velocity);
+        velocities.set(self.place, velocity);
     }
 }
