@@ -73,6 +73,13 @@ impl<T: Scalar> Columns<T> {
         }
     }
 
+    /// Bytes of memory that they keep, used or not.
+    pub fn kept_bytes(&self) -> usize {
+        let numbers = [&self.x, &self.y, &self.radius, &self.half_x, &self.half_y];
+        let bits = self.category.capacity() + self.mask.capacity();
+        numbers.map(Vec::capacity).iter().sum::<usize>() * size_of::<T>() + bits * size_of::<u32>()
+    }
+
     /// Number of shapes.
     pub fn len(&self) -> usize {
         self.len

@@ -127,7 +127,8 @@ impl<T: Scalar, F: Finish> Work<T> for Walk<'_, '_, T, F> {
                 join.expand(task, &mut |part| stack.push(part));
                 stack[from..].reverse();
             } else if join.itself && first == second {
-                kernel.itself(a.nodes()[first].range(), output);
+                let range = a.nodes()[first].range();
+                kernel.itself(range.clone(), range.end, output);
             } else {
                 let first = Side { range: a.nodes()[first].range(), cover: &a.covers()[first] };
                 let second = Side { range: b.nodes()[second].range(), cover: &b.covers()[second] };

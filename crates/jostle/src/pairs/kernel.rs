@@ -146,14 +146,20 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    /// Passes on every overlapping pair within a range of the same columns.
+    /// Passes on every overlapping pair of one of `rows` and a row of the same columns
+    /// behind it, up to `last`.
     #[inline(always)]
-    pub(super) fn itself<F: Finish>(&self, range: Range<usize>, output: &mut Output<'_, F>) {
+    pub(super) fn itself<F: Finish>(
+        &self,
+        rows: Range<usize>,
+        last: usize,
+        output: &mut Output<'_, F>,
+    ) {
         match self.kind() {
-            (false, false) => self.behind::<F, false, false>(range, output),
-            (true, false) => self.behind::<F, true, false>(range, output),
-            (false, true) => self.behind::<F, false, true>(range, output),
-            (true, true) => self.behind::<F, true, true>(range, output),
+            (false, false) => self.behind::<F, false, false>(rows, last, output),
+            (true, false) => self.behind::<F, true, false>(rows, last, output),
+            (false, true) => self.behind::<F, false, true>(rows, last, output),
+            (true, true) => self.behind::<F, true, true>(rows, last, output),
         }
     }
 
@@ -250,18 +256,9 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let simd = self.simd;
         to.len = 0;
         for start in rows.clone().step_by(LANES) {
-            let load = |column: &[T]| simd.load(block(column, start));
-            let moved = |column: &[T], axis| simd.sub(load(column), simd.splat(shift[axis]));
-            let shapes = Loaded {
-                x: moved(&columns.x, 0),
-                y: moved(&columns.y, 1),
-                radius: load(&columns.radius),
-                half: if BOXES && columns.has_boxes() {
-                    [load(&columns.half_x), load(&columns.half_y)]
-                } else {
-                    [simd.splat(T::ZERO); 2]
-                },
-            };
+            let mut shapes = self.load::<BOXES>(&Rows::all(columns), start);
+            shapes.x = simd.sub(shapes.x, simd.splat(shift[0]));
+            shapes.y = simd.sub(shapes.y, simd.splat(shift[1]));
             let bits = self.reaching::<BOXES>(&shapes, cover) & first_lanes(rows.end - start);
             let end = to.len.min(CHUNK);
             simd.pack(shapes.x, bits, block_mut(&mut to.x, end));
@@ -279,19 +276,26 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// A bit for each shape of a block that could overlap something under `cover`.
     #[inline(always)]
     fn reaching<const BOXES: bool>(&self, shapes: &Loaded<S::Block>, cover: &Cover<T>) -> u32 {
+        let dx = self.beyond::<BOXES>(shapes.x, shapes.half[0], cover, 0);
+        let dy = self.beyond::<BOXES>(shapes.y, shapes.half[1], cover, 1);
+        let reach = self.simd.add(shapes.radius, self.simd.splat(cover.radius));
+        self.overlap::<BOXES>(dx, dy, reach)
+    }
+
+    /// How far each shape of a block lies beyond a cover along an axis, at least.
+    #[inline(always)]
+    fn beyond<const BOXES: bool>(
+        &self,
+        v: S::Block,
+        half: S::Block,
+        cover: &Cover<T>,
+        axis: usize,
+    ) -> S::Block {
         let simd = self.simd;
-        let zero = simd.splat(T::ZERO);
-        let distance = |v: S::Block, axis: usize| {
-            let below = simd.sub(simd.splat(cover.min[axis]), v);
-            let above = simd.sub(v, simd.splat(cover.max[axis]));
-            let gap = simd.most(simd.most(below, above), zero);
-            if !BOXES {
-                return gap;
-            }
-            simd.sub(gap, simd.add(shapes.half[axis], simd.splat(cover.half_size[axis])))
-        };
-        let reach = simd.add(shapes.radius, simd.splat(cover.radius));
-        self.overlap::<BOXES>(distance(shapes.x, 0), distance(shapes.y, 1), reach)
+        let below = simd.sub(simd.splat(cover.min[axis]), v);
+        let above = simd.sub(v, simd.splat(cover.max[axis]));
+        let gap = simd.most(simd.most(below, above), simd.splat(T::ZERO));
+        if BOXES { simd.sub(gap, simd.add(half, simd.splat(cover.half_size[axis]))) } else { gap }
     }
 
     /// A bit for each of the block's shapes that overlaps the one given.
@@ -303,20 +307,28 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         radius: T,
         others: &Loaded<S::Block>,
     ) -> u32 {
-        let simd = self.simd;
-        let distance = |v: T, others: S::Block, half: T, half_others: S::Block| {
-            let v = simd.splat(v);
-            let offset = simd.sub(v, others);
-            if !BOXES {
-                return offset;
-            }
-            let apart = simd.most(offset, simd.sub(others, v));
-            simd.sub(apart, simd.add(simd.splat(half), half_others))
-        };
-        let dx = distance(center[0], others.x, half[0], others.half[0]);
-        let dy = distance(center[1], others.y, half[1], others.half[1]);
-        let reach = simd.add(simd.splat(radius), others.radius);
+        let dx = self.apart::<BOXES>(center[0], others.x, half[0], others.half[0]);
+        let dy = self.apart::<BOXES>(center[1], others.y, half[1], others.half[1]);
+        let reach = self.simd.add(self.simd.splat(radius), others.radius);
         self.overlap::<BOXES>(dx, dy, reach)
+    }
+
+    /// How far the boxes are apart along an axis; without boxes only the square means
+    /// something.
+    #[inline(always)]
+    fn apart<const BOXES: bool>(
+        &self,
+        v: T,
+        others: S::Block,
+        half: T,
+        half_others: S::Block,
+    ) -> S::Block {
+        let simd = self.simd;
+        let v = simd.splat(v);
+        if !BOXES {
+            return simd.sub(v, others);
+        }
+        simd.sub(simd.distance(v, others), simd.add(simd.splat(half), half_others))
     }
 
     /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. Without
@@ -325,23 +337,30 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     fn overlap<const BOXES: bool>(&self, dx: S::Block, dy: S::Block, reach: S::Block) -> u32 {
         let simd = self.simd;
         let zero = simd.splat(T::ZERO);
-        let square = |v: S::Block| simd.mul(v, v);
+        let reach = simd.mul(reach, reach);
         if !BOXES {
-            return simd.less(simd.add(square(dx), square(dy)), square(reach));
+            return simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), reach);
         }
         let (ex, ey) = (simd.most(dx, zero), simd.most(dy, zero));
-        let round = simd.less(simd.add(square(ex), square(ey)), square(reach));
-        round | (simd.less(dx, zero) & simd.less(dy, zero))
+        let round = simd.less(simd.add(simd.mul(ex, ex), simd.mul(ey, ey)), reach);
+        round | simd.both_negative(dx, dy)
     }
 
     #[inline(always)]
     fn load<const BOXES: bool>(&self, rows: &Rows<'_, T>, start: usize) -> Loaded<S::Block> {
-        let load = |column: &[T]| self.simd.load(block(column, start));
-        let half = |column: &[T]| {
-            if BOXES && !column.is_empty() { load(column) } else { self.simd.splat(T::ZERO) }
+        let simd = self.simd;
+        let zero = simd.splat(T::ZERO);
+        let mut loaded = Loaded {
+            x: simd.load(block(rows.x, start)),
+            y: simd.load(block(rows.y, start)),
+            radius: simd.load(block(rows.radius, start)),
+            half: [zero; 2],
         };
-        let half = [half(rows.half_x), half(rows.half_y)];
-        Loaded { x: load(rows.x), y: load(rows.y), radius: load(rows.radius), half }
+        if BOXES && !rows.half_x.is_empty() {
+            loaded.half =
+                [simd.load(block(rows.half_x, start)), simd.load(block(rows.half_y, start))];
+        }
+        loaded
     }
 
     /// Tests at most [`NOTES`] rows against a block and notes what overlaps, as far as
@@ -373,26 +392,30 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         count
     }
 
-    /// All pairs within a range. Blocks are counted from its end, so that only the
-    /// foremost is not full, and that one meets the fewest rows.
+    /// Every one of `rows` with all behind it up to `last`. Blocks are counted from the
+    /// end, so that only the foremost is not full, and that one meets the fewest rows.
     #[inline(always)]
     fn behind<F: Finish, const BOXES: bool, const FILTERS: bool>(
         &self,
-        range: Range<usize>,
+        rows: Range<usize>,
+        last: usize,
         output: &mut Output<'_, F>,
     ) {
-        let mut end = range.end;
-        while end > range.start + 1 {
-            let start = range.start.max(end.saturating_sub(LANES));
+        let mut end = last;
+        while end > rows.start + 1 {
+            let start = rows.start.max(end.saturating_sub(LANES));
             let lanes = first_lanes(end - start);
             let others = self.load::<BOXES>(&Rows::all(self.b), start);
-            for first in (range.start..end - 1).step_by(CHUNK) {
-                let rows = Rows::of(self.a, first..(end - 1).min(first + CHUNK));
-                let wanted =
-                    |row: usize| lanes & u32::MAX << (first + row + 1).saturating_sub(start);
-                self.against::<F, BOXES, FILTERS>(first, &rows, start, &others, wanted, output);
+            let before = rows.end.min(end - 1);
+            for first in (rows.start..before).step_by(CHUNK) {
+                let some = Rows::of(self.a, first..before.min(first + CHUNK));
+                let wanted = |row: usize| {
+                    lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
+                };
+                self.against::<F, BOXES, FILTERS>(first, &some, start, &others, wanted, output);
             }
-            output.tests += ((end - start) * (end + start - 1 - 2 * range.start)) as u64 / 2;
+            let tests = (start..end).map(|other| other.min(rows.end) - rows.start);
+            output.tests += tests.sum::<usize>() as u64;
             if output.is_full() {
                 return;
             }

@@ -19,13 +19,17 @@ use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::Shapes;
-use crate::simd::{Simd, Work};
+use crate::simd::{self, Instructions, Simd, Work};
 use join::Join;
 use kernel::Kernel;
 use output::{Budget, Finish, Output};
 
-/// Below this many shapes brute force is faster than building a tree.
+/// Up to this many shapes brute force is faster than building a tree.
 const BRUTE_FORCE_LIMIT: usize = 160;
+
+/// As [`BRUTE_FORCE_LIMIT`] for circles, whose test is short, with instructions that do
+/// eight or more at once.
+const CIRCLES_LIMIT: usize = 320;
 
 /// Pairs, and how many shape tests it took to find them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -65,7 +69,9 @@ pub fn find_with<T: Scalar>(
 ) -> Result<Found> {
     let settings = Settings { threads, ..Settings::default() };
     settings.validate()?;
-    let small = shapes.len() <= BRUTE_FORCE_LIMIT;
+    let circles = shapes.half_sizes.is_none() && simd::widest() > Instructions::Portable;
+    let limit = if circles { CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
+    let small = shapes.len() <= limit;
     if method == Some(Method::Brute) || (method.is_none() && small) {
         return brute(&Columns::of(shapes), threads, max_pairs);
     }
@@ -136,8 +142,8 @@ pub fn places_between<T: Scalar>(
     Join { a, b, shift, itself: false }.run(max_pairs, as_they_are)
 }
 
-/// All overlapping pairs of rows, `i < j`, sorted, every row tested against
-/// every other.
+/// All overlapping pairs of rows, `i < j`, in no promised order, every row tested
+/// against every other.
 pub fn brute<T: Scalar>(
     columns: &Columns<T>,
     threads: Option<usize>,
@@ -203,11 +209,14 @@ impl<T: Scalar, F: Finish> Work<T> for Brute<'_, '_, T, F> {
     fn run<S: Simd<T>>(self, simd: S) {
         let Self { a, b, shift, rows, itself, output } = self;
         let kernel = Kernel { simd, a, b, shift };
+        if itself {
+            return kernel.itself(rows, b.len(), output);
+        }
         for row in rows {
             if output.is_full() {
                 return;
             }
-            kernel.row(row, if itself { row + 1 } else { 0 }..b.len(), output);
+            kernel.row(row, 0..b.len(), output);
         }
     }
 }

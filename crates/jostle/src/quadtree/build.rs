@@ -66,9 +66,9 @@ pub fn nodes<T: Scalar>(
 fn adopt(nodes: &mut Vec<Node>, root: usize, part: &[Node]) {
     // The part's node 1 comes to stand at the end.
     let moved = nodes.len() as u32 - 1;
-    let place = |node: &Node| Node { children: node.children + moved, ..*node };
-    nodes[root] = place(&part[0]);
-    nodes.extend(part[1..].iter().map(place));
+    let (first, rest) = part.split_first().expect("a part has a root");
+    nodes[root] = Node { children: first.children + moved, ..*first };
+    nodes.extend(rest.iter().map(|node| Node { children: node.children + moved, ..*node }));
 }
 
 struct Builder<'a, T> {

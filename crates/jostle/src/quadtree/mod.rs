@@ -117,6 +117,13 @@ impl<T: Scalar> Quadtree<T> {
         debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
     }
 
+    /// Bytes of memory that it keeps, used or not.
+    pub fn kept_bytes(&self) -> usize {
+        let nodes = self.nodes.capacity() * size_of::<Node>();
+        let covers = self.covers.capacity() * size_of::<Cover<T>>();
+        nodes + covers + self.columns.kept_bytes() + self.order.kept_bytes()
+    }
+
     /// Number of shapes.
     pub fn len(&self) -> usize {
         self.columns.len()

@@ -102,6 +102,14 @@ impl Order {
         }
     }
 
+    /// Bytes of memory that it keeps, used or not.
+    pub fn kept_bytes(&self) -> usize {
+        let items: usize = self.keyed.iter().map(|keyed| keyed.items.capacity()).sum();
+        items * size_of::<Item>()
+            + self.rows.capacity() * size_of::<u32>()
+            + self.sorter.kept_bytes()
+    }
+
     /// Gives back the memory that only sorting needs.
     pub fn forget_scratch(&mut self) {
         self.sorter = Sorter::default();

@@ -80,6 +80,11 @@ struct Task<'a> {
 }
 
 impl Sorter {
+    /// Bytes of memory that it keeps, used or not.
+    pub fn kept_bytes(&self) -> usize {
+        self.parted.capacity() * size_of::<Item>() + self.ends.capacity() * size_of::<u32>()
+    }
+
     /// Fills `items` and sorts them; returns the ranges that share a key. `key` makes the
     /// items of a range.
     pub fn sort(

@@ -62,6 +62,10 @@ pub trait Simd<T>: Copy {
     fn most(self, a: Self::Block, b: Self::Block) -> Self::Block;
     /// The smaller in each lane.
     fn least(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// |a − b|.
+    fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// A bit for each lane in which both are below 0. No lane may hold −0.
+    fn both_negative(self, a: Self::Block, b: Self::Block) -> u32;
     /// A bit for each lane in which a < b.
     fn less(self, a: Self::Block, b: Self::Block) -> u32;
     /// The numbers whose bit is set, side by side; what lies behind them is unspecified.

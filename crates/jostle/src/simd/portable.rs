@@ -71,6 +71,16 @@ impl<T: Number> Simd<T> for Portable {
         both(a, b, |a, b| if a < b { a } else { b })
     }
     #[inline(always)]
+    fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| if a > b { a - b } else { b - a })
+    }
+    #[inline(always)]
+    fn both_negative(self, a: Self::Block, b: Self::Block) -> u32 {
+        let zero = T::default();
+        let negative = |lane: usize| (a[lane] < zero) & (b[lane] < zero);
+        (0..LANES).fold(0, |bits, lane| bits | u32::from(negative(lane)) << lane)
+    }
+    #[inline(always)]
     fn less(self, a: Self::Block, b: Self::Block) -> u32 {
         (0..LANES).fold(0, |bits, lane| bits | u32::from(a[lane] < b[lane]) << lane)
     }

@@ -74,7 +74,7 @@ where
 /// Implements [`Simd`] but for packing: `$count` registers of `$each` numbers.
 macro_rules! arithmetic {
     ($t:ty, $register:ty, $count:literal, $each:literal, $splat:ident, $load:ident, $store:ident,
-     $add:ident, $sub:ident, $mul:ident, $most:ident, $least:ident, $less:expr) => {
+     $add:ident, $sub:ident, $mul:ident, $most:ident, $least:ident, $less:expr, $abs:expr, $negative:expr) => {
         type Block = [$register; $count];
 
         #[inline(always)]
@@ -85,7 +85,10 @@ macro_rules! arithmetic {
         #[inline(always)]
         fn load(self, from: &[$t; LANES]) -> Self::Block {
             // SAFETY: as above; register k covers numbers k · each … of the LANES there are.
-            std::array::from_fn(|k| unsafe { $load(from.as_ptr().add(k * $each)) })
+            std::array::from_fn(
+                #[inline(always)]
+                |k| unsafe { $load(from.as_ptr().add(k * $each)) },
+            )
         }
         #[inline(always)]
         fn store(self, block: Self::Block, to: &mut [$t; LANES]) {
@@ -97,37 +100,111 @@ macro_rules! arithmetic {
         #[inline(always)]
         fn add(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: the token proves that the processor has the instruction.
-            std::array::from_fn(|k| unsafe { $add(a[k], b[k]) })
+            std::array::from_fn(
+                #[inline(always)]
+                |k| unsafe { $add(a[k], b[k]) },
+            )
         }
         #[inline(always)]
         fn sub(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(|k| unsafe { $sub(a[k], b[k]) })
+            std::array::from_fn(
+                #[inline(always)]
+                |k| unsafe { $sub(a[k], b[k]) },
+            )
         }
         #[inline(always)]
         fn mul(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(|k| unsafe { $mul(a[k], b[k]) })
+            std::array::from_fn(
+                #[inline(always)]
+                |k| unsafe { $mul(a[k], b[k]) },
+            )
         }
         #[inline(always)]
         fn most(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(|k| unsafe { $most(a[k], b[k]) })
+            std::array::from_fn(
+                #[inline(always)]
+                |k| unsafe { $most(a[k], b[k]) },
+            )
         }
         #[inline(always)]
         fn least(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(|k| unsafe { $least(a[k], b[k]) })
+            std::array::from_fn(
+                #[inline(always)]
+                |k| unsafe { $least(a[k], b[k]) },
+            )
+        }
+        #[inline(always)]
+        fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            let difference: Self::Block = Simd::<$t>::sub(self, a, b);
+            std::array::from_fn(
+                #[inline(always)]
+                |k| $abs(difference[k]),
+            )
+        }
+        #[inline(always)]
+        fn both_negative(self, a: Self::Block, b: Self::Block) -> u32 {
+            (0..$count).fold(
+                0,
+                #[inline(always)]
+                |all, k| all | $negative(a[k], b[k]) << (k * $each),
+            )
         }
         #[inline(always)]
         fn less(self, a: Self::Block, b: Self::Block) -> u32 {
-            let bits = |k: usize| $less(a[k], b[k]) << (k * $each);
-            (0..$count).fold(0, |all, k| all | bits(k))
+            (0..$count).fold(
+                0,
+                #[inline(always)]
+                |all, k| all | $less(a[k], b[k]) << (k * $each),
+            )
         }
     };
 }
 
-// SAFETY (of the four comparisons): they are only called by holders of a token.
+// SAFETY (of these twelve): they are only called by holders of a token.
+
+#[inline(always)]
+fn abs_512(v: __m512) -> __m512 {
+    unsafe { _mm512_abs_ps(v) }
+}
+
+#[inline(always)]
+fn abs_512d(v: __m512d) -> __m512d {
+    unsafe { _mm512_abs_pd(v) }
+}
+
+#[inline(always)]
+fn abs_256(v: __m256) -> __m256 {
+    unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), v) }
+}
+
+#[inline(always)]
+fn abs_256d(v: __m256d) -> __m256d {
+    unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), v) }
+}
+
+#[inline(always)]
+fn negative_512(a: __m512, b: __m512) -> u32 {
+    u32::from(unsafe { _mm512_movepi32_mask(_mm512_castps_si512(_mm512_and_ps(a, b))) })
+}
+
+#[inline(always)]
+fn negative_512d(a: __m512d, b: __m512d) -> u32 {
+    u32::from(unsafe { _mm512_movepi64_mask(_mm512_castpd_si512(_mm512_and_pd(a, b))) })
+}
+
+#[inline(always)]
+fn negative_256(a: __m256, b: __m256) -> u32 {
+    (unsafe { _mm256_movemask_ps(_mm256_and_ps(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn negative_256d(a: __m256d, b: __m256d) -> u32 {
+    (unsafe { _mm256_movemask_pd(_mm256_and_pd(a, b)) }) as u32
+}
 
 #[inline(always)]
 fn less_512(a: __m512, b: __m512) -> u32 {
@@ -163,7 +240,9 @@ impl Simd<f32> for Avx512 {
         _mm512_mul_ps,
         _mm512_max_ps,
         _mm512_min_ps,
-        less_512
+        less_512,
+        abs_512,
+        negative_512
     );
 
     #[inline(always)]
@@ -194,7 +273,9 @@ impl Simd<f64> for Avx512 {
         _mm512_mul_pd,
         _mm512_max_pd,
         _mm512_min_pd,
-        less_512d
+        less_512d,
+        abs_512d,
+        negative_512d
     );
 
     #[inline(always)]
@@ -244,13 +325,18 @@ impl Simd<f32> for Avx2 {
         _mm256_mul_ps,
         _mm256_max_ps,
         _mm256_min_ps,
-        less_256
+        less_256,
+        abs_256,
+        negative_256
     );
 
     #[inline(always)]
     fn pack(self, from: Self::Block, bits: u32, to: &mut [f32; LANES]) {
         // SAFETY: the token proves the instruction.
-        let words = from.map(|register| unsafe { _mm256_castps_si256(register) });
+        let words = from.map(
+            #[inline(always)]
+            |register| unsafe { _mm256_castps_si256(register) },
+        );
         pack_256(words, bits, to.as_mut_ptr().cast());
     }
     #[inline(always)]
@@ -273,7 +359,9 @@ impl Simd<f64> for Avx2 {
         _mm256_mul_pd,
         _mm256_max_pd,
         _mm256_min_pd,
-        less_256d
+        less_256d,
+        abs_256d,
+        negative_256d
     );
 
     #[inline(always)]
@@ -306,30 +394,44 @@ static LANES_OF: [u64; 256] = {
     table
 };
 
+/// The words of a register whose bit is set, first.
+///
+/// SAFETY: only called by holders of a token.
+#[inline(always)]
+fn permuted_256(register: __m256i, bits: u32) -> __m256i {
+    let order = LANES_OF[(bits & 0xff) as usize] as i64;
+    unsafe {
+        let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
+        _mm256_permutevar8x32_epi32(register, order)
+    }
+}
+
 /// Packs two registers of eight into sixteen words at `to`.
 #[inline(always)]
 fn pack_256(registers: [__m256i; 2], bits: u32, to: *mut __m256i) {
-    let order = |bits: u32| LANES_OF[(bits & 0xff) as usize] as i64;
     let first = (bits & 0xff).count_ones() as usize;
     // SAFETY: only called by holders of a token, with room for sixteen words at `to`; the
     // first register's words are at most eight, so the second store ends within them.
     unsafe {
-        let permute = |k: usize, bits: u32| {
-            let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order(bits)));
-            _mm256_permutevar8x32_epi32(registers[k], order)
-        };
-        _mm256_storeu_si256(to, permute(0, bits));
-        _mm256_storeu_si256(to.cast::<u32>().add(first).cast(), permute(1, bits >> 8));
+        _mm256_storeu_si256(to, permuted_256(registers[0], bits));
+        let behind = to.cast::<u32>().add(first).cast();
+        _mm256_storeu_si256(behind, permuted_256(registers[1], bits >> 8));
     }
 }
 
-// SAFETY: only called by holders of a token; the array is two registers long.
+/// Eight numbers from `first` on.
+///
+/// SAFETY: only called by holders of a token.
+#[inline(always)]
+fn counted_256(first: u32) -> __m256i {
+    unsafe {
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        _mm256_add_epi32(_mm256_set1_epi32(first as i32), lanes)
+    }
+}
 
 #[inline(always)]
 fn pack_places_256(first: u32, bits: u32, to: &mut [u32; LANES]) {
-    let places = |from: u32| unsafe {
-        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-        _mm256_add_epi32(_mm256_set1_epi32(from as i32), lanes)
-    };
-    pack_256([places(first), places(first.wrapping_add(8))], bits, to.as_mut_ptr().cast());
+    let places = [counted_256(first), counted_256(first.wrapping_add(8))];
+    pack_256(places, bits, to.as_mut_ptr().cast());
 }
