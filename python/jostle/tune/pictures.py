@@ -95,7 +95,7 @@ def draw_map(axes: Axes, tuning: Tuning) -> None:
                 ha="center",
                 va="center",
                 fontsize=8.5,
-                color=PAPER if outcome.rounds and times > 2.6 else INK,
+                color=PAPER if outcome.rounds and times > 3.6 else INK,
                 fontweight="bold" if outcome.rounds and tuning.is_as_good(setting) else "normal",
             )
     axes.set_xlim(-0.5, len(capacities) - 0.5)
@@ -116,28 +116,21 @@ def map_depths(tuning: Tuning) -> list[int]:
 
 def _mark(axes: Axes, tuning: Tuning, capacities: list[int], depths: list[int]) -> None:
     """Frame the best and the default, and say in the margin which is which."""
-    best = tuning.best()
-    frames = [(tuning.default.leaf_capacity, tuning.default.max_depth, INK, "default", 0.06)]
-    if best == tuning.default:
-        frames = [(*frames[0][:3], "default = best", 0.06)]
-    else:
-        frames.append((best.leaf_capacity, best.max_depth, BEST, "best", 0.06))
-    if ARTICLE_DEPTH in depths:
-        frames.append(
-            (ARTICLE_CAPACITY, ARTICLE_DEPTH, METHOD_COLOURS["article's tree"], "article", 0.06)
-        )
-    for capacity, depth, colour, words, inset in frames:
+    frames: dict[tuple[int, int], tuple[str, str]] = {}
+    for capacity, depth, colour, name in (
+        (ARTICLE_CAPACITY, ARTICLE_DEPTH, METHOD_COLOURS["article's tree"], "article"),
+        (tuning.default.leaf_capacity, tuning.default.max_depth, INK, "default"),
+        (tuning.best().leaf_capacity, tuning.best().max_depth, BEST, "best"),
+    ):
+        if depth in depths:
+            _, before = frames.get((capacity, depth), ("", ""))
+            frames[capacity, depth] = (colour, f"{before}, {name}" if before else name)
+    for (capacity, depth), (colour, words) in frames.items():
         column, row = capacities.index(capacity), depths.index(depth)
-        corner = (column - 0.5 + inset, row - 0.5 + inset)
-        side = 1 - 2 * inset
+        corner, side = (column - 0.44, row - 0.44), 0.88
         axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2.2))
-        axes.text(
-            *(column, row - 0.41, words),
-            ha="center",
-            va="bottom",
-            fontsize=7,
-            color=colour,
-        )
+        place = (column, row - 0.41)
+        axes.text(*place, words, ha="center", va="bottom", fontsize=7, color=colour)
 
 
 def curves(tuning: Tuning, path: Path) -> bool:
@@ -162,13 +155,16 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
         colour = METHOD_COLOURS[method]
         counts, times = zip(*points, strict=True)
         axes.plot(counts, 1e3 * np.array(times), "o-", color=colour, markersize=4, linewidth=1.8)
+        above = method == "article's tree"  # the uppermost, and the first to end
+        at = max(len(points) - 2, 0) if above else -1
         axes.annotate(
             METHOD_NAMES[method],
-            (counts[-1], 1e3 * times[-1]),
-            xytext=(8, 0),
+            (counts[at], 1e3 * times[at]),
+            xytext=(-8, 6) if above else (8, 0),
             textcoords="offset points",
             color=colour,
-            va="center",
+            va="bottom" if above else "center",
+            ha="right" if above else "left",
         )
     axes.set_xscale("log")
     axes.set_yscale("log")

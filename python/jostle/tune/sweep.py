@@ -20,7 +20,7 @@ COUNT_METHODS: tuple[Method, ...] = ("quadtree", "brute force", "article's tree"
 ARTICLE_MOST = 10_000  # particles; a single frame of more takes many seconds
 
 TOO_SLOW = 20.0  # times the default: settings beyond are of no use to anybody
-FINALISTS = 2  # the best of the sweep, beside the default
+FINALISTS = 2  # of the sweep's best, with a limit of depth and without, beside the default
 
 
 @dataclass(frozen=True)
@@ -84,9 +84,26 @@ class Tuning:
         return Setting(self.n, 1.0, leaf_capacity, max_depth)
 
     def best(self) -> Setting:
-        """Return the quickest setting: of the final, or of the sweep where there was none yet."""
+        """Return the quickest setting: of the final, or of the sweep where there was none yet.
+
+        Of those that cannot be told apart from it one without a limit of depth is preferred: what
+        limit suits depends on the number of particles.
+        """
         outcomes = self._latest()
-        return min(outcomes, key=lambda setting: outcomes[setting].median, default=self.default)
+        measured = sorted(
+            (setting for setting in outcomes if outcomes[setting].rounds),
+            key=lambda setting: outcomes[setting].median,
+        )
+        if not measured:
+            return self.default
+        quickest = measured[0]
+        for setting in measured:
+            unlimited = setting.max_depth == self.default.max_depth
+            if unlimited and (
+                setting == quickest or compare(outcomes[setting], outcomes[quickest]).within_noise
+            ):
+                return setting
+        return quickest
 
     def _latest(self) -> Outcomes:
         fresh = any(outcome.rounds for outcome in self.final.values())
@@ -179,10 +196,12 @@ class Tuner:
         """
         tuning, found = self.tuning, self.tuning.settings
         measured = [setting for setting in found if found[setting].rounds]
-        best = sorted(measured, key=lambda setting: found[setting].median)[:FINALISTS]
+        measured.sort(key=lambda setting: found[setting].median)
+        unlimited = [s for s in measured if s.max_depth == tuning.default.max_depth]
         article = tuning.cell(ARTICLE_CAPACITY, ARTICLE_DEPTH)
-        also = [article] if found.get(article, Outcome()).rounds else []
-        tries = dict.fromkeys([tuning.default, *best, *also], self._sample)
+        also = [article] if article in measured else []
+        finalists = [tuning.default, *measured[:FINALISTS], *unlimited[:FINALISTS], *also]
+        tries = dict.fromkeys(finalists, self._sample)
         rounds = 3 * self.effort.rounds
         self._race(tuning.final, "final", tries, watch, share, rounds=rounds)
 

@@ -19,6 +19,7 @@ Clock = Callable[[], float]
 
 LEAST = 2e-3  # seconds of one measurement; shorter calls are repeated within it
 MOST_CALLS = 200  # in one measurement
+FORGIVEN = 5  # times the limit: up to there a contender has a second chance
 CONFIDENCE = 0.95
 
 
@@ -167,6 +168,8 @@ class Race(Generic[Key]):
             seconds = contender.expect()
             if seconds <= self.limit:
                 seconds = self._time(contender)
+                if self.limit < seconds <= FORGIVEN * self.limit:
+                    seconds = self._time(contender)  # the machine may have been elsewhere
             if seconds > self.limit:
                 self.outcomes[key].too_slow = True
             else:
