@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ SETTLING_WORK = 1_000_000  # particles times steps
 
 @dataclass(frozen=True)
 class Sample:
-    """A scene's particles as they lie, and the world that they came from.
+    """A scene's particles as they lie.
 
     Attributes
     ----------
@@ -25,8 +26,8 @@ class Sample:
         Its name.
     world_size
         1 is the scene's own; 2 has the same particles in twice the width and height.
-    world
-        Rules and particles, in a world of that size.
+    origin
+        The world of size 1 that they came from.
     positions, velocities, radii
         Copies of its columns, as they were after settling.
     view
@@ -35,7 +36,7 @@ class Sample:
 
     scene: str
     world_size: float
-    world: jostle.World
+    origin: jostle.World
     positions: NDArray[np.float32]
     velocities: NDArray[np.float32]
     radii: NDArray[np.float32]
@@ -57,11 +58,17 @@ class Sample:
 
         The particles keep their radii and move apart, so the world gets emptier or fuller.
         """
-        if world_size == self.world_size:
-            return self
-        old, scale = self.world, world_size / self.world_size
+        scale = np.float32(world_size / self.world_size)
+        return replace(self, world_size=world_size, positions=self.positions * scale)
+
+    @cached_property
+    def world(self) -> jostle.World:
+        """A world of this size, with the rules of the first; walls move out with the particles."""
+        old = self.origin
+        if self.world_size == 1.0:
+            return old
         world = jostle.World(
-            self.positions * np.float32(scale),
+            self.positions,
             self.velocities,
             self.radii,
             masses=old.masses,
@@ -69,10 +76,11 @@ class Sample:
             gravity=old.gravity,
             drag=old.drag,
             restitution=old.restitution,
-            container=_resized(old.container, scale),
+            container=_resized(old.container, self.world_size),
             substeps=old.substeps,
         )
-        return replace(self, world_size=world_size, world=world, positions=world.positions)
+        world.restitutions = old.restitutions
+        return world
 
     def article_program(self) -> article.Simulation:
         """Return the article's program over these particles, in a display as large as the view.
