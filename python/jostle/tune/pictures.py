@@ -5,6 +5,7 @@ The only file that knows matplotlib; it draws into files and opens no window.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,10 @@ SLOWNESS = LinearSegmentedColormap.from_list(
     "slowness", ["#f6f4ec", "#cfe3d6", "#8fc0bd", "#5590a8", "#4f6d9e", "#4a4580", "#38244f"]
 )
 TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
+DARK = 3.6  # times the best, from which on a cell needs white words
+MARKS = {"article": METHOD_COLOURS["article's tree"], "default": INK, "best": BEST}
+CAPACITY_LABEL = "leaf capacity: most particles in a box that does not split"
+DEPTH_LABEL = "maximum depth: most subdivisions"
 DOTS = 144  # an inch
 MAP_NOTE = (
     "Bold: cannot be told apart from the quickest. A depth that no branch reaches makes the tree "
@@ -57,47 +62,60 @@ def settings(tuning: Tuning, path: Path) -> bool:
     figure = _figure(9.6, 6.2)
     axes = figure.add_subplot()
     draw_map(axes, tuning)
-    axes.set_xlabel("leaf capacity: most particles in a box that does not split")
-    axes.set_ylabel("maximum depth: most subdivisions")
+    axes.set_xlabel(CAPACITY_LABEL, color=INK)
+    axes.set_ylabel(DEPTH_LABEL, color=INK)
     best = min(outcome.median for outcome in tuning.settings.values())
-    bar = figure.colorbar(ScalarMappable(_norm(), SLOWNESS), ax=axes, pad=0.02, aspect=32)
-    bar.set_label(f"time, as a multiple of the best ({in_ms(best)})", color=INK)
-    bar.ax.yaxis.set_major_locator(FixedLocator(TICKS))
-    bar.ax.yaxis.set_minor_locator(NullLocator())
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    bar.outline.set_visible(False)  # type: ignore[operator]
-    axes.xaxis.label.set_color(INK)
-    axes.yaxis.label.set_color(INK)
-    bar.ax.tick_params(colors=INK, labelsize=9)
+    _colour_bar(figure, [axes], f"time, as a multiple of the quickest ({in_ms(best)})")
     _frame_texts(figure, "Leaf capacity and depth", title(tuning), MAP_NOTE)
-    _save(figure, path)
+    figure.savefig(path)
     return True
+
+
+def maps(tunings: Sequence[Tuning], columns: int, path: Path) -> None:
+    """Draw the maps of several scenes into one picture."""
+    rows = -(-len(tunings) // columns)
+    figure = _figure(6.0 * columns + 1.0, 3.9 * rows + 1.2)
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for axes, tuning in zip(grid.flat, tunings, strict=False):
+        draw_map(axes, tuning)
+        axes.set_title(tuning.scene, loc="left", fontsize=11, fontweight="bold", color=INK)
+    for axes in grid.flat[len(tunings) :]:
+        axes.set_axis_off()
+    figure.supxlabel(CAPACITY_LABEL, fontsize=10, color=INK)
+    figure.supylabel(DEPTH_LABEL, fontsize=10, color=INK)
+    _colour_bar(figure, list(grid.flat), "time, as a multiple of the scene's quickest")
+    details = title(tunings[0]).partition(", ")[2]
+    _frame_texts(figure, "Leaf capacity and depth", details, MAP_NOTE)
+    figure.savefig(path)
 
 
 def draw_map(axes: Axes, tuning: Tuning) -> None:
     """Draw the cells, each with its time as a multiple of the best, and mark those that matter."""
     capacities, depths = sorted(tuning.tree_depths), map_depths(tuning)
     best = min(outcome.median for outcome in tuning.settings.values())
-    norm = _norm()
+    norm, marks = _norm(), _marks(tuning)
     for row, depth in enumerate(depths):
         for column, capacity in enumerate(capacities):
             setting = tuning.cell(capacity, depth)
             outcome = tuning.settings.get(setting, Outcome())
             times = outcome.median / best
+            dark = bool(outcome.rounds) and times > DARK
             colour = SLOWNESS(norm(min(times, TOO_SLOW))) if outcome.rounds else FAINT
-            shape = Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor=colour, edgecolor=PAPER)
-            axes.add_patch(shape)
-            if outcome.too_slow:
-                shape.set_hatch("////")
-            words = _multiple(times) if outcome.rounds else ">20" if outcome.too_slow else "–"
+            cell = Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor=colour, edgecolor=PAPER)
+            cell.set_hatch("////" if outcome.too_slow else "")
+            axes.add_patch(cell)
+            marked = marks.get((capacity, depth))
             axes.text(
-                *(column, row, words),
+                *(column, row + (0.1 if marked else 0.0)),
+                _multiple(times) if outcome.rounds else ">20" if outcome.too_slow else "–",
                 ha="center",
                 va="center",
                 fontsize=8.5,
-                color=PAPER if outcome.rounds and times > 3.6 else INK,
+                color=PAPER if dark else INK,
                 fontweight="bold" if outcome.rounds and tuning.is_as_good(setting) else "normal",
             )
+            if marked:
+                _mark(axes, (column, row), marked, dark=dark)
     axes.set_xlim(-0.5, len(capacities) - 0.5)
     axes.set_ylim(-0.5, len(depths) - 0.5)
     axes.set_xticks(range(len(capacities)), [f"{capacity}" for capacity in capacities])
@@ -105,7 +123,6 @@ def draw_map(axes: Axes, tuning: Tuning) -> None:
     axes.set_yticks(range(len(depths)), [*names, "no limit"])
     axes.tick_params(length=0, colors=INK)
     axes.spines[:].set_visible(False)
-    _mark(axes, tuning, capacities, depths)
 
 
 def map_depths(tuning: Tuning) -> list[int]:
@@ -114,23 +131,38 @@ def map_depths(tuning: Tuning) -> list[int]:
     return [*(depth for depth in DEPTHS if depth < deepest), tuning.default.max_depth]
 
 
-def _mark(axes: Axes, tuning: Tuning, capacities: list[int], depths: list[int]) -> None:
-    """Frame the best and the default, and say in the margin which is which."""
-    frames: dict[tuple[int, int], tuple[str, str]] = {}
-    for capacity, depth, colour, name in (
-        (ARTICLE_CAPACITY, ARTICLE_DEPTH, METHOD_COLOURS["article's tree"], "article"),
-        (tuning.default.leaf_capacity, tuning.default.max_depth, INK, "default"),
-        (tuning.best().leaf_capacity, tuning.best().max_depth, BEST, "best"),
-    ):
-        if depth in depths:
-            _, before = frames.get((capacity, depth), ("", ""))
-            frames[capacity, depth] = (colour, f"{before}, {name}" if before else name)
-    for (capacity, depth), (colour, words) in frames.items():
-        column, row = capacities.index(capacity), depths.index(depth)
-        corner, side = (column - 0.44, row - 0.44), 0.88
-        axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2.2))
-        place = (column, row - 0.41)
-        axes.text(*place, words, ha="center", va="bottom", fontsize=7, color=colour)
+def _marks(tuning: Tuning) -> dict[tuple[int, int], list[str]]:
+    """Return the cells to be framed, and what they are."""
+    marks: dict[tuple[int, int], list[str]] = {}
+    best, default = tuning.best(), tuning.default
+    marks.setdefault((ARTICLE_CAPACITY, ARTICLE_DEPTH), []).append("article")
+    marks.setdefault((default.leaf_capacity, default.max_depth), []).append("default")
+    marks.setdefault((best.leaf_capacity, best.max_depth), []).append("best")
+    return marks
+
+
+def _mark(axes: Axes, place: tuple[int, int], words: list[str], *, dark: bool) -> None:
+    column, row = place
+    colour = MARKS[words[-1]]
+    corner, side = (column - 0.44, row - 0.44), 0.88
+    axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2.0))
+    axes.text(
+        *(column, row - 0.40, ", ".join(words)),
+        ha="center",
+        va="bottom",
+        fontsize=7,
+        color=PAPER if dark else colour,
+    )
+
+
+def _colour_bar(figure: Figure, axes: list[Axes], words: str) -> None:
+    bar = figure.colorbar(ScalarMappable(_norm(), SLOWNESS), ax=axes, pad=0.02, aspect=32)
+    bar.set_label(words, color=INK)
+    bar.ax.yaxis.set_major_locator(FixedLocator(TICKS))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    bar.ax.tick_params(colors=INK, labelsize=9)
+    bar.outline.set_visible(False)  # type: ignore[operator]
 
 
 def curves(tuning: Tuning, path: Path) -> bool:
@@ -143,7 +175,7 @@ def curves(tuning: Tuning, path: Path) -> bool:
     _draw_sizes(right, tuning)
     words = "Number of particles, and size of their world"
     _frame_texts(figure, words, title(tuning), CURVES_NOTE)
-    _save(figure, path)
+    figure.savefig(path)
     return True
 
 
@@ -281,7 +313,3 @@ def _norm() -> LogNorm:
 
 def _multiple(times: float) -> str:
     return f"{times:.2f}" if times < 1.995 else f"{times:.1f}" if times < 9.95 else f"{times:.0f}"
-
-
-def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path)

@@ -88,7 +88,7 @@ def _settings_table(tuning: Tuning) -> Table:
         ("best", tuning.best()),
         ("default", tuning.default),
         ("the article's", article),
-        ("slowest measured", worst),
+        ("slowest", worst),
     ):
         outcome = tuning.final.get(setting) or tuning.settings.get(setting, Outcome())
         limit = "none" if setting.max_depth == tuning.default.max_depth else f"{setting.max_depth}"

@@ -11,7 +11,7 @@ from jostle.tune.sample import Sample
 from jostle.tune.timing import Outcome, Race, Ratio, compare
 
 ARTICLE_CAPACITY, ARTICLE_DEPTH = 3, 5  # its "4" is one subdivision more than it says
-CAPACITIES = (ARTICLE_CAPACITY, 8, 16, 24, 32, 48, 64, 96, 128, 256)
+CAPACITIES = (ARTICLE_CAPACITY, 8, 16, 24, 32, 40, 48, 64, 96, 128, 256)
 DEPTHS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 24)
 WORLD_SIZES = (0.5, 0.7, 1.0, 1.4, 2.0, 4.0)
 SIZE_CAPACITIES = (8, 16, 32, 48, 64, 128)
