@@ -90,7 +90,7 @@ def _settings_table(tuning: Tuning) -> Table:
         ("the article's", article),
         ("slowest", worst),
     ):
-        outcome = tuning.final.get(setting) or tuning.settings.get(setting, Outcome())
+        outcome = tuning.outcome(setting)
         limit = "none" if setting.max_depth == tuning.default.max_depth else f"{setting.max_depth}"
         if setting == article:
             limit = f"{ARTICLE_DEPTH}"

@@ -20,6 +20,8 @@ COUNT_METHODS: tuple[Method, ...] = ("quadtree", "brute force", "article's tree"
 ARTICLE_MOST = 10_000  # particles; a single frame of more takes many seconds
 
 TOO_SLOW = 20.0  # times the default: settings beyond are of no use to anybody
+EQUAL = 1.02  # times the quickest, up to which a setting without a limit of depth is preferred
+FINAL_ROUNDS = 10  # times those of a sweep: longer than a short disturbance
 FINALISTS = 2  # of the sweep's best, with a limit of depth and without, beside the default
 
 
@@ -30,7 +32,7 @@ class Effort:
     Attributes
     ----------
     rounds
-        Of each sweep, as far as `seconds` allow; the final has three times as many.
+        Of each sweep, as far as `seconds` allow.
     seconds
         For all sweeps together.
     limit
@@ -98,10 +100,9 @@ class Tuning:
             return self.default
         quickest = measured[0]
         for setting in measured:
-            unlimited = setting.max_depth == self.default.max_depth
-            if unlimited and (
-                setting == quickest or compare(outcomes[setting], outcomes[quickest]).within_noise
-            ):
+            behind = compare(outcomes[setting], outcomes[quickest])
+            close = setting == quickest or (behind.within_noise and behind.median <= EQUAL)
+            if close and setting.max_depth == self.default.max_depth:
                 return setting
         return quickest
 
@@ -113,6 +114,10 @@ class Tuning:
         """Return the time of the default over that of the best."""
         outcomes = self._latest()
         return compare(outcomes.get(self.default, Outcome()), outcomes.get(self.best(), Outcome()))
+
+    def outcome(self, setting: Setting) -> Outcome:
+        """Return what is known of a setting: from the final, if it was in it."""
+        return {**self.settings, **self._latest()}.get(setting, Outcome())
 
     def against_default(self, setting: Setting) -> Ratio:
         """Return the time of a setting over that of the default, both of the same rounds."""
@@ -144,7 +149,7 @@ class Tuner:
         self._seed = seed
         self._sample = Sample.of(scene, n, seed)
 
-    def settings(self, watch: Watch, share: float = 0.45) -> None:
+    def settings(self, watch: Watch, share: float = 0.4) -> None:
         """Sweep leaf capacity × depth."""
         tuning, default = self.tuning, self.tuning.default
         for capacity in sorted({*CAPACITIES, default.leaf_capacity}):
@@ -173,7 +178,7 @@ class Tuner:
         limit = 10 * TOO_SLOW * self._once(default)
         self._race(self.tuning.sizes, "world size", tries, watch, share, limit)
 
-    def counts(self, watch: Watch, share: float = 0.4) -> None:
+    def counts(self, watch: Watch, share: float = 0.35) -> None:
         """Sweep the number of particles, with the tree, by brute force and as the article did."""
         tuning, effort = self.tuning, self.effort
         tries = {}
@@ -189,7 +194,7 @@ class Tuner:
         limit = max(effort.limit, 2 * self._once(tuning.default))
         self._race(tuning.counts, "number of particles", tries, watch, share, limit)
 
-    def final(self, watch: Watch, share: float = 0.2) -> None:
+    def final(self, watch: Watch, share: float = 0.1) -> None:
         """Time the best of the sweep, the default and the article's setting anew, by themselves.
 
         The best of a hundred settings owes part of its lead to luck; fresh rounds show the rest.
@@ -202,7 +207,7 @@ class Tuner:
         also = [article] if article in measured else []
         finalists = [tuning.default, *measured[:FINALISTS], *unlimited[:FINALISTS], *also]
         tries = dict.fromkeys(finalists, self._sample)
-        rounds = 3 * self.effort.rounds
+        rounds = FINAL_ROUNDS * self.effort.rounds
         self._race(tuning.final, "final", tries, watch, share, rounds=rounds)
 
     def _race(
