@@ -80,8 +80,16 @@ def test_short_calls_are_repeated_within_a_measurement() -> None:
         {"short": clock.takes("short", 0.75e-3), "long": clock.takes("long", 1.0)}, clock=clock
     )
     race.run(1)
-    assert clock.log.count("short") == 1 + 3 and clock.log.count("long") == 1 + 1
+    assert clock.log.count("short") == 1 + 7 and clock.log.count("long") == 1 + 1
     assert race.outcomes["short"].median == pytest.approx(0.75e-3)
+
+
+def test_a_measurement_is_the_median_of_its_calls() -> None:
+    clock = FalseTime()
+    calls = (1e-3, *(1e-3, 50.0, 1e-3, 1e-3, 1e-3))
+    race = Race({"a": clock.takes("a", *calls)}, clock=clock)
+    race.run(1)
+    assert race.outcomes["a"].median == pytest.approx(1e-3)
 
 
 def test_what_is_expected_to_be_slow_is_never_called() -> None:

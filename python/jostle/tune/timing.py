@@ -1,6 +1,7 @@
 """The protocol: every round times every contender once, in an order drawn anew.
 
-So the noise of the machine falls on all alike, and two contenders can be compared round by round.
+So the noise of the machine falls on all alike, and two contenders can be compared round by round. A
+measurement is the median of a few calls: what else the machine does now and then is not in it.
 What would take too long is found out before it is run, or after it ran once, and left out.
 """
 
@@ -17,7 +18,7 @@ from typing import Generic, TypeVar
 Key = TypeVar("Key", bound=Hashable)
 Clock = Callable[[], float]
 
-LEAST = 2e-3  # seconds of one measurement; shorter calls are repeated within it
+LEAST = 5e-3  # seconds of one measurement; shorter calls are repeated within it
 MOST_CALLS = 200  # in one measurement
 FORGIVEN = 5  # times the limit: up to there a contender has a second chance
 CONFIDENCE = 0.95
@@ -181,7 +182,7 @@ class Race(Generic[Key]):
         found: dict[Key, float] = {}
         for key in self._shuffled(self._calls):
             calls, contender = self._calls[key], self._contenders[key]
-            found[key] = sum(self._time(contender) for _ in range(calls)) / calls
+            found[key] = statistics.median(self._time(contender) for _ in range(calls))
             advance(1)
         for key, seconds in found.items():
             self.outcomes[key].rounds.append(seconds)
