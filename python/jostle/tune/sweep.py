@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from jostle.tune.contenders import Method, Setting, Work, contender, defaults, tree
 from jostle.tune.sample import Sample
-from jostle.tune.timing import Outcome, Race, Ratio, compare
+from jostle.tune.timing import LEAST, Outcome, Race, Ratio, compare
 
 ARTICLE_CAPACITY, ARTICLE_DEPTH = 3, 5  # its "4" is one subdivision more than it says
 CAPACITIES = (ARTICLE_CAPACITY, 8, 16, 24, 32, 40, 48, 64, 96, 128, 256)
@@ -161,7 +161,7 @@ class Tuner:
             for capacity in tuning.tree_depths
             for depth in (*DEPTHS, default.max_depth)
         }
-        limit = TOO_SLOW * self._once(default)
+        limit = max(TOO_SLOW * self._once(default), LEAST)
         self._race(tuning.settings, "leaf capacity × depth", tries, watch, share, limit)
 
     def sizes(self, watch: Watch, share: float = 0.15) -> None:
@@ -175,7 +175,7 @@ class Tuner:
             sample = self._sample.resized(size)
             for capacity in capacities:
                 tries[Setting(self.tuning.n, size, capacity, default.max_depth)] = sample
-        limit = 10 * TOO_SLOW * self._once(default)
+        limit = max(10 * TOO_SLOW * self._once(default), LEAST)
         self._race(self.tuning.sizes, "world size", tries, watch, share, limit)
 
     def counts(self, watch: Watch, share: float = 0.35) -> None:
