@@ -41,13 +41,12 @@ SLOWNESS = LinearSegmentedColormap.from_list(
 )
 TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 DARK = 3.6  # times the best, from which on a cell needs white words
-MARKS = {"article": METHOD_COLOURS["article's tree"], "default": INK, "best": BEST}
 CAPACITY_LABEL = "leaf capacity: most particles in a box that does not split"
 DEPTH_LABEL = "maximum depth: most subdivisions"
 DOTS = 144  # an inch
 MAP_NOTE = (
-    "Bold: cannot be told apart from the quickest. A depth that no branch reaches makes the tree "
-    "of the row without a limit; it was timed once."
+    "Red frame: the best. Bold: cannot be told apart from the quickest. "
+    "A depth that no branch reaches makes the tree of the row without a limit; it was timed once."
 )
 CURVES_NOTE = (
     "Brute force runs in the same core as the tree; the article's time is a whole frame of its "
@@ -74,15 +73,17 @@ def settings(tuning: Tuning, path: Path) -> bool:
 def maps(tunings: Sequence[Tuning], columns: int, path: Path) -> None:
     """Draw the maps of several scenes into one picture."""
     rows = -(-len(tunings) // columns)
-    figure = _figure(6.0 * columns + 1.0, 3.9 * rows + 1.2)
+    figure = _figure(5.8 * columns + 1.0, 3.9 * rows + 1.2)
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, tuning in zip(grid.flat, tunings, strict=False):
         draw_map(axes, tuning)
         axes.set_title(tuning.scene, loc="left", fontsize=11, fontweight="bold", color=INK)
     for axes in grid.flat[len(tunings) :]:
         axes.set_axis_off()
-    figure.supxlabel(CAPACITY_LABEL, fontsize=10, color=INK)
-    figure.supylabel(DEPTH_LABEL, fontsize=10, color=INK)
+    for axes in grid[-1]:
+        axes.set_xlabel(CAPACITY_LABEL, color=INK)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(DEPTH_LABEL, color=INK)
     _colour_bar(figure, list(grid.flat), "time, as a multiple of the scene's quickest")
     details = title(tunings[0]).partition(", ")[2]
     _frame_texts(figure, "Leaf capacity and depth", details, MAP_NOTE)
@@ -131,28 +132,24 @@ def map_depths(tuning: Tuning) -> list[int]:
     return [*(depth for depth in DEPTHS if depth < deepest), tuning.default.max_depth]
 
 
-def _marks(tuning: Tuning) -> dict[tuple[int, int], list[str]]:
-    """Return the cells to be framed, and what they are."""
-    marks: dict[tuple[int, int], list[str]] = {}
+def _marks(tuning: Tuning) -> dict[tuple[int, int], tuple[str, str]]:
+    """Return the cells to be framed: the word in each, and the colour of its frame."""
     best, default = tuning.best(), tuning.default
-    marks.setdefault((ARTICLE_CAPACITY, ARTICLE_DEPTH), []).append("article")
-    marks.setdefault((default.leaf_capacity, default.max_depth), []).append("default")
-    marks.setdefault((best.leaf_capacity, best.max_depth), []).append("best")
-    return marks
+    marks = {
+        (ARTICLE_CAPACITY, ARTICLE_DEPTH): ("article", METHOD_COLOURS["article's tree"]),
+        (default.leaf_capacity, default.max_depth): ("default", INK),
+    }
+    cell = (best.leaf_capacity, best.max_depth)
+    word, _ = marks.get(cell, ("best", BEST))
+    return {**marks, cell: (word, BEST)}
 
 
-def _mark(axes: Axes, place: tuple[int, int], words: list[str], *, dark: bool) -> None:
-    column, row = place
-    colour = MARKS[words[-1]]
+def _mark(axes: Axes, place: tuple[int, int], mark: tuple[str, str], *, dark: bool) -> None:
+    (column, row), (word, colour) = place, mark
     corner, side = (column - 0.44, row - 0.44), 0.88
     axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2.0))
-    axes.text(
-        *(column, row - 0.40, ", ".join(words)),
-        ha="center",
-        va="bottom",
-        fontsize=7,
-        color=PAPER if dark else colour,
-    )
+    words = PAPER if dark else colour
+    axes.text(column, row - 0.40, word, ha="center", va="bottom", fontsize=7, color=words)
 
 
 def _colour_bar(figure: Figure, axes: list[Axes], words: str) -> None:
