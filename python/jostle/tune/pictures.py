@@ -46,7 +46,7 @@ DEPTH_LABEL = "maximum depth: most subdivisions"
 DOTS = 144  # an inch
 MAP_NOTE = (
     "Red frame: the best. Bold: cannot be told apart from the quickest. "
-    "A depth that no branch reaches makes the tree of the row without a limit; it was timed once."
+    "A depth that no branch reaches makes the tree of the row without a limit, timed once."
 )
 CURVES_NOTE = (
     "Brute force runs in the same core as the tree; the article's time is a whole frame of its "
@@ -202,11 +202,10 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
     axes.axhline(1e3 * FRAME, color=SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     axes.annotate(
         "1/60 s",
-        (1, 1e3 * FRAME),
+        (0, 1e3 * FRAME),
         xycoords=("axes fraction", "data"),
-        xytext=(-4, 3),
+        xytext=(5, 3),
         textcoords="offset points",
-        ha="right",
         fontsize=8.5,
         color=SOFT,
     )
