@@ -181,7 +181,27 @@ def test_importing_jostle_loads_no_part_of_the_app() -> None:
     code = "import sys, jostle, jostle.article; print(*sys.modules)"
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-    assert not {"pygame", "rich", "typer", "imageio_ffmpeg", "jostle.app"} & set(loaded)
+    extra = {"pygame", "rich", "typer", "imageio_ffmpeg", "matplotlib"}
+    assert not {*extra, "jostle.app", "jostle.tune"} & set(loaded)
+
+
+SIBLINGS = {"app": "tune", "tune": "app"}
+
+
+@pytest.mark.parametrize("room", SIBLINGS)
+def test_app_and_tuning_do_not_know_each_other(room: str) -> None:
+    above = rf"jostle\.(?:{SIBLINGS[room]}|cli)\b"
+    for path in sorted((PACKAGE / room).rglob("*.py")):
+        assert not [name for name in imports(path) if re.match(above, name)], path.name
+
+
+def test_only_the_pictures_of_the_tuning_know_matplotlib() -> None:
+    knowing = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in PACKAGE.rglob("*.py")
+        if any(name.split(".")[0] == "matplotlib" for name in imports(path))
+    }
+    assert knowing == {"tune/pictures.py"}
 
 
 @pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))
