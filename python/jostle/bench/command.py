@@ -71,7 +71,7 @@ def bench(
                 if results:
                     results.add([{"kind": race.kind} | {c: row[c] for c in KEPT} for row in group])
                 bar.advance(task)
-            console.print(table(race, rows))
+            console.print(title(race), table(race, rows), sep="\n")
     if results:
         console.print(f"written to {results.path}", highlight=False, soft_wrap=True)
 
@@ -84,11 +84,15 @@ def who_is_there() -> str:
     return f"beside {there or 'nothing'}" + (f"; not installed: {missing}" if missing else "")
 
 
+def title(race: Race) -> str:
+    """Say what a table shows."""
+    what = "all pairs" if race.kind == "pairs" else "one step, positions read"
+    return f"\n[bold]{race.scene}[/bold]: {what}; ns a shape (× jostle on one thread)"
+
+
 def table(race: Race, rows: list[Row]) -> Table:
     """Show nanoseconds for each shape, and how many times as long as the first row they are."""
-    what = "all pairs" if race.kind == "pairs" else "one step, positions read"
-    title = f"{race.scene}: {what}, ns a shape (times jostle's on one thread)"
-    shown = Table(title=title, title_justify="left", box=None, padding=(0, 2, 0, 0))
+    shown = Table(box=None, padding=(0, 2, 0, 0))
     shown.add_column("", style="cyan", no_wrap=True)
     for count in race.counts:
         shown.add_column(f"{count:,}", justify="right", no_wrap=True)

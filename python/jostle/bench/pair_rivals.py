@@ -126,10 +126,11 @@ def shapely_within(shapes: Shapes, threads: int) -> Pairs:
 # ---- neighbour lists of chemistry ----------------------------------------------------------------
 
 
-MATSCIPY_CELLS_A_DISC = 100
+MATSCIPY_CELLS = 3e7
+"""More cells than this take gigabytes."""
 
 VESIN_CELLS = 95_000
-"""Where vesin 0.6 comes to 100,000 cells in a layer, it divides by zero; this is on the safe side."""
+"""Where vesin 0.6 comes to 100,000 cells in a layer, it divides by zero and ends the program."""
 
 
 def matscipy_list(shapes: Shapes, threads: int) -> Pairs:
@@ -139,7 +140,7 @@ def matscipy_list(shapes: Shapes, threads: int) -> Pairs:
     places, sides, widest = _layer(shapes)
     cutoff = 2 * shapes.radii if shapes.equal else shapes.column()
     sides[2] = widest
-    if sides[0] * sides[1] / widest**2 > MATSCIPY_CELLS_A_DISC * len(shapes):
+    if sides[0] * sides[1] / widest**2 > MATSCIPY_CELLS:
         raise Unable("its grid would need too much memory in so wide a world")
     i, j = neighbour_list(
         "ij", positions=places, cutoff=cutoff, cell=np.diag(sides), pbc=[False] * 3
