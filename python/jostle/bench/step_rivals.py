@@ -172,7 +172,8 @@ def pymunk_space(
     def read(field: pymunk.batch.BodyFields) -> Column:
         buffer.clear()
         pymunk.batch.get_space_bodies(space, field, buffer)
-        return np.frombuffer(buffer.float_buf()).reshape(-1, 2).copy()
+        # The body of the walls comes last.
+        return np.frombuffer(buffer.float_buf()).reshape(-1, 2)[: len(start)].copy()
 
     def frame_by_body() -> Column:
         step()
