@@ -69,7 +69,7 @@ def best(rows: Iterable[Row], unit: float) -> Line:
 # ---- how every picture looks ---------------------------------------------------------------------
 
 
-def figure(columns: int, width: float, height: float, rows: int = 1):
+def figure(columns: int, width: float, height: float, rows: int = 1, same: bool = False):
     """Return a figure and its panels, all in one look."""
     import matplotlib as mpl
 
@@ -99,7 +99,9 @@ def figure(columns: int, width: float, height: float, rows: int = 1):
             "savefig.dpi": 150,
         }
     )
-    return plt.subplots(rows, columns, figsize=(width, height), layout="constrained", squeeze=False)
+    return plt.subplots(
+        rows, columns, figsize=(width, height), layout="constrained", squeeze=False, sharey=same
+    )
 
 
 def save(drawing, path: Path, rows: list[Row], title: str) -> None:
@@ -129,6 +131,16 @@ def logarithmic(axes, x: str, y: str, both: bool = True) -> None:
     axes.minorticks_off()
     axes.set_xlabel(x)
     axes.set_ylabel(y)
+
+
+def legend(drawing, panels) -> None:
+    """Name the lines of all panels once, from the slowest to the quickest where they end."""
+    ends: dict[str, tuple[float, object]] = {}
+    for axes in panels.flat:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            ends.setdefault(label, (handle.get_ydata()[-1], handle))
+    names = sorted(ends, key=lambda label: -ends[label][0])
+    drawing.legend([ends[label][1] for label in names], names, loc="outside right center")
 
 
 # ---- the pictures --------------------------------------------------------------------------------
@@ -172,7 +184,7 @@ def pair_lines(rows: list[Row]) -> Iterator[tuple[str, list[Row], dict[str, obje
 
 def draw_pairs(rows: list[Row], path: Path) -> None:
     """Four scenes, nanoseconds a shape."""
-    drawing, panels = figure(2, 9.5, 7.2, rows=2)
+    drawing, panels = figure(2, 9.5, 7.2, rows=2, same=True)
     for axes, (scene, title) in zip(panels.flat, PAIR_PANELS.items(), strict=True):
         for label, own, look in pair_lines([row for row in rows if row["scene"] == scene]):
             counts, each = best(own, 1e-9)
@@ -182,18 +194,13 @@ def draw_pairs(rows: list[Row], path: Path) -> None:
         logarithmic(axes, "shapes", "ns a shape")
         axes.set_title(title)
         axes.set_ylim(30, 300_000)
-    handles = {
-        label: handle
-        for axes in panels.flat
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    drawing.legend(handles.values(), handles.keys(), loc="outside right center")
+    legend(drawing, panels)
     save(drawing, path, rows, "All overlapping pairs, building included")
 
 
 def draw_step(rows: list[Row], path: Path) -> None:
     """Two scenes, milliseconds a frame."""
-    drawing, panels = figure(2, 9.5, 4.4)
+    drawing, panels = figure(2, 9.5, 4.4, same=True)
     looks: dict[str, tuple[Callable[[Row], bool], dict[str, object]]] = {
         "jostle, 1 thread": (
             lambda row: row["name"] == "jostle" and row["threads"] == "1",
@@ -244,12 +251,7 @@ def draw_step(rows: list[Row], path: Path) -> None:
         )
         logarithmic(axes, "discs", "ms a frame")
         axes.set_title(title)
-    handles = {
-        label: handle
-        for axes in panels.flat
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    drawing.legend(handles.values(), handles.keys(), loc="outside right center")
+    legend(drawing, panels)
     save(drawing, path, rows, "One frame of a simulation, all positions read")
 
 
@@ -307,8 +309,8 @@ def draw_growth(rows: list[Row], path: Path) -> None:
     logarithmic(panels[0], "discs", "ms")
     panels[0].set_title("time")
     panels[0].legend(loc="upper left")
-    logarithmic(panels[1], "discs", "bytes a disc", both=False)
-    panels[1].set_title("peak memory beyond the arrays, the answer included")
+    logarithmic(panels[1], "discs", "bytes a disc, answer included", both=False)
+    panels[1].set_title("peak memory beyond the arrays")
     panels[1].set_ylim(bottom=0)
     panels[1].legend(loc="upper right")
     save(drawing, path, rows, "find_pairs against the number of discs (float32, 40 % of the area)")

@@ -21,6 +21,7 @@ import hard_cases
 import plot
 import share
 import small
+import tables
 
 from jostle.bench import held, pairs, steps
 from jostle.bench.machine import Results, Row, describe, slug
@@ -98,7 +99,11 @@ def main() -> None:
     print(describe())
     failed = [part for part in parts if part in PARTS and not run(part, options)]
     if "plot" in parts:
-        plot.draw_all(options.out, plot.PICTURES if options.out == plot.RESULTS else options.out)
+        if options.out == plot.RESULTS:
+            plot.draw_all(plot.RESULTS, plot.PICTURES)
+            tables.write_all(plot.RESULTS)
+        else:  # a trial: the documents stay as they are
+            plot.draw_all(options.out, options.out)
     if failed:
         raise SystemExit(f"failed: {', '.join(failed)}")
 
