@@ -24,6 +24,9 @@ Told = Callable[[str], None]
 SWEEP_MOST = 30_000
 """Settings are compared on scenes up to this size; larger scenes take over what won there."""
 
+ONCE = 4
+"""What takes up to so many times the patience is timed once; the rest is not tried."""
+
 SLACK = 1e-6
 """Pairs that touch to this share of the largest coordinate, which is about the last bit of a
 float32, may be in one answer and not in another."""
@@ -77,7 +80,8 @@ def race(
     rounds : int
         How often each is timed.
     patience : float
-        Seconds. One that needs longer for an answer is timed once, and left out of larger scenes.
+        Seconds. One that needs longer for an answer is timed once; one that would need `ONCE` times
+        as long is left out.
     threads : sequence of int
         Numbers of threads, for those that have a choice.
     rivals : sequence of Rival, optional
@@ -100,7 +104,7 @@ def race(
             row = begin(entrant, shapes, len(expected))
             rows.append(row)
             told(f"{scene}, {count:,}: {entrant.name}")
-            if entrant.seconds_a_shape * count > patience or count > entrant.rival.most:
+            if entrant.seconds_a_shape * count > ONCE * patience or count > entrant.rival.most:
                 row["note"] = "not tried at this size"
                 continue
             try:
