@@ -62,6 +62,8 @@ class Running:
     frames: dict[str, Callable[[], object]]
     state: Callable[[], tuple[Column, Column]]
     """Positions and velocities, in the order of the beginning."""
+    close: Callable[[], object] = lambda: None
+    """Is called when nobody needs it any more."""
 
 
 def begun(world: jostle.World) -> Beginning:
@@ -189,7 +191,17 @@ def pymunk_space(
             np.array([body.velocity for body in bodies]),
         )
 
-    return Running({"body by body": frame_by_body, "batch": frame_by_batch}, state)
+    def close() -> None:
+        # Its own clearing up goes through all contacts for each body: minutes for 200,000. So the
+        # memory is left to the end of the program.
+        from pymunk._chipmunk_cffi import ffi
+
+        shapes = [shape for body in bodies for shape in body.shapes]
+        handles = [body._body for body in bodies] + [shape._shape for shape in shapes]
+        for handle in (space._space, *handles):
+            ffi.gc(handle, None)
+
+    return Running({"body by body": frame_by_body, "batch": frame_by_batch}, state, close)
 
 
 def walls(

@@ -99,6 +99,7 @@ def race(
             return
         rows: list[Row] = []
         timed: list[tuple[Row, Call, Entrant | None]] = []
+        everything: list[Running] = []
         for entrant in everyone:
             row = begin(scene, start, entrant)
             if entrant.seconds_a_disc * count > patience:
@@ -106,6 +107,7 @@ def race(
                 continue
             told(f"{scene}, {count:,}: {entrant.name}, compared")
             running = best_index(entrant, start).make(start)
+            everything.append(running)
             slowest = max(clock(frame) for frame in running.frames.values())
             entrant.seconds_a_disc = slowest / count
             if slowest > patience:
@@ -119,7 +121,9 @@ def race(
             for method in ("quadtree", "brute"):
                 row, old_frame = article_row(scene, count, method)
                 rows.append(row)
-                if old_frame is not None and clock(old_frame) < patience:
+                if old_frame is None or clock(old_frame) > patience:
+                    row["note"] = "too slow at this size"
+                else:
                     timed.append((row, old_frame, None))
         told(f"{scene}, {count:,}: {rounds} rounds of {len(timed)}")
         timings = interleaved([frame for _, frame, _ in timed], rounds)
@@ -127,6 +131,8 @@ def race(
             row |= timing.columns()
             if raced is not None:
                 raced.seconds_a_disc = timing.median / count
+        for running in everything:
+            running.close()
         yield rows
 
 
@@ -175,12 +181,15 @@ def after_a_second(running: Running, start: Beginning) -> Row:
 def best_index(entrant: Entrant, start: Beginning) -> Entrant:
     """Let a simulation that has a choice of indices take the quicker one for these discs."""
     if entrant.indices and len(start) <= SWEEP_MOST:
-        frames = [next(reversed(make(start).frames.values())) for make in entrant.indices]
+        tried = [make(start) for make in entrant.indices]
+        frames = [next(reversed(running.frames.values())) for running in tried]
         for _ in range(CHECKED_FRAMES // 4):
             for frame in frames:
                 frame()
         medians = [timing.median for timing in interleaved(frames, 5)]
         entrant.make = entrant.indices[medians.index(min(medians))]
+        for running in tried:
+            running.close()
     return entrant
 
 
