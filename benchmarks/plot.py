@@ -133,14 +133,15 @@ def logarithmic(axes, x: str, y: str, both: bool = True) -> None:
     axes.set_ylabel(y)
 
 
-def legend(drawing, panels) -> None:
-    """Name the lines of all panels once, from the slowest to the quickest where they end."""
-    ends: dict[str, tuple[float, object]] = {}
-    for axes in panels.flat:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            ends.setdefault(label, (handle.get_ydata()[-1], handle))
-    names = sorted(ends, key=lambda label: -ends[label][0])
-    drawing.legend([ends[label][1] for label in names], names, loc="outside right center")
+def legend(drawing, panels, order: Iterable[str]) -> None:
+    """Name the lines of all panels once."""
+    handles = {
+        label: handle
+        for axes in panels.flat
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    names = [label for label in order if label in handles]
+    drawing.legend([handles[name] for name in names], names, loc="outside right center")
 
 
 # ---- the pictures --------------------------------------------------------------------------------
@@ -194,7 +195,8 @@ def draw_pairs(rows: list[Row], path: Path) -> None:
         logarithmic(axes, "shapes", "ns a shape")
         axes.set_title(title)
         axes.set_ylim(30, 300_000)
-    legend(drawing, panels)
+    slowest_first = reversed([label for label, _, _ in pair_lines(rows)])
+    legend(drawing, panels, slowest_first)
     save(drawing, path, rows, "All overlapping pairs, building included")
 
 
@@ -239,19 +241,19 @@ def draw_step(rows: list[Row], path: Path) -> None:
             if counts:
                 axes.plot(counts, milliseconds, label=label, **look)
         axes.axhline(1000 / 60, color=FAINT, linewidth=0.9, linestyle=":")
-        axes.annotate(
-            "60 a second",
-            (1, 1000 / 60),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, 3),
-            textcoords="offset points",
-            ha="right",
-            color=FAINT,
-            fontsize=8,
-        )
         logarithmic(axes, "discs", "ms a frame")
         axes.set_title(title)
-    legend(drawing, panels)
+    panels[0, 0].annotate(
+        "60 a second",
+        (1, 1000 / 60),
+        xycoords=("axes fraction", "data"),
+        xytext=(0, 3),
+        textcoords="offset points",
+        ha="right",
+        color=FAINT,
+        fontsize=8,
+    )
+    legend(drawing, panels, reversed(looks))
     save(drawing, path, rows, "One frame of a simulation, all positions read")
 
 

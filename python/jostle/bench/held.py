@@ -40,7 +40,7 @@ LADDER = tuple(step * 10**power for power in range(1, 6) for step in STEPS)
 """Numbers of discs, each about a tenth above the last."""
 
 BUDGET = ways.FRAME
-HOPELESS = 2.5
+HOPELESS = 1.5
 """A fall that takes so many times the budget a frame does not end in a pile that is held."""
 
 Told = Callable[[str], None]

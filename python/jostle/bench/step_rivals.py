@@ -32,7 +32,7 @@ FRAME = 1 / 60
 SETTLED = 3.0
 """A pile rests when its discs move at less than this many pixels a second, root mean square."""
 
-LONGEST_FALL = 20 * 60
+LONGEST_FALL = 15 * 60
 """Frames after which a pile is taken as it is."""
 
 Column = NDArray[np.floating[Any]]
