@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from jostle.bench.pair_rivals import RIVALS, Rival, Unable
 from jostle.bench.timing import Timing, interleaved
 
 SCENES = list(shapes.SCENES)
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 
 # ---- scenes --------------------------------------------------------------------------------------
@@ -202,6 +204,33 @@ def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
 
 def test_a_machine_has_a_name_for_files() -> None:
     assert slug() == slug().lower() and " " not in slug() and "core" in slug()
+
+
+# ---- benchmarks/ ---------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
+    parts = ["pairs", "small", "share", "hard-cases"]
+    options = ["--largest", "100", "--rounds", "2", "--out", str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, BENCHMARKS / "run.py", *parts, *options], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
+
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- table: small -->\nold\n<!-- end -->\nafter\n")
+    code = (
+        "import sys, tables; from pathlib import Path; tables.write_all(*map(Path, sys.argv[1:]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, tmp_path, page], cwd=BENCHMARKS, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    written = page.read_text()
+    assert "old" not in written and "Worst ratio" in written
+    assert written.startswith("before\n") and written.endswith("after\n")
 
 
 # ---- the command ---------------------------------------------------------------------------------
