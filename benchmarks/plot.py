@@ -66,6 +66,12 @@ def best(rows: Iterable[Row], unit: float) -> Line:
     return counts, [least[count] for count in counts]
 
 
+def slope(rows: Iterable[Row]) -> float:
+    """Fit the power of the count with which time grows, from ten thousand on."""
+    counts, times = best([row for row in rows if int(row["count"]) >= 10_000], 1.0)
+    return float(np.polyfit(np.log(counts), np.log(times), 1)[0]) if len(counts) > 1 else np.nan
+
+
 # ---- how every picture looks ---------------------------------------------------------------------
 
 
@@ -300,10 +306,7 @@ def draw_growth(rows: list[Row], path: Path) -> None:
         seconds = np.array([float(row["median_s"]) for row in own])
         memory = np.array([int(row["peak_bytes"]) for row in own]) / counts
         label = f"{threads} thread" + "s" * (threads != "1")
-        large = counts >= 10_000
-        if np.count_nonzero(large) > 1:
-            slope = np.polyfit(np.log(counts[large]), np.log(seconds[large]), 1)[0]
-            label += f": time ∝ n^{slope:.2f} from 10k on"
+        label += f": grows as $n^{{{slope(own):.2f}}}$ from 10k on"
         look = {"color": COLOURS["jostle"], "linestyle": style, "marker": "o"}
         panels[0].plot(counts, 1e3 * seconds, label=label, **look)
         enough = counts >= 10_000  # below, pages of 4 KiB are coarser than what is asked
@@ -314,7 +317,7 @@ def draw_growth(rows: list[Row], path: Path) -> None:
     logarithmic(panels[1], "discs", "bytes a disc, answer included", both=False)
     panels[1].set_title("peak memory beyond the arrays")
     panels[1].set_ylim(bottom=0)
-    panels[1].legend(loc="upper right")
+    panels[1].legend(loc="lower right")
     save(drawing, path, rows, "find_pairs against the number of discs (float32, 40 % of the area)")
 
 

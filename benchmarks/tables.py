@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from plot import RESULTS, Row, read, short
+from plot import RESULTS, Row, read, short, slope
 
 from jostle.bench.machine import slug
 
@@ -126,7 +126,11 @@ def growth(rows: list[Row]) -> str:
         for count, own in pairs.items()
     )
     head = ["discs", "ns a disc, 1 thread", "2 threads", "peak bytes a disc, 1 thread", "2 threads"]
-    return table([*head, "of these the answer"], lines)
+    slopes = [slope([own[threads] for own in pairs.values()]) for threads in ("1", "2")]
+    grows = (
+        f"Time grows as n^{slopes[0]:.2f} from 10,000 discs on, n^{slopes[1]:.2f} on two threads."
+    )
+    return table([*head, "of these the answer"], lines) + f"\n\n{grows}"
 
 
 def share(rows: list[Row]) -> str:
