@@ -21,8 +21,11 @@ SCENES = ("gas", "pile")
 CHECKED_FRAMES = 60
 """Frames after which speeds and contacts are compared: a second."""
 
-SWEEP_MOST = 20_000
-"""Indices of pymunk are compared up to this size; larger scenes take over what won there."""
+COMPARED_MOST = 20_000
+"""Simulations, and the indices of pymunk, are compared up to this size. Larger scenes take over the
+index that won there, and are only run in."""
+
+RUN_IN_FRAMES = 10
 
 NEAR = 1.02
 """Discs count as touching up to this many times the sum of their radii."""
@@ -170,10 +173,16 @@ def article_row(scene: str, count: int, method: str) -> tuple[Row, Call | None]:
 
 
 def after_a_second(running: Running, start: Beginning) -> Row:
-    """Run for a second; return how fast the discs then are, and how many pairs touch."""
+    """Run for a second; return how fast the discs then are, and how many pairs touch.
+
+    Large scenes are only run in: nothing is returned.
+    """
     frame = next(reversed(running.frames.values()))
-    for _ in range(CHECKED_FRAMES):
+    compared = len(start) <= COMPARED_MOST
+    for _ in range(CHECKED_FRAMES if compared else RUN_IN_FRAMES):
         frame()
+    if not compared:
+        return {}
     positions, velocities = running.state()
     near = np.asarray(start.radii, np.float64) * NEAR
     contacts = len(jostle.find_pairs(positions.astype(np.float64), near))
@@ -182,7 +191,7 @@ def after_a_second(running: Running, start: Beginning) -> Row:
 
 def best_index(entrant: Entrant, start: Beginning) -> Entrant:
     """Let a simulation that has a choice of indices take the quicker one for these discs."""
-    if entrant.indices and len(start) <= SWEEP_MOST:
+    if entrant.indices and len(start) <= COMPARED_MOST:
         tried = [make(start) for make in entrant.indices]
         frames = [next(reversed(running.frames.values())) for running in tried]
         for _ in range(CHECKED_FRAMES // 4):
