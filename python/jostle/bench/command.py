@@ -94,7 +94,8 @@ def table(race: Race, rows: list[Row]) -> Table:
     """Show nanoseconds for each shape, and how many times as long as the first row they are."""
     shown = Table(box=None, padding=(0, 2, 0, 0))
     shown.add_column("", style="cyan", no_wrap=True)
-    for count in race.counts:
+    counts = [n for n in race.counts if any(row["count"] == n and row["rounds"] for row in rows)]
+    for count in counts:
         shown.add_column(f"{count:,}", justify="right", no_wrap=True)
     lines: dict[str, dict[object, Row]] = {}
     for row in rows:
@@ -102,7 +103,7 @@ def table(race: Race, rows: list[Row]) -> Table:
     first = next(iter(lines.values()), {})
     for name, cells in lines.items():
         if any(row["rounds"] for row in cells.values()):
-            shown.add_row(name, *(cell(cells.get(n), first.get(n)) for n in race.counts))
+            shown.add_row(name, *(cell(cells.get(n), first.get(n)) for n in counts))
     return shown
 
 
