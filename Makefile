@@ -47,10 +47,8 @@ lint: setup  ## check format, style and types
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy --package jostle --no-default-features --all-targets -- -D warnings
 
-bench: setup  ## measure pairs, steps and hard cases against the rivals
-	$(BIN)/python benchmarks/pairs.py $(ARGS)
-	$(BIN)/python benchmarks/step.py
-	$(BIN)/python benchmarks/hard_cases.py
+bench: setup $(VENV)/bench  ## measure against the rivals; ARGS="pairs plot" chooses parts
+	$(BIN)/python benchmarks/run.py $(ARGS)
 
 docs: setup  ## draw the pictures of the documents again
 	$(BIN)/python docs/pictures.py $(ARGS)
@@ -75,6 +73,10 @@ $(VENV)/run: $(VENV)/created requirements/run.txt
 
 $(VENV)/dev: $(VENV)/run requirements/dev.txt
 	$(BIN)/python -m pip install --quiet --requirement requirements/dev.txt
+	@touch $@
+
+$(VENV)/bench: $(VENV)/dev requirements/bench.txt
+	$(BIN)/python -m pip install --quiet --requirement requirements/bench.txt
 	@touch $@
 
 $(VENV)/wheel: $(VENV)/run $(SOURCES)

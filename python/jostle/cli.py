@@ -1,4 +1,4 @@
-"""The command: `jostle run`, `jostle tune`, `jostle scenes`."""
+"""The command: `jostle run`, `jostle tune`, `jostle scenes`, `jostle bench`."""
 
 from __future__ import annotations
 
@@ -146,6 +146,26 @@ def tune(
     )
     if not finished:
         raise typer.Exit(130)
+
+
+@app.command()
+def bench(
+    n: Annotated[int, typer.Option("-n", help="Most shapes in a scene.")] = 100_000,
+    rounds: Annotated[int, typer.Option(help="How often each is timed.")] = 9,
+    threads: Annotated[
+        int, typer.Option(help="Most threads, beside one, for those that have a choice.")
+    ] = 2,
+    csv: Annotated[Path | None, typer.Option(help="A file for the figures.")] = None,
+) -> None:
+    """Race jostle against the libraries that are installed, on this machine."""
+    from jostle.bench import command
+
+    _check_range("-n", n, 10, 10_000_000)
+    _check_range("--rounds", rounds, 1, 1_000)
+    _check_range("--threads", threads, 1, 1_024)
+    if csv is not None:
+        _check_folder(csv.parent)
+    command.bench(n, rounds, sorted({1, threads}), csv, console)
 
 
 def _show(options: Options, steps: int | None) -> str | None:
