@@ -1,0 +1,46 @@
+//! jostle's core against the best Rust and C have to offer, in one process.
+//!
+//! ```sh
+//! cargo run --release --manifest-path benchmarks/native/Cargo.toml -- pairs
+//! cargo run --release --manifest-path benchmarks/native/Cargo.toml -- step
+//! ```
+//!
+//! `pairs` finds all overlapping pairs, `step` moves a world on by 1/60 s. Options of both:
+//!
+//! ```text
+//! --counts 1000 100000      how many shapes or discs
+//! --scenes uniform mixed    which scenes
+//! --threads 1 2             how many threads
+//! --rivals jostle grid      only rivals whose names begin so
+//! --rounds 9                timings of each rival
+//! --keep no                 print only; leave benchmarks/results as it is
+//! ```
+//!
+//! Rivals get the same arrays and are compared before anything is timed: the pairs
+//! as sets, the worlds by what can be measured in them. Building and converting are
+//! inside the clock, the rounds of the rivals are interleaved, tables give medians and
+//! spread. The package stands outside the library's workspace, and needs a C compiler
+//! for Box2D.
+
+mod grid;
+mod machine;
+mod measure;
+mod options;
+mod pairs;
+mod rivals;
+mod scenes;
+mod simd;
+mod table;
+
+use options::Options;
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let command = arguments.next().unwrap_or_default();
+    let options = Options::parse(arguments);
+    println!("{}", machine::describe());
+    match command.as_str() {
+        "pairs" => pairs::run(&options),
+        _ => eprintln!("say what to measure: pairs or step"),
+    }
+}
