@@ -25,6 +25,7 @@
 mod grid;
 mod machine;
 mod measure;
+mod memory;
 mod options;
 mod pairs;
 mod rivals;
@@ -35,6 +36,7 @@ mod table;
 use options::Options;
 
 fn main() {
+    memory::keep();
     let mut arguments = std::env::args().skip(1);
     let command = arguments.next().unwrap_or_default();
     let options = Options::parse(arguments);

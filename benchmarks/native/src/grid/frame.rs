@@ -28,6 +28,7 @@ pub struct Axis {
 
 impl Axis {
     /// Cells of `size` or more over all coordinates.
+    #[inline(always)]
     fn over(coordinates: &[f32], size: f32) -> Self {
         let (start, end) = range(coordinates);
         let size = size.max((end - start) / MOST_CELLS).max(f32::MIN_POSITIVE);
@@ -53,20 +54,22 @@ impl Axis {
     }
 }
 
-/// The least and the greatest, in sixteen streams so that vectors can be used.
+/// The least and the greatest, in streams so that vectors can be used.
+#[inline(always)]
 fn range(coordinates: &[f32]) -> (f32, f32) {
-    let mut low = [f32::INFINITY; 16];
-    let mut high = [f32::NEG_INFINITY; 16];
-    let mut meet = |lane: usize, value: f32| {
-        low[lane] = if value < low[lane] { value } else { low[lane] };
-        high[lane] = if value > high[lane] { value } else { high[lane] };
-    };
-    let (chunks, rest) = coordinates.as_chunks::<16>();
+    const STREAMS: usize = 32;
+    let less = |a: f32, b: f32| if a < b { a } else { b };
+    let more = |a: f32, b: f32| if a > b { a } else { b };
+    let (chunks, rest) = coordinates.as_chunks::<STREAMS>();
+    let (mut low, mut high) = ([f32::INFINITY; STREAMS], [f32::NEG_INFINITY; STREAMS]);
     for chunk in chunks {
-        (0..16).for_each(|lane| meet(lane, chunk[lane]));
+        for lane in 0..STREAMS {
+            low[lane] = less(chunk[lane], low[lane]);
+            high[lane] = more(chunk[lane], high[lane]);
+        }
     }
-    rest.iter().for_each(|&value| meet(0, value));
-    (low.into_iter().fold(f32::INFINITY, f32::min), high.into_iter().fold(-f32::INFINITY, f32::max))
+    let low = low.iter().chain(rest).copied().fold(f32::INFINITY, less);
+    (low, high.iter().chain(rest).copied().fold(f32::NEG_INFINITY, more))
 }
 
 /// Cells in rows. A row has an empty cell before and behind it, and an empty row follows

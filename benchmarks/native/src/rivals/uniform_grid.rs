@@ -8,8 +8,9 @@ use crate::simd::Level;
 
 /// Cells that are tried, as multiples of the width and height at which a cell holds one
 /// shape, or of the discs' diameter where all are equal.
-const WIDTHS: [f32; 11] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 1e9];
-const HEIGHTS: [f32; 9] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 1e9];
+const WIDTHS: [f32; 14] =
+    [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 40.0, 80.0, 1e9];
+const HEIGHTS: [f32; 11] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0, 1e9];
 
 /// Cells above this number for each shape are not tried; they only take time and memory.
 const MOST_CELLS_EACH: f64 = 16.0;

@@ -7,6 +7,7 @@ use std::arch::x86_64::*;
 use std::ops::Range;
 
 use super::{BOXES, Columns, EQUAL, Kind, Lanes, Output, Work};
+use crate::rivals::Pair;
 
 const WIDTH: usize = 16;
 const HALF: usize = WIDTH / 2;
@@ -132,25 +133,44 @@ unsafe fn hits<const KIND: Kind>(all: &Columns, row: usize, from: usize, squared
 
 /// Writes the pairs of `own` with those of `others` that `hits` names.
 ///
+/// More than four at once are rare, and a store of four crosses fewer cache lines.
+///
 /// # Safety
 ///
 /// The instructions must be there, and room for sixteen pairs.
 #[inline(always)]
 unsafe fn emit(own: u32, others: __m512i, hits: u16, output: Output) -> Output {
     unsafe {
-        let low_half = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
         let others = _mm512_maskz_compress_epi32(hits, others);
+        let count = hits.count_ones() as usize;
+        let next = output.next();
+        if count > 4 {
+            emit_all(own, others, next);
+            return output.advance(count);
+        }
+        let (own, others) = (_mm_set1_epi32(own as i32), _mm512_castsi512_si128(others));
+        let (first, second) = (_mm_min_epu32(own, others), _mm_max_epu32(own, others));
+        _mm_storeu_si128(next.cast(), _mm_unpacklo_epi32(first, second));
+        _mm_storeu_si128(next.add(2).cast(), _mm_unpackhi_epi32(first, second));
+        output.advance(count)
+    }
+}
+
+/// Writes the pairs of `own` with all sixteen of `others`.
+///
+/// # Safety
+///
+/// As for [`emit`].
+#[inline(always)]
+unsafe fn emit_all(own: u32, others: __m512i, to: *mut Pair) {
+    unsafe {
+        let low_half = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+        let high_half = _mm512_add_epi32(low_half, _mm512_set1_epi32(8));
         let own = _mm512_set1_epi32(own as i32);
         let (first, second) = (_mm512_min_epu32(own, others), _mm512_max_epu32(own, others));
-        let next = output.next();
-        let pairs = _mm512_permutex2var_epi32(first, low_half, second);
-        _mm512_storeu_si512(next.cast(), pairs);
-        let count = hits.count_ones() as usize;
-        if count > HALF {
-            let high_half = _mm512_add_epi32(low_half, _mm512_set1_epi32(8));
-            let pairs = _mm512_permutex2var_epi32(first, high_half, second);
-            _mm512_storeu_si512(next.add(HALF).cast(), pairs);
-        }
-        output.advance(count)
+        let pairs =
+            [low_half, high_half].map(|half| _mm512_permutex2var_epi32(first, half, second));
+        _mm512_storeu_si512(to.cast(), pairs[0]);
+        _mm512_storeu_si512(to.add(HALF).cast(), pairs[1]);
     }
 }

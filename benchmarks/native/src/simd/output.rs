@@ -33,16 +33,11 @@ impl Output {
 
     /// With room for `more` pairs and a whole store behind them.
     #[inline(always)]
-    pub(super) fn with_room(self, more: usize) -> Self {
-        if self.capacity - self.len < more + STORED_AT_ONCE { self.grown(more) } else { self }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn grown(self, more: usize) -> Self {
-        let mut pairs = self.finish();
-        pairs.reserve(more + STORED_AT_ONCE);
-        Self::from(pairs)
+    pub(super) fn with_room(mut self, more: usize) -> Self {
+        if self.capacity - self.len < more + STORED_AT_ONCE {
+            (self.start, self.capacity) = grown(self.start, self.len, self.capacity, more);
+        }
+        self
     }
 
     /// Where the next pair goes; room was made by [`Output::with_room`].
@@ -60,4 +55,15 @@ impl Output {
         self.len += written;
         self
     }
+}
+
+/// Start and capacity of a vector that was taken apart, with room for `more`. Takes and gives
+/// single numbers: a whole [`Output`] would be forced out of its registers.
+#[cold]
+#[inline(never)]
+fn grown(start: *mut Pair, len: usize, capacity: usize, more: usize) -> (*mut Pair, usize) {
+    let mut pairs = Output { start, len, capacity }.finish();
+    pairs.reserve(more + STORED_AT_ONCE);
+    let Output { start, capacity, .. } = Output::from(pairs);
+    (start, capacity)
 }
