@@ -13,6 +13,7 @@
 //! --threads 1 2             how many threads
 //! --rivals jostle grid      only rivals whose names begin so
 //! --rounds 9                timings of each rival
+//! --substeps 4              parts of a step; the scene's own where nothing is said
 //! --keep no                 print only; leave benchmarks/results as it is
 //! ```
 //!
@@ -20,18 +21,22 @@
 //! as sets, the worlds by what can be measured in them. Building and converting are
 //! inside the clock, the rounds of the rivals are interleaved, tables give medians and
 //! spread. The package stands outside the library's workspace, and needs a C compiler
-//! for Box2D.
+//! for Box2D, whose wrapper leaves assertions on unless told otherwise: build with
+//! `CFLAGS="-O3 -DNDEBUG"` in the environment, or the results will say that it was slowed down.
 
 mod grid;
 mod machine;
 mod measure;
 mod memory;
+mod observed;
 mod options;
 mod pairs;
 mod rivals;
 mod scenes;
 mod simd;
+mod step;
 mod table;
+mod worlds;
 
 use options::Options;
 
@@ -43,6 +48,7 @@ fn main() {
     println!("{}", machine::describe());
     match command.as_str() {
         "pairs" => pairs::run(&options),
+        "step" => step::run(&options),
         _ => eprintln!("say what to measure: pairs or step"),
     }
 }

@@ -13,6 +13,8 @@ pub struct Options {
     pub rivals: Option<Vec<String>>,
     /// Timings of each rival.
     pub rounds: usize,
+    /// Parts of a step; the scene's own where nothing is said.
+    pub substeps: Option<usize>,
     /// Whether to write the results.
     pub keep: bool,
 }
@@ -26,6 +28,7 @@ impl Options {
             threads: vec![1, 2],
             rivals: None,
             rounds: 9,
+            substeps: None,
             keep: true,
         };
         let mut groups: Vec<(String, Vec<String>)> = Vec::new();
@@ -43,6 +46,7 @@ impl Options {
                 "threads" => options.threads = numbers(&values),
                 "rivals" => options.rivals = Some(values),
                 "rounds" => options.rounds = *numbers(&values).first().unwrap_or(&9),
+                "substeps" => options.substeps = numbers(&values).first().copied(),
                 "keep" => options.keep = values != ["no"],
                 _ => refuse(&name),
             }

@@ -40,12 +40,15 @@ impl Row {
         )
     }
 
-    /// Prints nanoseconds for each of `count`, the ratio to `first` and the spread.
+    /// Prints milliseconds, nanoseconds for each of `count`, the ratio to `first` and the spread.
     pub fn print(&self, first: &Timing) {
         let Self { rival, timing, remark, .. } = self;
         let each = |seconds: f64| 1e9 * seconds / self.count as f64;
         let (median, ratio) = (each(timing.median), timing.median / first.median);
         let spread = format!("({:.1} to {:.1})", each(timing.low), each(timing.high));
-        println!("  {rival:24} {median:9.1} ns each  ×{ratio:<7.2} {spread:20} {remark}");
+        let call = 1e3 * timing.median;
+        println!(
+            "  {rival:20} {call:9.3} ms {median:9.1} ns each  ×{ratio:<6.2} {spread:20} {remark}"
+        );
     }
 }
