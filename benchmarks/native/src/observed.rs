@@ -4,7 +4,7 @@ use std::fmt;
 
 use jostle::{Columns, pairs, settings};
 
-use crate::worlds::Start;
+use crate::worlds::{Start, State};
 
 /// Discs nearer than this much more than the sum of their radii touch; engines that leave
 /// a little room or overlap between resting discs are then counted alike.
@@ -31,7 +31,7 @@ pub struct Observed {
 
 impl Observed {
     /// Measures a state.
-    pub fn of(start: &Start, (positions, velocities): &(Vec<[f32; 2]>, Vec<[f32; 2]>)) -> Self {
+    pub fn of(start: &Start, (positions, velocities): &State) -> Self {
         let count = start.len() as f64;
         let squares = velocities.iter().map(|v| f64::from(v[0]).powi(2) + f64::from(v[1]).powi(2));
         let masses: Vec<f64> = start.radii.iter().map(|&r| f64::from(r).powi(2)).collect();

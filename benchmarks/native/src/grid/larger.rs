@@ -1,34 +1,40 @@
 //! Shapes of different sizes: each looks for those that are smaller than itself, as far as
 //! such a one can be away. Small ones look near, few large ones far.
 
-use super::frame::{CellSize, Frame};
+use std::ops::Range;
+
+use super::frame::CellSize;
 use super::sorted::Sorted;
+use super::{Sort, in_bands};
 use crate::rivals::Pair;
 use crate::scenes::Shapes;
 use crate::simd::{BOXES, DISCS, Kind, Lanes, Level, Output, Work};
 
-pub fn pairs(shapes: &Shapes, cell: CellSize, level: Level) -> Vec<Pair> {
-    if shapes.has_boxes() {
-        level.run(Larger::<BOXES> { shapes, cell })
-    } else {
-        level.run(Larger::<DISCS> { shapes, cell })
-    }
+pub fn pairs(shapes: &Shapes, cell: CellSize, level: Level, threads: usize) -> Vec<Pair> {
+    let sorted = level.run(Sort { shapes, cell, sized: true });
+    in_bands(shapes.len(), threads, |rows| {
+        if shapes.has_boxes() {
+            level.run(Join::<BOXES> { sorted: &sorted, rows })
+        } else {
+            level.run(Join::<DISCS> { sorted: &sorted, rows })
+        }
+    })
 }
 
-struct Larger<'a, const KIND: Kind> {
-    shapes: &'a Shapes,
-    cell: CellSize,
+/// The pairs of some of the sorted shapes with smaller ones.
+struct Join<'a, const KIND: Kind> {
+    sorted: &'a Sorted,
+    rows: Range<usize>,
 }
 
-impl<const KIND: Kind> Work for Larger<'_, KIND> {
+impl<const KIND: Kind> Work for Join<'_, KIND> {
     type Outcome = Vec<Pair>;
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Vec<Pair> {
-        let sorted = Sorted::new(self.shapes, Frame::over(self.shapes, self.cell), true);
-        let mut output = Output::new(self.shapes.len());
-        for row in 0..sorted.columns.len() {
-            output = around::<KIND, L>(&sorted, row, lanes, output);
+        let mut output = Output::new(self.rows.len());
+        for row in self.rows {
+            output = around::<KIND, L>(self.sorted, row, lanes, output);
         }
         output.finish()
     }

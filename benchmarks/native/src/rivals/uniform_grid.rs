@@ -22,12 +22,11 @@ const MOST_IN_ONE_CELL: usize = 2_000;
 pub fn tuned(shapes: &Shapes, threads: usize) -> Rival<'_> {
     let level = Level::best();
     let unit = unit(shapes);
-    let cell = best(shapes, unit, level);
-    let _ = threads;
+    let cell = best(shapes, unit, level, threads);
     Rival {
-        name: "grid, one thread",
+        name: "grid",
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        find: Box::new(move || grid::pairs(shapes, cell, level)),
+        find: Box::new(move || grid::pairs(shapes, cell, level, threads)),
         remark: format!("cells {:.2} × {:.2} of {unit:.3}", cell.width / unit, cell.height / unit),
     }
 }
@@ -50,9 +49,11 @@ fn area(shapes: &Shapes) -> f64 {
 }
 
 /// The quickest of all: each is tried once, the best few three times more.
-fn best(shapes: &Shapes, unit: f32, level: Level) -> CellSize {
+fn best(shapes: &Shapes, unit: f32, level: Level, threads: usize) -> CellSize {
     let time = |cell: CellSize| {
-        seconds(&mut (Box::new(|| drop(grid::pairs(shapes, cell, level))) as Box<dyn FnMut()>))
+        seconds(
+            &mut (Box::new(|| drop(grid::pairs(shapes, cell, level, threads))) as Box<dyn FnMut()>),
+        )
     };
     let mut tried: Vec<(f64, CellSize)> =
         sizes(shapes, unit).map(|cell| (time(cell), cell)).collect();

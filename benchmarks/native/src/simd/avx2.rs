@@ -54,7 +54,8 @@ impl Lanes for Avx2 {
             // SAFETY: `row` and `from` are rows, spare rows follow the last one, the
             // instructions are there, and there is room for every pair of the strip.
             output = unsafe {
-                let left = _bzhi_u32(0xff, (strip.end - from) as u32);
+                // The instruction looks at eight bits of the number only.
+                let left = _bzhi_u32(0xff, (strip.end - from).min(WIDTH) as u32);
                 let hits = left & hits::<KIND>(columns, row, from, reach_squared);
                 emit(columns, row, from, hits, output)
             };

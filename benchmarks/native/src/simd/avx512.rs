@@ -41,7 +41,8 @@ impl Lanes for Avx512 {
             // SAFETY: `row` and `from` are rows, spare rows follow the last one, the
             // instructions are there, and there is room for every pair of the strip.
             output = unsafe {
-                let left = _bzhi_u32(0xffff, (strip.end - from) as u32) as u16;
+                // The instruction looks at eight bits of the number only.
+                let left = _bzhi_u32(0xffff, (strip.end - from).min(WIDTH) as u32) as u16;
                 let hits = left & hits::<KIND>(columns, row, from, reach_squared);
                 let others = _mm512_loadu_si512(columns.id.as_ptr().add(from).cast());
                 emit(columns.id[row], others, hits, output)

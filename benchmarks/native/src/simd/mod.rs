@@ -50,11 +50,6 @@ impl Columns {
         Self { len, x, y, id, size, half }
     }
 
-    /// Number of shapes.
-    pub fn len(&self) -> usize {
-        self.len
-    }
-
     /// Centres, x, without the spare rows.
     pub fn x(&self) -> &[f32] {
         &self.x[..self.len]

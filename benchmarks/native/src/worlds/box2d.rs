@@ -8,7 +8,7 @@ use boxdd::{
     WorkerCount, World,
 };
 
-use super::{Engine, PIXELS_PER_METER, STEP, Start};
+use super::{Engine, PIXELS_PER_METER, STEP, Start, State};
 
 /// How the C code was compiled.
 pub fn built() -> &'static str {
@@ -68,7 +68,7 @@ impl Box2d {
         Ok(Self { world, bodies, substeps: start.substeps as i32 })
     }
 
-    fn try_state(&mut self) -> boxdd::Result<(Vec<[f32; 2]>, Vec<[f32; 2]>)> {
+    fn try_state(&mut self) -> boxdd::Result<State> {
         let (mut positions, mut velocities) = (Vec::new(), Vec::new());
         for &id in &self.bodies {
             let body = self.world.body(id)?;
@@ -85,7 +85,7 @@ impl Engine for Box2d {
         drop(self.world.step(STEP, self.substeps).expect("a step"));
     }
 
-    fn state(&mut self) -> (Vec<[f32; 2]>, Vec<[f32; 2]>) {
+    fn state(&mut self) -> State {
         self.try_state().expect("all bodies are alive")
     }
 }

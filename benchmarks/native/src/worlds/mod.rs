@@ -86,13 +86,16 @@ impl Start {
     }
 }
 
+/// Centres and velocities.
+pub type State = (Vec<[f32; 2]>, Vec<[f32; 2]>);
+
 /// An engine with a world in it.
 pub trait Engine {
     /// Moves the world on by [`STEP`].
     fn step(&mut self);
 
     /// Centres and velocities, in the order of the start.
-    fn state(&mut self) -> (Vec<[f32; 2]>, Vec<[f32; 2]>);
+    fn state(&mut self) -> State;
 }
 
 /// An engine under the name and version that the results give it.

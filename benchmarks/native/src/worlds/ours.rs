@@ -2,7 +2,7 @@
 
 use jostle::{Container, Particles, Settings, World, WorldSettings};
 
-use super::{Engine, STEP, Start};
+use super::{Engine, STEP, Start, State};
 
 /// See the module.
 pub struct Ours(World);
@@ -30,7 +30,7 @@ impl Engine for Ours {
         self.0.step(f64::from(STEP), 1, &mut |_| ()).expect("a step");
     }
 
-    fn state(&mut self) -> (Vec<[f32; 2]>, Vec<[f32; 2]>) {
+    fn state(&mut self) -> State {
         (self.0.positions(), self.0.velocities())
     }
 }

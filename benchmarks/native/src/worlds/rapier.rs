@@ -2,7 +2,7 @@
 
 use rapier2d::prelude::*;
 
-use super::{Engine, PIXELS_PER_METER, STEP, Start};
+use super::{Engine, PIXELS_PER_METER, STEP, Start, State};
 
 /// See the module.
 pub struct Rapier {
@@ -13,8 +13,8 @@ pub struct Rapier {
 impl Rapier {
     /// A world that `workers` threads step.
     pub fn new(start: &Start, workers: usize) -> Self {
-        let mut world = PhysicsWorld::default();
-        world.gravity = Vector::from(start.gravity);
+        let gravity = Vector::from(start.gravity);
+        let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
         let rules = &mut world.integration_parameters;
         rules.dt = STEP;
         rules.length_unit = PIXELS_PER_METER;
@@ -50,7 +50,7 @@ impl Engine for Rapier {
         self.world.step();
     }
 
-    fn state(&mut self) -> (Vec<[f32; 2]>, Vec<[f32; 2]>) {
+    fn state(&mut self) -> State {
         let bodies = self.bodies.iter().map(|&handle| &self.world.bodies[handle]);
         bodies.map(|body| (body.translation().to_array(), body.linvel().to_array())).unzip()
     }
