@@ -10,6 +10,8 @@ mod equal;
 mod frame;
 mod larger;
 mod sorted;
+#[cfg(test)]
+mod tests;
 
 pub use frame::CellSize;
 

@@ -141,14 +141,36 @@ impl Level {
     /// asks for less.
     pub fn best() -> Self {
         let asked = std::env::var("JOSTLE_RIVALS_SIMD").unwrap_or_default();
-        #[cfg(target_arch = "x86_64")]
-        if asked != "plain" && is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi2")
-        {
-            let wide = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq");
-            let wide = wide && is_x86_feature_detected!("avx512vl") && asked != "avx2";
-            return if wide { Self::Avx512 } else { Self::Avx2 };
+        match asked.as_str() {
+            "plain" => Self::Plain,
+            "avx2" if Self::Avx2.is_there() => Self::Avx2,
+            _ if Self::Avx512.is_there() => Self::Avx512,
+            _ if Self::Avx2.is_there() => Self::Avx2,
+            _ => Self::Plain,
         }
-        Self::Plain
+    }
+
+    /// Whether this processor has it.
+    pub fn is_there(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        return match self {
+            Self::Plain => true,
+            Self::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("popcnt")
+                    && is_x86_feature_detected!("lzcnt")
+            }
+            Self::Avx512 => {
+                Self::Avx2.is_there()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        return self == Self::Plain;
     }
 
     /// What it is called.
@@ -162,7 +184,7 @@ impl Level {
 
     /// Does `work`, compiled for this width.
     pub fn run<W: Work>(self, work: W) -> W::Outcome {
-        assert!(self == Self::Plain || self == Self::best() || Self::best() == Self::Avx512);
+        assert!(self.is_there(), "the processor has no {}", self.name());
         match self {
             Self::Plain => work.run(plain::Plain),
             // SAFETY: the processor has just said that it has the instructions.
