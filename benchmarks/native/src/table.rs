@@ -40,15 +40,17 @@ impl Row {
         )
     }
 
-    /// Prints milliseconds, nanoseconds for each of `count`, the ratio to `first` and the spread.
+    /// Prints milliseconds, nanoseconds for each of `count`, ratios to `first` of the medians
+    /// and, less disturbed by a busy machine, of the fastest rounds, and the spread.
     pub fn print(&self, first: &Timing) {
         let Self { rival, timing, remark, .. } = self;
         let each = |seconds: f64| 1e9 * seconds / self.count as f64;
-        let (median, ratio) = (each(timing.median), timing.median / first.median);
+        let (call, median) = (1e3 * timing.median, each(timing.median));
+        let ratios = [timing.median / first.median, timing.low / first.low];
+        let ratios = format!("×{:.2}, fastest ×{:.2}", ratios[0], ratios[1]);
         let spread = format!("({:.1} to {:.1})", each(timing.low), each(timing.high));
-        let call = 1e3 * timing.median;
         println!(
-            "  {rival:20} {call:9.3} ms {median:9.1} ns each  ×{ratio:<6.2} {spread:20} {remark}"
+            "  {rival:20} {call:9.3} ms {median:8.1} ns each {spread:20} {ratios:24} {remark}"
         );
     }
 }
