@@ -39,14 +39,25 @@ fn slug() -> String {
     words.collect::<Vec<_>>().join("-").to_lowercase()
 }
 
-/// Keeps the lines of one benchmark, in place of this machine's earlier ones.
+/// Keeps the lines of one benchmark, a head and a line for each figure, in place of this
+/// machine's earlier ones for the same scene, threads, count and rival.
 pub fn write(kind: &str, lines: &[String]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results");
     let name = format!("native-{kind}-{}.csv", slug());
+    let earlier = fs::read_to_string(folder.join(&name)).unwrap_or_default();
+    let measured: Vec<&str> = lines.iter().map(|line| subject(line)).collect();
+    let kept = earlier.lines().filter(|line| !measured.contains(&subject(line)));
+    let all: Vec<&str> = lines.iter().map(String::as_str).chain(kept).collect();
     let written = fs::create_dir_all(&folder)
-        .and_then(|()| fs::write(folder.join(&name), lines.join("\n") + "\n"));
+        .and_then(|()| fs::write(folder.join(&name), all.join("\n") + "\n"));
     match written {
         Ok(()) => println!("\nwritten to benchmarks/results/{name}"),
         Err(error) => eprintln!("\n{name} could not be written: {error}"),
     }
+}
+
+/// What a line is about: all up to the end of the rival's name, which stands in quotes.
+fn subject(line: &str) -> &str {
+    let end = line.match_indices('"').nth(1);
+    end.map_or(line, |(end, _)| &line[..end])
 }

@@ -10,10 +10,6 @@ use crate::worlds::{Start, State};
 /// a little room or overlap between resting discs are then counted alike.
 const TOUCHING: f32 = 1.02;
 
-/// Kinetic energy for each unit of mass, px²/s², below which discs rest: about 20 px/s, what a
-/// pile's gravity gives in a step and a half.
-const RESTING_ENERGY: f64 = 200.0;
-
 /// Figures of a state.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed {
@@ -27,6 +23,8 @@ pub struct Observed {
     pub overlap: f64,
     /// Mean y, in radii of the first disc.
     pub depth: f64,
+    /// Whether there is gravity, so that the discs should lie still.
+    pub falls: bool,
 }
 
 impl Observed {
@@ -48,6 +46,7 @@ impl Observed {
             touching: gaps.len() as f64 / count,
             overlap: overlaps.iter().sum::<f64>() / overlaps.len().max(1) as f64,
             depth: depth / f64::from(start.radii[0]),
+            falls: start.gravity != [0.0; 2],
         }
     }
 }
@@ -57,23 +56,23 @@ impl Observed {
     /// discs should keep the energy and spread their speeds alike, resting ones lie as high
     /// and overlap no more than by a hundredth more.
     pub fn differs_from(&self, ours: &Self) -> Option<String> {
-        let share = self.energy / ours.energy;
-        if ours.energy > RESTING_ENERGY {
-            let alike = (share - 1.0).abs() < 0.05 && (self.spread / ours.spread - 1.0).abs() < 0.1;
+        if !ours.falls {
+            let (share, spread) = (self.energy / ours.energy, self.spread / ours.spread);
+            let alike = (share - 1.0).abs() < 0.05 && (spread - 1.0).abs() < 0.1;
             return (!alike).then(|| format!("has {:.0} % of our energy", 100.0 * share));
         }
-        let (overlap, theirs) = (100.0 * self.overlap, 100.0 * ours.overlap);
+        let (theirs, own) = (100.0 * self.overlap, 100.0 * ours.overlap);
         let sunk = 100.0 * (self.depth / ours.depth - 1.0);
-        let alike = sunk.abs() < 2.0 && overlap < theirs + 1.0 && self.energy <= RESTING_ENERGY;
-        (!alike).then(|| {
-            format!("sinks {sunk:.1} % deeper and overlaps by {overlap:.1} not {theirs:.1} %")
-        })
+        let alike = sunk.abs() < 2.0 && theirs < own + 1.0;
+        let words =
+            || format!("lies {sunk:.1} % deeper and overlaps by {theirs:.1} not {own:.1} %");
+        (!alike).then(words)
     }
 }
 
 impl fmt::Display for Observed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { energy, spread, touching, overlap, depth } = self;
+        let Self { energy, spread, touching, overlap, depth, .. } = self;
         write!(f, "energy {energy:.4}, spread of speeds {spread:.3}, mean y {depth:.2} radii, ")?;
         write!(
             f,
