@@ -6,7 +6,8 @@
 //! ```
 //!
 //! (with `CFLAGS="-O3 -DNDEBUG"` before `cargo`, see below; `test --release` in place of `run`
-//! tests the grid). `pairs` finds all overlapping pairs, `step` moves a world on by 1/60 s. Options of both:
+//! tests the grid). `make bench ARGS=native` does both. `pairs` finds all overlapping pairs, `step`
+//! moves a world on by 1/60 s. Options of both:
 //!
 //! ```text
 //! --counts 1000 100000      how many shapes or discs
@@ -22,9 +23,10 @@
 //! as sets, the worlds by what can be measured in them; engines that come to something
 //! else than ours after a second are timed all the same, with a remark. Building and converting are
 //! inside the clock, the rounds of the rivals are interleaved, tables give medians and
-//! spread. Two threads say something only where two cores are free. The package stands outside the library's workspace, and needs a C compiler
-//! for Box2D, whose wrapper leaves assertions on unless told otherwise: build with
-//! `CFLAGS="-O3 -DNDEBUG"` in the environment, or the results will say that it was slowed down.
+//! spread. Two threads say something only where two cores are free. The package stands outside
+//! the library's workspace, and needs a C compiler for Box2D, whose wrapper leaves assertions on
+//! unless told otherwise: build with `CFLAGS="-O3 -DNDEBUG"` in the environment, or the results
+//! will say that it was slowed down.
 
 mod grid;
 mod machine;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use jostle::{Columns, pairs, settings};
+use jostle::{Each, Shapes, pairs, settings};
 
 use crate::worlds::{Start, State};
 
@@ -84,10 +84,9 @@ impl fmt::Display for Observed {
 
 /// Gaps between discs that touch, as shares of the sum of their radii.
 fn near(start: &Start, positions: &[[f32; 2]]) -> Vec<f64> {
-    let (x, y) = positions.iter().map(|p| (p[0], p[1])).unzip();
-    let radii = start.radii.iter().map(|r| r * TOUCHING).collect();
-    let columns = Columns::new(x, y, radii, None, None).expect("finite positions");
-    let found = pairs::find(&columns, None, None, settings::DEFAULT_MAX_PAIRS);
+    let radii = Each::Rows(start.radii.iter().map(|r| r * TOUCHING).collect());
+    let shapes = Shapes::circles(positions.to_vec(), radii).expect("finite positions");
+    let found = pairs::find(&shapes, None, None, settings::DEFAULT_MAX_PAIRS);
     let gap = |&[i, j]: &[u32; 2]| {
         let (i, j) = (i as usize, j as usize);
         let [a, b] = [positions[i], positions[j]].map(|p| p.map(f64::from));

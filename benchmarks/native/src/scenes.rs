@@ -2,6 +2,7 @@
 
 use std::f32::consts::PI;
 
+use jostle::Each;
 use jostle::scenes::random::Random;
 
 /// Share of the area that shapes cover where nothing else is said.
@@ -29,6 +30,16 @@ impl Shapes {
     /// Whether the shapes are rectangles.
     pub fn has_boxes(&self) -> bool {
         !self.half[0].is_empty()
+    }
+
+    /// The same as rows, for jostle's core.
+    pub fn rows(&self) -> jostle::Shapes<f32> {
+        let pairs = |[a, b]: [&[f32]; 2]| a.iter().zip(b).map(|(&a, &b)| [a, b]).collect();
+        let half_sizes = || Each::Rows(pairs(self.half.each_ref().map(Vec::as_slice)));
+        let centers = pairs([&self.x, &self.y]);
+        let radii = Each::Rows(self.radius.clone());
+        let half_sizes = self.has_boxes().then(half_sizes);
+        jostle::Shapes::new(centers, radii, half_sizes, None).expect("scenes hold valid shapes")
     }
 
     /// Half the width and height of the box around the shape in `row`.

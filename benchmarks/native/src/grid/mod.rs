@@ -3,8 +3,8 @@
 //! Shapes are sorted by counting into cells that lie row after row, so that neighbouring
 //! cells of a row are one range of the columns. Each shape is kept once, in the cell of its
 //! centre, so that no pair comes up twice. Where sizes differ, the larger of two shapes looks
-//! for the smaller, which need not look as far as the largest shape there is: that made it
-//! many times as fast as registering shapes in every cell that they touch.
+//! for the smaller, which need not look as far as the largest shape there is, and nothing has
+//! to be registered in every cell that it touches.
 
 mod equal;
 mod frame;

@@ -11,9 +11,7 @@ use crate::simd::Level;
 const COUNT: usize = 1_500;
 
 fn brute(shapes: &Shapes) -> Vec<Pair> {
-    let half = shapes.has_boxes().then(|| shapes.half.clone());
-    let (x, y, radius) = (shapes.x.clone(), shapes.y.clone(), shapes.radius.clone());
-    let columns = Columns::new(x, y, radius, half, None).expect("valid shapes");
+    let columns = Columns::of(&shapes.rows());
     pairs::brute(&columns, Some(1), usize::MAX).expect("any number of pairs").pairs
 }
 
