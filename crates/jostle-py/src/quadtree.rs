@@ -121,7 +121,7 @@ impl PyQuadtree {
             leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, threads=None,
         ),
         text_signature = "(centers, radii=0.0, half_sizes=None, *, categories=None, masks=None, \
-                          leaf_capacity=32, max_depth=4096, threads=None)"
+                          leaf_capacity=64, max_depth=4096, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(

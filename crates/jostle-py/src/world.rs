@@ -109,7 +109,7 @@ impl PyWorld {
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, method='quadtree', threads=None, leaf_capacity=32, \
+                          container=None, method='quadtree', threads=None, leaf_capacity=64, \
                           max_depth=4096, substeps=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
