@@ -19,10 +19,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from machine import describe, write
-from measure import interleaved
 
 import jostle
+from jostle.bench.machine import Results, Row, describe, slug
+from jostle.bench.timing import interleaved
 from jostle.tune import records
 from jostle.tune.contenders import Method, Setting, contender, defaults
 from jostle.tune.findings import crossing, two_digits
@@ -31,8 +31,9 @@ from jostle.tune.sample import TIME_STEP, Sample
 from jostle.tune.sweep import THOROUGH, Tuner, Tuning
 from jostle.tune.timing import Race, Ratio
 
-Rows = list[dict[str, object]]
+Rows = list[Row]
 
+RESULTS = Path(__file__).parent / "results"
 DOCUMENT = Path(__file__).parents[1] / "docs" / "defaults.md"
 PICTURE = DOCUMENT.parent / "pictures" / "defaults.png"
 SHOWN = ("gas", "pile", "mixed", "clusters")  # in the picture
@@ -72,7 +73,6 @@ def verdicts(tunings: list[Tuning]) -> Rows:
                 "rounds": len(tuning.final[best].rounds),
                 "threads": "all" if tuning.threads is None else tuning.threads,
                 "version": jostle.__version__,
-                "machine": describe(),
             }
         )
     return rows
@@ -105,7 +105,6 @@ def capacities(tunings: list[Tuning]) -> Rows:
                     "within_10_percent": sum(time <= TOLERATED for time in times),
                     "scenes": len(tunings),
                     "version": jostle.__version__,
-                    "machine": describe(),
                 }
             )
     return rows
@@ -127,7 +126,6 @@ def brute_limit(scenes: list[str], rounds: int) -> Rows:
                 "tree_is_faster_from": "" if found is None else two_digits(found),
                 "rounds": rounds,
                 "version": jostle.__version__,
-                "machine": describe(),
             }
         )
     return rows
@@ -275,6 +273,13 @@ def put(name: str, text: str) -> None:
     if not found:
         raise SystemExit(f"{DOCUMENT.name} has no place for the table {name!r}")
     DOCUMENT.write_text(f"{head}{begin}\n{text}\n\n{end}{tail}", encoding="utf-8")
+
+
+def write(name: str, rows: Rows) -> None:
+    """Keep the rows of one question, in place of this machine's earlier ones."""
+    results = Results(RESULTS / f"{name}-{slug()}.csv")
+    results.add(rows)
+    print(f"\nwritten to benchmarks/results/{results.path.name}")
 
 
 def main() -> None:

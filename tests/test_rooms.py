@@ -147,7 +147,6 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 # ---- the Python package --------------------------------------------------------------------------
 
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name != "cli.py"]
-BENCH = sorted((PACKAGE / "bench").glob("*.py"))
 # The files of the app that act on a simulation; all others look at it.
 ACTING = {"world_simulation", "article_simulation", "hand", "window", "headless", "report"}
 LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
@@ -168,7 +167,7 @@ def imports(path: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
 def test_library_never_imports_the_app(path: Path) -> None:
-    assert not [name for name in imports(path) if re.match(r"jostle\.(app|bench|cli)\b", name)]
+    assert not [name for name in imports(path) if re.match(r"jostle\.(app|bench|tune|cli)\b", name)]
 
 
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
@@ -183,15 +182,16 @@ def test_importing_jostle_loads_no_part_of_the_app() -> None:
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     extra = {"pygame", "rich", "typer", "imageio_ffmpeg", "matplotlib"}
-    assert not {*extra, "jostle.app", "jostle.tune"} & set(loaded)
+    assert not {*extra, "jostle.app", "jostle.bench", "jostle.tune"} & set(loaded)
 
 
-SIBLINGS = {"app": "tune", "tune": "app"}
+SIBLINGS = ("app", "bench", "tune")
 
 
 @pytest.mark.parametrize("room", SIBLINGS)
-def test_app_and_tuning_do_not_know_each_other(room: str) -> None:
-    above = rf"jostle\.(?:{SIBLINGS[room]}|cli)\b"
+def test_siblings_do_not_know_each_other(room: str) -> None:
+    others = "|".join({*SIBLINGS, "cli"} - {room})
+    above = rf"jostle\.(?:{others})\b"
     for path in sorted((PACKAGE / room).rglob("*.py")):
         assert not [name for name in imports(path) if re.match(above, name)], path.name
 
@@ -205,11 +205,6 @@ def test_only_the_pictures_of_the_tuning_know_matplotlib() -> None:
     assert knowing == {"tune/pictures.py"}
 
 
-@pytest.mark.parametrize("path", BENCH, ids=names_of(BENCH, PACKAGE))
-def test_bench_never_imports_the_app(path: Path) -> None:
-    assert not [name for name in imports(path) if re.match(r"jostle\.(app|cli)\b", name)]
-
-
 def test_bench_imports_a_rival_only_when_it_is_measured() -> None:
     code = (
         "import sys, jostle.bench.pairs, jostle.bench.steps, jostle.bench.held; print(*sys.modules)"
@@ -219,7 +214,7 @@ def test_bench_imports_a_rival_only_when_it_is_measured() -> None:
     known = (ROOT / "requirements" / "bench.txt").read_text(encoding="utf-8").splitlines()
     rivals = set(map(name_of_requirement, known)) - {""}
     assert "fastquadtree" in rivals
-    assert not {*rivals, "scipy", "rich", "typer", "jostle.app"} & set(loaded)
+    assert not {*rivals, "scipy", "matplotlib", "rich", "typer", "jostle.app"} & set(loaded)
 
 
 @pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))
