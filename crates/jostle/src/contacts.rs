@@ -15,7 +15,7 @@ use crate::particles::Particles;
 pub const COLOURS: usize = 64;
 
 /// Two particles that may touch during the step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Places of the two particles in the world's order.
     pub places: [u32; 2],
@@ -39,6 +39,24 @@ pub struct Contact {
     pub fast: bool,
 }
 
+impl Default for Contact {
+    /// Coincident centres have no direction of their own and get +x.
+    fn default() -> Self {
+        Self {
+            places: [0; 2],
+            image: [0.0; 2],
+            reach: 0.0,
+            restitution: 0.0,
+            inverse_masses: [0.0; 2],
+            normal: [1.0, 0.0],
+            gap: 0.0,
+            impulse: 0.0,
+            touched: false,
+            fast: false,
+        }
+    }
+}
+
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
@@ -49,6 +67,7 @@ pub struct Contacts {
     /// Where in `list` each contact stands, in canonical order.
     order: Vec<u32>,
     colours: Vec<u8>,
+    sources: Vec<(u32, u32)>,
     taken: Vec<u64>,
     previous: Previous,
 }
@@ -76,67 +95,80 @@ impl Previous {
 }
 
 impl Contacts {
-    /// Takes the pairs of a step, sorted, each with its torus image; `pairs` is gone
-    /// through twice. `before` gives the place that each particle had in the previous
-    /// step's order.
+    /// Takes the pairs of a step: a sorted list for each torus image. `before` gives the
+    /// place that each particle had in the previous step's order.
     pub fn collect(
         &mut self,
-        pairs: impl Iterator<Item = ([u32; 2], [f32; 2])> + Clone,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
         particles: &Particles,
         restitution: f32,
         before: &[u32],
+        threads: Option<usize>,
     ) {
         let movable = &particles.movable;
-        let solved = |[a, b]: [u32; 2]| movable[a as usize] || movable[b as usize];
-        let pairs = pairs.filter(|&(pair, _)| solved(pair));
-        let mut starts = self.colour(pairs.clone().map(|(pair, _)| pair), movable);
-        let previous = &self.previous;
+        let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
+        let mut starts = self.colour(lists, solved, movable);
+        // Where each contact comes from: its place, which list, which pair of it.
         self.order.clear();
-        for ((places, image), &colour) in pairs.zip(&self.colours) {
-            let [i, j] = places.map(|place| place as usize);
-            let own = particles.restitutions[i] * particles.restitutions[j];
-            let here = image == [0.0; 2];
-            let at = &mut starts[usize::from(colour)];
-            self.order.push(*at as u32);
-            self.list[*at] = Contact {
-                places,
-                image,
-                reach: particles.radii[i] + particles.radii[j],
-                restitution: restitution * own,
-                inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
-                normal: [1.0, 0.0],
-                gap: 0.0,
-                impulse: if here { previous.impulse(before[i], before[j]) } else { 0.0 },
-                touched: false,
-                fast: false,
-            };
-            *at += 1;
+        self.sources.resize(self.colours.len(), (0, 0));
+        let mut colours = self.colours.iter();
+        for (which, (_, pairs)) in lists.iter().enumerate() {
+            for (index, pair) in pairs.iter().enumerate() {
+                if !solved(pair) {
+                    continue;
+                }
+                let Some(&colour) = colours.next() else { break };
+                let at = &mut starts[usize::from(colour)];
+                self.order.push(*at as u32);
+                self.sources[*at] = (which as u32, index as u32);
+                *at += 1;
+            }
         }
+        let Self { list, sources, previous, .. } = self;
+        list.resize(sources.len(), Contact::default());
+        parallel::for_chunks_of_two(threads, list, sources, |_, list, sources| {
+            for (contact, &mut (which, index)) in list.iter_mut().zip(sources) {
+                let (image, pairs) = &lists[which as usize];
+                let places = pairs[index as usize];
+                let [i, j] = places.map(|place| place as usize);
+                let own = particles.restitutions[i] * particles.restitutions[j];
+                let here = *image == [0.0; 2];
+                *contact = Contact {
+                    places,
+                    image: *image,
+                    reach: particles.radii[i] + particles.radii[j],
+                    restitution: restitution * own,
+                    inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
+                    impulse: if here { previous.impulse(before[i], before[j]) } else { 0.0 },
+                    ..Contact::default()
+                };
+            }
+        });
     }
 
-    /// Gives each pair its colour, makes room in the list, and returns where in it each
+    /// Gives each pair that is to be solved its colour, and returns where in the list each
     /// colour starts.
     fn colour(
         &mut self,
-        pairs: impl Iterator<Item = [u32; 2]>,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        solved: impl Fn(&[u32; 2]) -> bool,
         movable: &[bool],
     ) -> [usize; COLOURS + 1] {
+        // What cannot move may be touched by any number at a time: it takes no colour.
         self.taken.clear();
         self.taken.resize(movable.len(), 0);
         self.colours.clear();
         let mut counts = [0usize; COLOURS + 1];
-        for pair in pairs {
+        for pair in lists.iter().flat_map(|(_, pairs)| pairs).filter(|pair| solved(pair)) {
             let [a, b] = pair.map(|place| place as usize);
-            let taken_by = |place: usize| if movable[place] { self.taken[place] } else { 0 };
-            let colour = (taken_by(a) | taken_by(b)).trailing_ones() as usize;
-            if colour < COLOURS {
-                self.taken[a] |= 1 << colour;
-                self.taken[b] |= 1 << colour;
-            }
+            let taken = self.taken[a] | self.taken[b];
+            let colour = taken.trailing_ones() as usize;
+            let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
+            self.taken[a] |= if movable[a] { bit } else { 0 };
+            self.taken[b] |= if movable[b] { bit } else { 0 };
             counts[colour] += 1;
             self.colours.push(colour as u8);
         }
-        self.list.resize(self.colours.len(), Contact::default());
         self.ends.clear();
         let mut sum = 0;
         counts.map(|count| {

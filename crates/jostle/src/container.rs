@@ -124,8 +124,23 @@ impl Container {
     }
 
     /// The nearest position that the container allows.
-    #[inline]
+    #[inline(always)]
     pub fn clamp(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
+        if let Self::Box { min, max } = self {
+            // A look in float32, with a margin for its rounding, is enough nearly always.
+            let well_inside = |axis: usize| {
+                let [low, high] = [min[axis], max[axis]];
+                let margin = radius + 1e-6 * (low.abs() + high.abs());
+                low + margin < position[axis] && position[axis] < high - margin
+            };
+            if well_inside(0) & well_inside(1) {
+                return position;
+            }
+        }
+        self.clamp_exactly(position, radius)
+    }
+
+    fn clamp_exactly(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
         match self {
             Self::Box { min, max } => {
                 // Rounded inwards: a reader who adds the radius stays in the box.

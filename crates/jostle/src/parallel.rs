@@ -107,6 +107,21 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
     act(0, a, b);
 }
 
+/// Replaces the contents of `to` by the items of `from` named by `order`, in that order.
+pub fn gather<V: Copy + Default + Send + Sync>(
+    threads: Option<usize>,
+    to: &mut Vec<V>,
+    from: &[V],
+    order: &[u32],
+) {
+    to.resize(order.len(), V::default());
+    for_chunks(threads, to, |first, chunk| {
+        for (value, &row) in chunk.iter_mut().zip(&order[first..]) {
+            *value = from[row as usize];
+        }
+    });
+}
+
 /// Calls `act` with every number below `len`.
 pub fn for_rows(threads: Option<usize>, len: usize, act: impl Fn(usize) + Sync + Send) {
     #[cfg(feature = "parallel")]

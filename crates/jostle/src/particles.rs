@@ -1,6 +1,7 @@
 //! The particles of a world as rows: what they are, and what is refused.
 
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::shapes::{check_finite, check_sizes};
 
 /// Coordinates and speeds beyond this are refused; nothing travels further.
@@ -83,17 +84,13 @@ impl Particles {
     }
 
     /// Replaces the contents by the rows `order` of `source`, in that order.
-    pub fn gather(&mut self, source: &Self, order: &[u32]) {
-        fn take<V: Copy>(to: &mut Vec<V>, from: &[V], order: &[u32]) {
-            to.clear();
-            to.extend(order.iter().map(|&row| from[row as usize]));
-        }
-        take(&mut self.positions, &source.positions, order);
-        take(&mut self.velocities, &source.velocities, order);
-        take(&mut self.radii, &source.radii, order);
-        take(&mut self.masses, &source.masses, order);
-        take(&mut self.restitutions, &source.restitutions, order);
-        take(&mut self.movable, &source.movable, order);
+    pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
+        parallel::gather(threads, &mut self.positions, &source.positions, order);
+        parallel::gather(threads, &mut self.velocities, &source.velocities, order);
+        parallel::gather(threads, &mut self.radii, &source.radii, order);
+        parallel::gather(threads, &mut self.masses, &source.masses, order);
+        parallel::gather(threads, &mut self.restitutions, &source.restitutions, order);
+        parallel::gather(threads, &mut self.movable, &source.movable, order);
     }
 
     /// Keeps the rows for which `keep` says so.

@@ -37,6 +37,17 @@ impl<V: Copy> Each<V> {
         }
     }
 
+    /// The values of all rows, to be filled in; a value for all is forgotten.
+    pub fn rows_mut(&mut self) -> &mut Vec<V> {
+        if let Self::One(_) = self {
+            *self = Self::default();
+        }
+        match self {
+            Self::Rows(values) => values,
+            Self::One(_) => unreachable!("it has just been replaced"),
+        }
+    }
+
     /// A value for each of `len` rows.
     pub fn rows(self, len: usize) -> Vec<V> {
         match self {

@@ -20,7 +20,7 @@ use crate::particles::{self, Particles};
 use crate::quadtree::Quadtree;
 use crate::resolve::{self, Rules, Scene};
 use crate::settings::{Method, Settings};
-use crate::shapes::{Each, Shapes};
+use crate::shapes::Shapes;
 
 /// Bounces slower than this many steps' worth of gravity are not bounces.
 const REST_STEPS: f32 = 3.0;
@@ -160,6 +160,8 @@ struct Memory {
     motions: Motions,
     resolving: resolve::Memory,
     sorting: SortScratch,
+    /// The pairs that may touch: a sorted list for each torus image.
+    pairs: Vec<([f32; 2], Vec<[u32; 2]>)>,
     particles: Particles,
     rows: Vec<u32>,
     wall_pushes: Vec<[f32; MAX_WALLS]>,
@@ -243,7 +245,7 @@ impl World {
     /// A copy of all particles in the order of adding.
     pub fn particles(&self) -> Particles {
         let mut copy = Particles::default();
-        copy.gather(&self.particles, &self.places());
+        copy.gather(&self.particles, &self.places(), Some(1));
         copy
     }
 
@@ -297,7 +299,7 @@ impl World {
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
         rest_the_immovable(&mut copy);
-        self.particles.gather(&copy, &self.rows);
+        self.particles.gather(&copy, &self.rows, Some(1));
         Ok(())
     }
 
@@ -327,7 +329,12 @@ impl World {
     }
 
     /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends.
-    pub fn step(&mut self, dt: f64, steps: usize, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
+    pub fn step(
+        &mut self,
+        dt: f64,
+        steps: usize,
+        watch: &mut (dyn FnMut(Stage) + Send),
+    ) -> Result<()> {
         let single = dt as f32;
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0"));
@@ -391,21 +398,18 @@ impl World {
         watch(Stage::Integrate);
         self.build();
         watch(Stage::Build);
-        let pairs = self.candidates().map_err(|error| match error {
+        self.candidates().map_err(|error| match error {
             Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
             other => other,
         })?;
         watch(Stage::Pairs);
         self.arrange();
-        let images = self.settings.container.images();
-        let image = |which: usize| if which == 0 { [0.0; 2] } else { images[which - 1] };
-        let listed = pairs.iter().enumerate();
-        let listed = listed.flat_map(|(which, list)| list.iter().map(move |&pair| (pair, which)));
         self.contacts.collect(
-            listed.map(|(pair, which)| (pair, image(which))),
+            &self.memory.pairs,
             &self.particles,
             self.settings.restitution,
             self.memory.tree.rows(),
+            self.threads(),
         );
         watch(Stage::Contacts);
         self.resolve(dt);
@@ -415,34 +419,34 @@ impl World {
 
     /// Finds out how far each particle may get.
     fn sweep(&mut self, dt: f32) {
+        let threads = self.threads();
         let Memory { sweeps, shapes, .. } = &mut self.memory;
         let (particles, settings) = (&mut self.particles, &self.settings);
         for position in &mut particles.positions {
             *position = settings.container.wrap(*position);
         }
-        sweeps.clear();
-        sweeps.extend((0..particles.len()).map(|place| {
-            let position = particles.positions[place];
-            if particles.movable[place] {
-                let (velocity, radius) = (particles.velocities[place], particles.radii[place]);
-                Sweep::new(position, velocity, radius, settings.gravity, dt)
-            } else {
-                Sweep::still(position)
+        let len = particles.len();
+        sweeps.resize(len, Sweep::default());
+        parallel::for_chunks(threads, sweeps, |first, sweeps| {
+            for (sweep, place) in sweeps.iter_mut().zip(first..) {
+                let position = particles.positions[place];
+                *sweep = if particles.movable[place] {
+                    let (velocity, radius) = (particles.velocities[place], particles.radii[place]);
+                    Sweep::new(position, velocity, radius, settings.gravity, dt)
+                } else {
+                    Sweep::still(position)
+                };
             }
-        }));
-        let mut half_sizes = match shapes.half_sizes.take() {
-            Some(Each::Rows(rows)) => rows,
-            _ => Vec::new(),
-        };
-        shapes.centers.clear();
-        half_sizes.clear();
-        for sweep in sweeps.iter() {
-            let (center, half_size) = sweep.as_box();
-            shapes.centers.push(center);
-            half_sizes.push(half_size);
-        }
-        shapes.half_sizes = Some(Each::Rows(half_sizes));
-        shapes.radii = Each::Rows(particles.radii.clone());
+        });
+        let half_sizes = shapes.half_sizes.get_or_insert_default().rows_mut();
+        shapes.centers.resize(len, [0.0; 2]);
+        half_sizes.resize(len, [0.0; 2]);
+        parallel::for_chunks_of_two(threads, &mut shapes.centers, half_sizes, |first, c, h| {
+            for ((center, half_size), sweep) in c.iter_mut().zip(h).zip(&sweeps[first..]) {
+                (*center, *half_size) = sweep.as_box();
+            }
+        });
+        shapes.radii.rows_mut().clone_from(&particles.radii);
     }
 
     /// Builds the tree of the sweeps.
@@ -455,28 +459,37 @@ impl World {
 
     /// Brings everything into the order of the tree. Nothing can fail any more.
     fn arrange(&mut self) {
+        let threads = self.threads();
         let memory = &mut self.memory;
         let order = memory.tree.rows();
-        memory.particles.gather(&self.particles, order);
+        memory.particles.gather(&self.particles, order, threads);
         std::mem::swap(&mut memory.particles, &mut self.particles);
-        gather(&mut memory.rows, &mut self.rows, order);
-        gather(&mut memory.wall_pushes, &mut self.wall_pushes, order);
-        gather(&mut memory.old_sweeps, &mut memory.sweeps, order);
+        gather(&mut memory.rows, &mut self.rows, order, threads);
+        gather(&mut memory.wall_pushes, &mut self.wall_pushes, order, threads);
+        gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
     }
 
     /// The pairs of places whose sweeps overlap, sorted: first those of the plane,
     /// then those across each seam.
-    fn candidates(&mut self) -> Result<Vec<Vec<[u32; 2]>>> {
-        let Memory { tree, sorting, .. } = &mut self.memory;
+    fn candidates(&mut self) -> Result<()> {
+        let Memory { tree, sorting, pairs: lists, .. } = &mut self.memory;
         let threads = self.settings.tree.threads;
         let max = MAX_CANDIDATES;
         let brute = self.settings.method == Method::Brute;
         let images = self.settings.container.images();
-        let mut found = vec![if brute {
+        lists.clear();
+        let mut tests = 0;
+        let mut keep = |image, mut found: pairs::Found| {
+            tests += found.tests;
+            pairs::sort_places(&mut found.pairs, tree.len(), sorting);
+            lists.push((image, found.pairs));
+        };
+        let within = if brute {
             pairs::brute(tree.columns(), threads, max)?
         } else {
             pairs::places_within(tree, max)?
-        }];
+        };
+        keep([0.0; 2], within);
         for image in images {
             let mut across = if brute {
                 pairs::brute_between(tree.columns(), tree.columns(), image, max)?
@@ -484,19 +497,11 @@ impl World {
                 pairs::places_between(tree, tree, image, max)?
             };
             across.pairs.retain(|pair| pair[0] != pair[1]);
-            found.push(across);
+            keep(image, across);
         }
-        self.stats = Stats {
-            nodes: tree.nodes().len(),
-            leaves: tree.leaf_count(),
-            depth: tree.depth(),
-            tests: found.iter().map(|part| part.tests).sum(),
-        };
-        let sorted = |mut part: pairs::Found| {
-            pairs::sort_places(&mut part.pairs, tree.len(), sorting);
-            part.pairs
-        };
-        Ok(found.into_iter().map(sorted).collect())
+        let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());
+        self.stats = Stats { nodes, leaves, depth, tests };
+        Ok(())
     }
 
     fn resolve(&mut self, dt: f32) {
@@ -511,11 +516,13 @@ impl World {
             threads: parallel::worthwhile(settings.tree.threads, self.particles.len()),
         };
         let memory = &mut self.memory;
-        memory.motions.resize(self.particles.len());
-        let states = self.particles.positions.iter().zip(&self.particles.velocities);
-        for (place, (&position, &velocity)) in states.enumerate() {
-            memory.motions.set(place as u32, Motion { position, velocity, ..Motion::default() });
-        }
+        let len = self.particles.len();
+        memory.motions.resize(len);
+        let (motions, particles) = (&memory.motions, &self.particles);
+        parallel::for_rows(rules.threads, len, |place| {
+            let (position, velocity) = (particles.positions[place], particles.velocities[place]);
+            motions.set(place as u32, Motion { position, velocity, ..Motion::default() });
+        });
         let mut scene = Scene {
             particles: &self.particles,
             motions: &memory.motions,
@@ -529,13 +536,17 @@ impl World {
         }
         resolve::measure_touching(&mut scene, &rules);
         self.contacts.remember(self.particles.len());
-        for place in 0..self.particles.len() {
-            let motion = memory.motions.get(place as u32);
-            let limit = particles::FARTHEST;
-            let position = motion.position.map(|v| v.clamp(-limit, limit));
-            self.particles.positions[place] = settings.container.wrap(position);
-            self.particles.velocities[place] = motion.velocity.map(|v| v.clamp(-limit, limit));
-        }
+        let Particles { positions, velocities, .. } = &mut self.particles;
+        let motions = &memory.motions;
+        parallel::for_chunks_of_two(rules.threads, positions, velocities, |first, p, v| {
+            for ((position, velocity), place) in p.iter_mut().zip(v).zip(first as u32..) {
+                let limit = particles::FARTHEST;
+                let motion = motions.get(place);
+                let allowed = motion.position.map(|v| v.clamp(-limit, limit));
+                *position = settings.container.wrap(allowed);
+                *velocity = motion.velocity.map(|v| v.clamp(-limit, limit));
+            }
+        });
     }
 
     /// The pairs that touched during the last step, in canonical order.
@@ -616,9 +627,13 @@ fn rest_the_immovable(particles: &mut Particles) {
 }
 
 /// Reorders a column into its spare and swaps the two.
-fn gather<V: Copy>(spare: &mut Vec<V>, column: &mut Vec<V>, order: &[u32]) {
-    spare.clear();
-    spare.extend(order.iter().map(|&place| column[place as usize]));
+fn gather<V: Copy + Default + Send + Sync>(
+    spare: &mut Vec<V>,
+    column: &mut Vec<V>,
+    order: &[u32],
+    threads: Option<usize>,
+) {
+    parallel::gather(threads, spare, column, order);
     std::mem::swap(spare, column);
 }
 

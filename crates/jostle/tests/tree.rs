@@ -1,6 +1,7 @@
 //! The tree against brute force, on shapes made to break it.
 
 use jostle::settings::{DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
+use jostle::simd::{self, Instructions};
 use jostle::{Columns, Each, Error, Quadtree, Scalar, Settings, Shapes, pairs};
 use proptest::prelude::*;
 
@@ -115,9 +116,12 @@ fn agree<T: Scalar>(shapes: &Raw, settings: Settings) {
     let brute = pairs::brute(&Columns::of(&given), settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     assert_eq!(brute.pairs, expected, "brute force");
     let tree = built(&given, settings);
-    let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
-    found.sort();
-    assert_eq!(found.pairs, expected, "the tree");
+    for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+        simd::limit(most);
+        let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+        found.sort();
+        assert_eq!(found.pairs, expected, "the tree, with {most:?}");
+    }
     let auto = pairs::find(&given, None, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     let mut auto = auto;
     auto.sort();

@@ -6,8 +6,10 @@
 //! it cuts through the contact, both ways are shortened to where it enters. Ways
 //! only ever get shorter, and standing still is always allowed, so this ends.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::contacts::{Contact, Contacts};
-use crate::motion::Motions;
+use crate::motion::{Motion, Motions};
 
 /// Passes that shorten to the point of touching; later ones stop at the start.
 const GENTLE_PASSES: usize = 8;
@@ -16,30 +18,41 @@ const GENTLE_PASSES: usize = 8;
 /// no passage.
 const TOLERANCE: f32 = 0.95;
 
-/// Shortens the ways of everything that would pass through something. `fast` is memory.
-pub fn guard(
-    contacts: &mut Contacts,
-    motions: &Motions,
-    fast: &mut Vec<u32>,
-    threads: Option<usize>,
-) {
-    contacts.each(threads, |contact| contact.fast = may_get_through(contact, motions));
-    fast.clear();
-    let listed = contacts.list.iter().zip(0..).filter(|(contact, _)| contact.fast);
-    fast.extend(listed.map(|(_, at)| at));
-    for pass in 0.. {
-        let mut any = false;
-        for &at in fast.iter() {
-            let contact = &contacts.list[at as usize];
-            if let Some(share) = free_share(contact, motions) {
-                shorten(contact, motions, if pass < GENTLE_PASSES { share } else { 0.0 });
-                any = true;
-            }
+/// Shortens the ways of everything that would pass through something.
+pub fn guard(contacts: &mut Contacts, motions: &Motions, threads: Option<usize>) {
+    let any_fast = AtomicBool::new(false);
+    contacts.each(threads, |contact| {
+        contact.fast = may_get_through(contact, motions);
+        if contact.fast {
+            any_fast.store(true, Ordering::Relaxed);
         }
-        if !any {
+    });
+    if !any_fast.into_inner() {
+        return;
+    }
+    for pass in 0.. {
+        let any = AtomicBool::new(false);
+        contacts.solve(threads, |contact, colour| {
+            // What has not been shortened since it was looked at last is still free.
+            let shortened = |place| motions.turn(place) >= turn(pass.max(1) - 1, colour);
+            if !contact.fast || (pass > 0 && !contact.places.into_iter().any(shortened)) {
+                return;
+            }
+            if let Some(share) = free_share(contact, motions) {
+                let share = if pass < GENTLE_PASSES { share } else { 0.0 };
+                shorten(contact, motions, share, turn(pass, colour));
+                any.store(true, Ordering::Relaxed);
+            }
+        });
+        if !any.into_inner() {
             break;
         }
     }
+}
+
+/// Turns of passes come behind those of the bounces.
+fn turn(pass: usize, colour: u32) -> u32 {
+    super::turn(super::IMPACT_ROUNDS + pass, colour)
 }
 
 /// How the offset between the two changes.
@@ -99,8 +112,12 @@ fn free_share(contact: &Contact, motions: &Motions) -> Option<f32> {
     Some((middle - (free / length).sqrt()).clamp(0.0, 1.0))
 }
 
-fn shorten(contact: &Contact, motions: &Motions, share: f32) {
-    for place in contact.places {
-        motions.set_travel(place, motions.travel(place).map(|v| v * share));
+fn shorten(contact: &Contact, motions: &Motions, share: f32, turn: u32) {
+    // What cannot move has no way, and others may be reading it at the same time.
+    for (place, inverse_mass) in contact.places.into_iter().zip(contact.inverse_masses) {
+        if inverse_mass > 0.0 {
+            let motion = motions.get(place);
+            motions.set(place, Motion { travel: motion.travel.map(|v| v * share), turn, ..motion });
+        }
     }
 }

@@ -78,7 +78,6 @@ pub struct Memory {
     at_walls: Vec<AtWall>,
     leaning: Vec<Leaning>,
     velocities: Velocities,
-    fast: Vec<u32>,
 }
 
 /// One sub-step of `h` seconds.
@@ -90,7 +89,7 @@ pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
         lean(scene, rules, h);
     }
     confine(scene, rules);
-    guard::guard(scene.contacts, scene.motions, &mut scene.memory.fast, rules.threads);
+    guard::guard(scene.contacts, scene.motions, rules.threads);
     advance(scene, rules);
     settle(scene, rules);
 }
@@ -156,9 +155,8 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     for round in 0..IMPACT_ROUNDS {
         let any = AtomicBool::new(false);
         // What has not changed since it was looked at last still does not bounce.
-        let changed = |place: u32, colour: u32| {
-            round == 0 || motions.turn(place) >= turn(round - 1, colour)
-        };
+        let changed =
+            |place: u32, colour: u32| round == 0 || motions.turn(place) >= turn(round - 1, colour);
         scene.contacts.solve(rules.threads, |contact, colour| {
             let [a, b] = contact.places;
             if !changed(a, colour) && !changed(b, colour) {
@@ -307,9 +305,9 @@ fn advance(scene: &mut Scene<'_>, rules: &Rules) {
 
 fn settle(scene: &mut Scene<'_>, rules: &Rules) {
     let (motions, particles) = (scene.motions, scene.particles);
-    scene
-        .contacts
-        .solve(rules.threads, |contact, _| separate::push_apart(contact, motions, &particles.radii));
+    scene.contacts.solve(rules.threads, |contact, _| {
+        separate::push_apart(contact, motions, &particles.radii)
+    });
     if rules.container.has_walls() {
         each_particle(scene, rules, |place, _| {
             let mut motion = motions.get(place);
