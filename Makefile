@@ -47,10 +47,9 @@ lint: setup  ## check format, style and types
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy --package jostle --no-default-features --all-targets -- -D warnings
 
-bench: setup  ## measure pairs, steps and hard cases against the rivals
-	$(BIN)/python benchmarks/pairs.py $(ARGS)
-	$(BIN)/python benchmarks/step.py
-	$(BIN)/python benchmarks/hard_cases.py
+bench: setup $(VENV)/bench  ## measure against the rivals; ARGS="pairs native" chooses parts
+	$(if $(call asked,$(filter-out native,$(ARGS))),$(BIN)/python benchmarks/run.py $(filter-out native,$(ARGS)))
+	$(if $(call asked,$(filter native,$(ARGS))),$(NATIVE))
 
 docs: setup  ## draw the pictures of the documents again
 	$(BIN)/python docs/pictures.py $(ARGS)
@@ -59,8 +58,16 @@ web:
 	@echo "The web page is not there yet: jostle runs in Python and in Rust so far."
 
 clean:  ## remove everything that was built
-	rm -rf $(VENV) target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# All parts of the benchmarks where none is named.
+asked = $(or $(1),$(if $(ARGS),,all))
+
+# The rivals in Rust and C. Without NDEBUG the wrapper of Box2D would leave its assertions on.
+NATIVE = @if cargo --version >/dev/null 2>&1; then for part in pairs step; do CFLAGS="-O3 -DNDEBUG" \
+  cargo run --release --manifest-path benchmarks/native/Cargo.toml -- $$part || exit; done; \
+  else echo "The rivals in Rust and C are left out: there is no cargo."; fi
 
 # What a verb stands on. A file is the mark that its step went through.
 
@@ -75,6 +82,10 @@ $(VENV)/run: $(VENV)/created requirements/run.txt
 
 $(VENV)/dev: $(VENV)/run requirements/dev.txt
 	$(BIN)/python -m pip install --quiet --requirement requirements/dev.txt
+	@touch $@
+
+$(VENV)/bench: $(VENV)/dev requirements/bench.txt
+	$(BIN)/python -m pip install --quiet --requirement requirements/bench.txt
 	@touch $@
 
 $(VENV)/wheel: $(VENV)/run $(SOURCES)

@@ -19,19 +19,31 @@ RUNS = {
 }
 """Name of a picture: the arguments of `jostle run` that end in it."""
 
+TUNINGS = {"tune-gas": ["gas"]}
+"""Beginning of the names of pictures: the arguments of `jostle tune` that draw them."""
+
 
 def draw(name: str) -> None:
-    """Run the simulator without a display and keep its last picture."""
+    """Let the program draw without a display, and keep its pictures."""
     with tempfile.TemporaryDirectory() as out:
-        command = [sys.executable, "-m", "jostle.cli", "run", *RUNS[name], "--headless"]
-        subprocess.run([*command, "--out", out], check=True)
-        shutil.copyfile(Path(out) / f"{RUNS[name][0]}.png", PICTURES / f"{name}.png")
+        if name in TUNINGS:
+            call("tune", *TUNINGS[name], "--out", out)
+            for made in sorted(Path(out).glob(f"{name}-*.png")):
+                shutil.copyfile(made, PICTURES / made.name)
+        else:
+            call("run", *RUNS[name], "--headless", "--out", out)
+            shutil.copyfile(Path(out) / f"{RUNS[name][0]}.png", PICTURES / f"{name}.png")
+
+
+def call(*arguments: str) -> None:
+    """Run the command."""
+    subprocess.run([sys.executable, "-m", "jostle.cli", *arguments], check=True)
 
 
 def main() -> None:
     """Draw the named pictures, or all."""
     PICTURES.mkdir(exist_ok=True)
-    for name in sys.argv[1:] or RUNS:
+    for name in sys.argv[1:] or [*RUNS, *TUNINGS]:
         draw(name)
 
 

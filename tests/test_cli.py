@@ -76,6 +76,9 @@ def test_version() -> None:
         (["run", "--max-depth", "-1"], "--max-depth is -1"),
         (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
         (["run", "--speed", "3"], "--speed"),
+        (["bench", "-n", "3"], "-n is 3; it must be at least 10"),
+        (["bench", "--rounds", "0"], "--rounds is 0"),
+        (["bench", "--threads", "0"], "--threads is 0"),
         (["dance"], "dance"),
     ],
 )

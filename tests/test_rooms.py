@@ -167,7 +167,7 @@ def imports(path: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
 def test_library_never_imports_the_app(path: Path) -> None:
-    assert not [name for name in imports(path) if re.match(r"jostle\.(app|cli)\b", name)]
+    assert not [name for name in imports(path) if re.match(r"jostle\.(app|bench|tune|cli)\b", name)]
 
 
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
@@ -181,7 +181,40 @@ def test_importing_jostle_loads_no_part_of_the_app() -> None:
     code = "import sys, jostle, jostle.article; print(*sys.modules)"
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-    assert not {"pygame", "rich", "typer", "imageio_ffmpeg", "jostle.app"} & set(loaded)
+    extra = {"pygame", "rich", "typer", "imageio_ffmpeg", "matplotlib"}
+    assert not {*extra, "jostle.app", "jostle.bench", "jostle.tune"} & set(loaded)
+
+
+SIBLINGS = ("app", "bench", "tune")
+
+
+@pytest.mark.parametrize("room", SIBLINGS)
+def test_siblings_do_not_know_each_other(room: str) -> None:
+    others = "|".join({*SIBLINGS, "cli"} - {room})
+    above = rf"jostle\.(?:{others})\b"
+    for path in sorted((PACKAGE / room).rglob("*.py")):
+        assert not [name for name in imports(path) if re.match(above, name)], path.name
+
+
+def test_only_the_pictures_of_the_tuning_know_matplotlib() -> None:
+    knowing = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in PACKAGE.rglob("*.py")
+        if any(name.split(".")[0] == "matplotlib" for name in imports(path))
+    }
+    assert knowing == {"tune/pictures.py"}
+
+
+def test_bench_imports_a_rival_only_when_it_is_measured() -> None:
+    code = (
+        "import sys, jostle.bench.pairs, jostle.bench.steps, jostle.bench.held; print(*sys.modules)"
+    )
+    command = [sys.executable, "-c", code]
+    loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    known = (ROOT / "requirements" / "bench.txt").read_text(encoding="utf-8").splitlines()
+    rivals = set(map(name_of_requirement, known)) - {""}
+    assert "fastquadtree" in rivals
+    assert not {*rivals, "scipy", "matplotlib", "rich", "typer", "jostle.app"} & set(loaded)
 
 
 @pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))

@@ -1,4 +1,4 @@
-"""The command: `jostle run`, `jostle scenes`."""
+"""The command: `jostle run`, `jostle tune`, `jostle scenes`, `jostle bench`."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from jostle.app.start import Options, start
 
 DEFAULT_SCENE = "mixed"
 MOST_PARTICLES = 100_000_000
+MOST_TUNED = 2_000_000
 
 app = typer.Typer(
     help="A quadtree that finds every touching pair, and a particle simulator on top of it.",
@@ -103,6 +104,68 @@ def run(
     if why_no_window is not None:
         console.print(f"No window here ({why_no_window}), so this run becomes a film.")
     _film(options, steps, out)
+
+
+@app.command()
+def tune(
+    scene: Annotated[str, typer.Argument(help="A scene, as `jostle scenes` lists them.")],
+    n: Annotated[int, typer.Option("-n", "--n", help="Number of particles.")] = 10_000,
+    rounds: Annotated[
+        int | None, typer.Option(help="Rounds of each sweep; as many as time allows, if fewer.")
+    ] = None,
+    threads: Annotated[
+        int | None, typer.Option(help="Threads of each call; one for each core if not given.")
+    ] = None,
+    step: Annotated[
+        bool, typer.Option("--step", help="Time whole steps of the world, not pairs alone.")
+    ] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="About 15 s instead of up to two minutes.")
+    ] = False,
+    seed: Annotated[int, typer.Option(help="The same seed gives the same particles.")] = 0,
+    out: Annotated[Path, typer.Option(help="Folder for the CSV and the pictures.")] = Path("out"),
+) -> None:
+    """Find out which settings suit a scene: leaf capacity, depth, world size, particles."""
+    _check_scene(scene)
+    _check_range("--n", n, 1, MOST_TUNED)
+    _check_range("--rounds", rounds, 1, 1000)
+    _check_range("--threads", threads, 1, 1024)
+    _check_range("--seed", seed, 0, 2**63 - 1)
+    if importlib.util.find_spec("matplotlib") is None:
+        _refuse(_INSTALL.format("matplotlib"))
+    _check_folder(out)
+    from jostle.tune.command import tune as tune_scene
+
+    finished = tune_scene(
+        *(scene, n, out, console),
+        work="step" if step else "pairs",
+        threads=threads,
+        rounds=rounds,
+        quick=quick,
+        seed=seed,
+    )
+    if not finished:
+        raise typer.Exit(130)
+
+
+@app.command()
+def bench(
+    n: Annotated[int, typer.Option("-n", help="Most shapes in a scene.")] = 100_000,
+    rounds: Annotated[int, typer.Option(help="How often each is timed.")] = 9,
+    threads: Annotated[
+        int, typer.Option(help="Most threads, beside one, for those that have a choice.")
+    ] = 2,
+    csv: Annotated[Path | None, typer.Option(help="A file for the figures.")] = None,
+) -> None:
+    """Race jostle against the libraries that are installed, on this machine."""
+    from jostle.bench import command
+
+    _check_range("-n", n, 10, 10_000_000)
+    _check_range("--rounds", rounds, 1, 1_000)
+    _check_range("--threads", threads, 1, 1_024)
+    if csv is not None:
+        _check_folder(csv.parent)
+    command.bench(n, rounds, sorted({1, threads}), csv, console)
 
 
 def _show(options: Options, steps: int | None) -> str | None:

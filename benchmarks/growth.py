@@ -1,0 +1,99 @@
+"""How time and memory of `find_pairs` grow with the number of discs.
+
+The memory is the largest resident set of a process of its own during the call, less what it had
+before it, the arrays of the scene included; so it counts the answer too.
+"""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.bench import shapes
+from jostle.bench.machine import Row
+from jostle.bench.timing import interleaved
+
+COUNTS = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
+THREADS = (1, 2)
+
+
+def arrays(count: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return centres and radii of discs over 40 % of the area."""
+    scene = shapes.create("discs", count)
+    return scene.centers.astype(np.float32), scene.column().astype(np.float32)
+
+
+def race(rounds: int, largest: int, told: Callable[[str], None]) -> Iterator[list[Row]]:
+    """Yield a row for each size and number of threads."""
+    for count in (count for count in COUNTS if count <= largest):
+        told(f"{count:,}")
+        centers, radii = arrays(count)
+        calls = [partial(jostle.find_pairs, centers, radii, threads=number) for number in THREADS]
+        answer = calls[0]().nbytes
+        timings = interleaved(calls, rounds)
+        yield [
+            {
+                "count": count,
+                "version": jostle.__version__,
+                "threads": number,
+                **timing.columns(),
+                "peak_bytes": peak(count, number),
+                "answer_bytes": answer,
+            }
+            for number, timing in zip(THREADS, timings, strict=True)
+        ]
+
+
+def peak(count: int, threads: int) -> int:
+    """Return how many bytes a process of its own needs for the call."""
+    command = [sys.executable, __file__, str(count), str(threads)]
+    return int(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+def measure(count: int, threads: int) -> int:
+    """Return how far the resident set rises during the call."""
+    jostle.find_pairs(*arrays(1_000), threads=threads)  # code and threads are there
+    centers, radii = arrays(count)
+    gc.collect()
+    before = resident_now()
+    answer = jostle.find_pairs(centers, radii, threads=threads)
+    highest = resident_highest()
+    del answer
+    return max(0, highest - before)
+
+
+def resident_now() -> int:
+    """Return the resident set, and let its highest value begin anew from there."""
+    clear = Path("/proc/self/clear_refs")
+    if not clear.exists():
+        return resident_highest()  # the highest so far; too little is then found, never too much
+    clear.write_text("5")
+    return of_status("VmRSS")
+
+
+def resident_highest() -> int:
+    """Return the highest resident set."""
+    if Path("/proc/self/status").exists():
+        return of_status("VmHWM")
+    import resource
+
+    kilobyte = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * kilobyte
+
+
+def of_status(name: str) -> int:
+    """Read one line of what Linux knows about this process, in bytes."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(name))
+
+
+if __name__ == "__main__":
+    print(measure(int(sys.argv[1]), int(sys.argv[2])))

@@ -1,0 +1,36 @@
+//! jostle's world.
+
+use jostle::{Container, Particles, Settings, World, WorldSettings};
+
+use super::{Engine, STEP, Start, State};
+
+/// See the module.
+pub struct Ours(World);
+
+impl Ours {
+    /// A world that `workers` threads step.
+    pub fn new(start: &Start, workers: usize) -> Self {
+        let Start { positions, velocities, radii, .. } = start;
+        let [min_x, min_y, max_x, max_y] = start.walls;
+        let settings = WorldSettings {
+            gravity: start.gravity,
+            restitution: start.restitution,
+            container: Container::Box { min: [min_x, min_y], max: [max_x, max_y] },
+            substeps: start.substeps,
+            tree: Settings { threads: Some(workers), ..Settings::default() },
+            ..WorldSettings::default()
+        };
+        let discs = Particles::new(positions.clone(), velocities.clone(), radii.clone(), 1.0);
+        Self(World::new(discs, settings).expect("a valid start"))
+    }
+}
+
+impl Engine for Ours {
+    fn step(&mut self) {
+        self.0.step(f64::from(STEP), 1, &mut |_| ()).expect("a step");
+    }
+
+    fn state(&mut self) -> State {
+        (self.0.positions(), self.0.velocities())
+    }
+}

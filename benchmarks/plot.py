@@ -1,0 +1,370 @@
+"""Draw the pictures of docs/benchmarks.md from the results.
+
+    python benchmarks/plot.py [--results FOLDER] [--pictures FOLDER] [--machine SLUG]
+
+The results of this kind of machine are taken, or the first there are where it has none.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from jostle.bench.machine import slug
+
+RESULTS = Path(__file__).parent / "results"
+PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
+
+Row = dict[str, str]
+Line = tuple[list[int], list[float]]
+
+INK, FAINT, GRID = "#2b2b33", "#7a7a85", "#e6e6ea"
+
+# One colour for one library in every picture; ours stands out, brute force is grey.
+COLOURS = {
+    "jostle": "#d1495b",
+    "SciPy": "#00798c",
+    "matscipy": "#3d5a98",
+    "vesin": "#7b9acc",
+    "shapely": "#2e8b57",
+    "fastquadtree": "#b58900",
+    "pyqtree": "#8d6cab",
+    "pymunk": "#00798c",
+    "the article": "#6b4f3a",
+    "NumPy": "#a0a0a8",
+}
+BRUTE = "#a0a0a8"
+
+
+def read(folder: Path, part: str, machine: str) -> list[Row]:
+    """Return the rows of one part, none where there is no file."""
+    own = folder / f"{part}-{machine}.csv"
+    files = [own] if own.exists() else sorted(folder.glob(f"{part}-*.csv"))
+    if not files:
+        return []
+    with files[0].open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def timed(rows: Iterable[Row]) -> list[Row]:
+    """Keep the rows that have a time."""
+    return [row for row in rows if row["median_s"]]
+
+
+def best(rows: Iterable[Row], unit: float) -> Line:
+    """Return the quickest of some rows for each count, in a unit a shape."""
+    least: dict[int, float] = {}
+    for row in timed(rows):
+        count = int(row["count"])
+        each = float(row["median_s"]) / unit
+        least[count] = min(each, least.get(count, np.inf))
+    counts = sorted(least)
+    return counts, [least[count] for count in counts]
+
+
+def slope(rows: Iterable[Row]) -> float:
+    """Fit the power of the count with which time grows, from ten thousand on."""
+    counts, times = best([row for row in rows if int(row["count"]) >= 10_000], 1.0)
+    return float(np.polyfit(np.log(counts), np.log(times), 1)[0]) if len(counts) > 1 else np.nan
+
+
+# ---- how every picture looks ---------------------------------------------------------------------
+
+
+def figure(columns: int, width: float, height: float, rows: int = 1, same: bool = False):
+    """Return a figure and its panels, all in one look."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams.update(
+        {
+            "font.family": "DejaVu Sans",
+            "font.size": 9.5,
+            "text.color": INK,
+            "axes.labelcolor": INK,
+            "axes.edgecolor": FAINT,
+            "axes.titlesize": 10.5,
+            "axes.titleweight": "bold",
+            "axes.titlelocation": "left",
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.grid": True,
+            "axes.axisbelow": True,
+            "grid.color": GRID,
+            "xtick.color": FAINT,
+            "ytick.color": FAINT,
+            "lines.linewidth": 1.6,
+            "lines.markersize": 4,
+            "legend.frameon": False,
+            "savefig.dpi": 150,
+        }
+    )
+    return plt.subplots(
+        rows, columns, figsize=(width, height), layout="constrained", squeeze=False, sharey=same
+    )
+
+
+def save(drawing, path: Path, rows: list[Row], title: str) -> None:
+    """Write a picture, with its title above and its machine below."""
+    drawing.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold")
+    drawing.supxlabel(rows[0]["machine"], x=0.01, ha="left", fontsize=7.5, color=FAINT)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    drawing.savefig(path)
+    print(f"  drawn: {path.name}")
+
+
+def short(count: float, _position: object = None) -> str:
+    """Write a number as 100, 1k or 1M."""
+    for size, letter in ((1e6, "M"), (1e3, "k")):
+        if count >= size:
+            return f"{count / size:g}{letter}"
+    return f"{count:g}"
+
+
+def logarithmic(axes, x: str, y: str, both: bool = True) -> None:
+    """Give a panel two logarithmic scales with plain numbers."""
+    axes.set_xscale("log")
+    if both:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(short)
+    axes.xaxis.set_major_formatter(short)
+    axes.minorticks_off()
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+
+
+def legend(drawing, panels, order: Iterable[str]) -> None:
+    """Name the lines of all panels once."""
+    handles = {
+        label: handle
+        for axes in panels.flat
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    names = [label for label in order if label in handles]
+    drawing.legend([handles[name] for name in names], names, loc="outside right center")
+
+
+# ---- the pictures --------------------------------------------------------------------------------
+
+PAIR_PANELS = {
+    "discs": "equal discs",
+    "mixed": "radii 1 to 100",
+    "clusters": "clusters",
+    "rectangles": "rectangles",
+}
+
+
+def family(name: str) -> str:
+    """Return the library of a row, which has one colour."""
+    return next((known for known in COLOURS if name.startswith(known)), name)
+
+
+def pair_lines(rows: list[Row]) -> Iterator[tuple[str, list[Row], dict[str, object]]]:
+    """Yield what a panel of pairs shows: each library at its best, ours on one thread and two."""
+    ours = [row for row in rows if row["name"].startswith("jostle") and "brute" not in row["name"]]
+    yield (
+        "jostle, 1 thread",
+        [row for row in ours if row["threads"] == "1"],
+        {"color": COLOURS["jostle"], "linewidth": 2.6, "zorder": 5},
+    )
+    yield (
+        "jostle, 2 threads",
+        [row for row in ours if row["threads"] == "2"],
+        {"color": COLOURS["jostle"], "linewidth": 2.6, "zorder": 5, "linestyle": (0, (2, 1))},
+    )
+    for library, colour in COLOURS.items():
+        if library != "jostle":
+            yield (
+                "NumPy, brute force"
+                if library == "NumPy"
+                else library + "'s tree" * (library == "the article"),
+                [row for row in rows if family(row["name"]) == library],
+                {"color": colour, "marker": "o"},
+            )
+
+
+def draw_pairs(rows: list[Row], path: Path) -> None:
+    """Four scenes, nanoseconds a shape."""
+    drawing, panels = figure(2, 9.5, 7.2, rows=2, same=True)
+    for axes, (scene, title) in zip(panels.flat, PAIR_PANELS.items(), strict=True):
+        for label, own, look in pair_lines([row for row in rows if row["scene"] == scene]):
+            counts, each = best(own, 1e-9)
+            if counts:
+                each = [time / count for time, count in zip(each, counts, strict=True)]
+                axes.plot(counts, each, label=label, **look)
+        logarithmic(axes, "shapes", "ns a shape")
+        axes.set_title(title)
+        axes.set_ylim(30, 300_000)
+    slowest_first = reversed([label for label, _, _ in pair_lines(rows)])
+    legend(drawing, panels, slowest_first)
+    save(drawing, path, rows, "All overlapping pairs, building included")
+
+
+def draw_step(rows: list[Row], path: Path) -> None:
+    """Two scenes, milliseconds a frame."""
+    drawing, panels = figure(2, 9.5, 4.4, same=True)
+    looks: dict[str, tuple[Callable[[Row], bool], dict[str, object]]] = {
+        "jostle, 1 thread": (
+            lambda row: row["name"] == "jostle" and row["threads"] == "1",
+            {"color": COLOURS["jostle"], "linewidth": 2.6, "zorder": 5},
+        ),
+        "jostle, 2 threads": (
+            lambda row: row["name"] == "jostle" and row["threads"] == "2",
+            {"color": COLOURS["jostle"], "linewidth": 2.6, "linestyle": (0, (2, 1)), "zorder": 5},
+        ),
+        "pymunk, batch": (
+            lambda row: row["name"] == "pymunk" and row["manner"] == "batch",
+            {"color": COLOURS["pymunk"], "marker": "o"},
+        ),
+        "pymunk, body by body": (
+            lambda row: row["name"] == "pymunk" and row["manner"] == "body by body",
+            {"color": COLOURS["pymunk"], "marker": "o", "linestyle": (0, (4, 2))},
+        ),
+        "pymunk, batch, one sub-step": (
+            lambda row: row["name"].startswith("pymunk, one") and row["manner"] == "batch",
+            {"color": "#7fbcc6", "marker": "o"},
+        ),
+        "the article's tree": (
+            lambda row: row["name"] == "the article's tree",
+            {"color": COLOURS["the article"], "marker": "o"},
+        ),
+        "the article's brute force": (
+            lambda row: row["name"] == "the article's brute force",
+            {"color": BRUTE, "marker": "s"},
+        ),
+    }
+    titles = {"gas": "gas of elastic discs, 1 sub-step", "pile": "pile at rest, 4 sub-steps"}
+    for axes, (scene, title) in zip(panels.flat, titles.items(), strict=True):
+        for label, (wanted, look) in looks.items():
+            own = [row for row in rows if row["scene"] == scene and wanted(row)]
+            counts, milliseconds = best(own, 1e-3)
+            if counts:
+                axes.plot(counts, milliseconds, label=label, **look)
+        axes.axhline(1000 / 60, color=FAINT, linewidth=0.9, linestyle=":")
+        logarithmic(axes, "discs", "ms a frame")
+        axes.set_title(title)
+    panels[0, 0].annotate(
+        "60 a second",
+        (1, 1000 / 60),
+        xycoords=("axes fraction", "data"),
+        xytext=(0, 3),
+        textcoords="offset points",
+        ha="right",
+        color=FAINT,
+        fontsize=8,
+    )
+    legend(drawing, panels, reversed(looks))
+    save(drawing, path, rows, "One frame of a simulation, all positions read")
+
+
+def draw_held(rows: list[Row], path: Path) -> None:
+    """Bars: discs held at 60 steps a second."""
+    drawing, panels = figure(1, 7.5, 2.9)
+    axes = panels[0, 0]
+    names = {"gas": "jostle, gas", "pile": "jostle, pile at rest", "article": "the article's tree"}
+    labels = [
+        names[row["scene"]]
+        + (
+            ""
+            if row["scene"] == "article"
+            else f", {row['threads']} thread" + "s" * (row["threads"] != "1")
+        )
+        for row in rows
+    ]
+    held = [int(row["held"]) for row in rows]
+    colours = [
+        COLOURS["the article"] if row["scene"] == "article" else COLOURS["jostle"] for row in rows
+    ]
+    bars = axes.barh(labels, held, color=colours, height=0.62)
+    texts = [
+        f"{count:,}" + ("" if row["scene"] == "article" else f"   × {row['times_article']}")
+        for count, row in zip(held, rows, strict=True)
+    ]
+    axes.bar_label(bars, texts, padding=4, color=INK)
+    axes.invert_yaxis()
+    axes.set_xlim(0, 1.25 * max([1, *held]))
+    axes.xaxis.set_major_formatter(short)
+    axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0, labelcolor=INK)
+    axes.spines["left"].set_visible(False)
+    axes.set_xlabel("discs")
+    save(drawing, path, rows, "Discs held at 60 steps a second")
+
+
+def draw_growth(rows: list[Row], path: Path) -> None:
+    """Time and memory against the number of discs."""
+    drawing, (panels,) = figure(2, 9.5, 4.2)
+    for threads, style in (("1", "-"), ("2", (0, (2, 1)))):
+        own = [row for row in timed(rows) if row["threads"] == threads]
+        counts = np.array([int(row["count"]) for row in own])
+        seconds = np.array([float(row["median_s"]) for row in own])
+        memory = np.array([int(row["peak_bytes"]) for row in own]) / counts
+        label = f"{threads} thread" + "s" * (threads != "1")
+        label += f": grows as $n^{{{slope(own):.2f}}}$ from 10k on"
+        look = {"color": COLOURS["jostle"], "linestyle": style, "marker": "o"}
+        panels[0].plot(counts, 1e3 * seconds, label=label, **look)
+        enough = counts >= 10_000  # below, pages of 4 KiB are coarser than what is asked
+        panels[1].plot(counts[enough], memory[enough], label=label.split(":")[0], **look)
+    logarithmic(panels[0], "discs", "ms")
+    panels[0].set_title("time")
+    panels[0].legend(loc="upper left")
+    logarithmic(panels[1], "discs", "bytes a disc, answer included", both=False)
+    panels[1].set_title("peak memory beyond the arrays")
+    panels[1].set_ylim(bottom=0)
+    panels[1].legend(loc="lower right")
+    save(drawing, path, rows, "find_pairs against the number of discs (float32, 40 % of the area)")
+
+
+def draw_small(rows: list[Row], path: Path) -> None:
+    """Small scenes: the method that is chosen beside both."""
+    drawing, panels = figure(1, 7.5, 4.0)
+    axes = panels[0, 0]
+    counts = [int(row["count"]) for row in rows]
+    looks = {
+        "quadtree": {"color": COLOURS["SciPy"], "label": 'method="quadtree"'},
+        "brute": {"color": BRUTE, "label": 'method="brute"'},
+        "auto": {"color": COLOURS["jostle"], "label": 'method="auto"', "linewidth": 2.6},
+    }
+    for method, look in looks.items():
+        axes.plot(counts, [1e6 * float(row[f"{method}_s"]) for row in rows], **look)
+    logarithmic(axes, "discs", "µs")
+    axes.legend(loc="upper left")
+    save(drawing, path, rows, "Small scenes: find_pairs chooses by itself")
+
+
+DRAWINGS: dict[str, Callable[[list[Row], Path], None]] = {
+    "pairs": draw_pairs,
+    "step": draw_step,
+    "held": draw_held,
+    "growth": draw_growth,
+    "small": draw_small,
+}
+
+
+def draw_all(results: Path, pictures: Path, machine: str = "") -> None:
+    """Draw every picture that there are results for."""
+    for part, draw in DRAWINGS.items():
+        if rows := read(results, part, machine or slug()):
+            draw(rows, pictures / f"bench-{part}.png")
+
+
+def main() -> None:
+    """Draw every picture that there are results for."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--results", type=Path, default=RESULTS)
+    parser.add_argument("--pictures", type=Path, default=PICTURES)
+    parser.add_argument("--machine", default="")
+    options = parser.parse_args()
+    draw_all(options.results, options.pictures, options.machine)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+"""Every benchmark, one results file each.
+
+    python benchmarks/run.py                     all of it, about twenty minutes on two cores
+    python benchmarks/run.py pairs plot          some of it
+    python benchmarks/run.py --patience 20       waits longer for the slower rivals
+    python benchmarks/run.py --largest 10000 --rounds 3 --out out/trial
+
+Rows are written as they come, so that a run that is stopped keeps what it has.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import growth
+import hard_cases
+import plot
+import share
+import small
+import tables
+
+from jostle.bench import held, pairs, steps
+from jostle.bench.machine import Results, Row, describe, slug
+
+PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
+PAIR_COUNTS = (100, 1_000, 10_000, 100_000, 1_000_000)
+STEP_COUNTS = (1_000, 10_000, 50_000, 200_000)
+
+# SciPy's own test: a million points of the unit square and a reach of 0.002. The smaller scene
+# is there for the settings to be chosen on.
+POINT_COUNTS = (10_000, 1_000_000)
+POINT_RIVALS = ("jostle", "jostle, float32", "SciPy cKDTree", "matscipy")
+POINT_PATIENCE = 5
+
+Options = argparse.Namespace
+Rows = Iterator[list[Row]]
+
+
+def told(text: str) -> None:
+    """Say what is being done."""
+    print(f"  {time.strftime('%H:%M:%S')}  {text}", flush=True)
+
+
+def run_pairs(options: Options) -> Rows:
+    """All overlapping pairs, beside other libraries."""
+    counts = [count for count in PAIR_COUNTS if count <= options.largest]
+    for scene in PAIR_SCENES:
+        yield from pairs.race(scene, counts, options.rounds, options.patience, told=told)
+    counts = [count for count in POINT_COUNTS if count <= options.largest]
+    rivals = [rival for rival in pairs.installed() if rival.name in POINT_RIVALS]
+    patience = POINT_PATIENCE * options.patience
+    yield from pairs.race("points", counts, options.rounds, patience, rivals=rivals, told=told)
+
+
+def run_step(options: Options) -> Rows:
+    """One frame of a simulation, beside pymunk and the article."""
+    counts = [count for count in STEP_COUNTS if count <= options.largest]
+    for scene in steps.SCENES:
+        yield from steps.race(scene, counts, options.rounds, options.patience, told=told)
+
+
+def run_held(options: Options) -> Rows:
+    """How many discs are held at 60 steps a second."""
+    for row in held.searches(told=told):
+        yield [row]
+
+
+PARTS: dict[str, Callable[[Options], Rows]] = {
+    "pairs": run_pairs,
+    "step": run_step,
+    "held": run_held,
+    "small": lambda options: small.race(options.rounds, options.largest),
+    "growth": lambda options: growth.race(options.rounds, 10 * options.largest, told),
+    "share": lambda options: share.race(options.rounds, options.largest),
+    "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),
+}
+
+
+def main() -> None:
+    """Run the parts that are asked for, and the plots of what is there."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("parts", nargs="*", help=f"{', '.join(PARTS)}, plot; all if none is given")
+    parser.add_argument("--rounds", type=int, default=9, help="how often each is timed")
+    parser.add_argument(
+        "--patience", type=float, default=1.0, help="seconds that one answer may take"
+    )
+    parser.add_argument("--largest", type=int, default=1_000_000, help="most shapes in a scene")
+    parser.add_argument("--out", type=Path, default=plot.RESULTS, help="folder of the results")
+    options = parser.parse_args()
+    parts = options.parts or [*PARTS, "plot"]
+    if unknown := set(parts) - {*PARTS, "plot"}:
+        parser.error(f"there is no {', '.join(sorted(unknown))}")
+    print(describe())
+    failed = [part for part in parts if part in PARTS and not run(part, options)]
+    if "plot" in parts:
+        if options.out == plot.RESULTS:
+            plot.draw_all(plot.RESULTS, plot.PICTURES)
+            tables.write_all(plot.RESULTS)
+        else:  # a trial: the documents stay as they are
+            plot.draw_all(options.out, options.out)
+    if failed:
+        raise SystemExit(f"failed: {', '.join(failed)}")
+
+
+def run(part: str, options: Options) -> bool:
+    """Run one part; what goes wrong in it is shown and does not stop the others."""
+    results = Results(options.out / f"{part}-{slug()}.csv")
+    began = time.perf_counter()
+    print(f"\n== {part} ==", flush=True)
+    try:
+        for rows in PARTS[part](options):
+            results.add(rows)
+            for row in rows:
+                print("  " + "  ".join(str(value) for value in row.values() if value != ""))
+    except Exception:
+        traceback.print_exc()
+        return False
+    print(f"  {time.perf_counter() - began:.0f} s, {results.path.name}")
+    return True
+
+
+if __name__ == "__main__":
+    main()

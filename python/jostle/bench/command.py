@@ -1,0 +1,124 @@
+"""What `jostle bench` does: short races with a progress bar, a table each, and a file if asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from jostle.bench import pairs, steps
+from jostle.bench.machine import Results, Row, describe, version_of
+
+__all__ = ["bench"]
+
+SMALLEST = 1_000
+PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
+PATIENCE = {"pairs": 0.3, "step": 0.1}
+"""Seconds that one answer, or one frame, may take: nobody waits here for the slowest."""
+
+OTHERS = ("scipy", "shapely", "matscipy", "vesin", "fastquadtree", "pyqtree", "pymunk")
+KEPT = (
+    *("scene", "count", "name", "version", "threads", "manner", "setting"),
+    *("rounds", "median_s", "low_s", "high_s", "note"),
+)
+
+
+@dataclass(frozen=True)
+class Race:
+    """What is raced on one scene."""
+
+    kind: str
+    scene: str
+    counts: Sequence[int]
+
+    def run(
+        self, rounds: int, threads: Sequence[int], told: Callable[[str], None]
+    ) -> Iterator[list[Row]]:
+        """Yield the rows of each size."""
+        race = pairs.race if self.kind == "pairs" else steps.race
+        return race(self.scene, self.counts, rounds, PATIENCE[self.kind], threads, told=told)
+
+
+def races(largest: int) -> list[Race]:
+    """Return the races up to a number of shapes; steps are raced up to a fifth of it."""
+    counts = [SMALLEST * 10**power for power in range(7) if SMALLEST * 10**power < largest]
+    counts.append(largest)
+    fewer = [count for count in counts if 5 * count <= largest] or counts[:1]
+    return [Race("pairs", scene, counts) for scene in PAIR_SCENES] + [
+        Race("step", scene, fewer) for scene in steps.SCENES
+    ]
+
+
+def bench(
+    largest: int, rounds: int, threads: Sequence[int], csv: Path | None, console: Console
+) -> None:
+    """Race whatever is installed."""
+    console.print(describe(), highlight=False, soft_wrap=True)
+    console.print(who_is_there(), highlight=False, soft_wrap=True)
+    results = Results(csv) if csv else None
+    todo = races(largest)
+    columns = BarColumn(20), TextColumn("{task.description}"), TimeElapsedColumn()
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=sum(len(race.counts) for race in todo))
+        for race in todo:
+            rows: list[Row] = []
+            for group in race.run(rounds, threads, lambda text: bar.update(task, description=text)):
+                rows += group
+                if results:
+                    results.add([{"kind": race.kind} | {c: row[c] for c in KEPT} for row in group])
+                bar.advance(task)
+            console.print(title(race), table(race, rows), sep="\n")
+    if results:
+        console.print(f"written to {results.path}", highlight=False, soft_wrap=True)
+
+
+def who_is_there() -> str:
+    """Say which other libraries take part, and which would if they were installed."""
+    versions = {package: version_of(package) for package in OTHERS}
+    there = ", ".join(f"{package} {version}" for package, version in versions.items() if version)
+    missing = ", ".join(package for package, version in versions.items() if not version)
+    return f"beside {there or 'nothing'}" + (f"; not installed: {missing}" if missing else "")
+
+
+def title(race: Race) -> str:
+    """Say what a table shows."""
+    what = "all pairs" if race.kind == "pairs" else "one step, positions read"
+    return f"\n[bold]{race.scene}[/bold]: {what}; ns a shape (× jostle on one thread)"
+
+
+def table(race: Race, rows: list[Row]) -> Table:
+    """Show nanoseconds for each shape, and how many times as long as the first row they are."""
+    shown = Table(box=None, padding=(0, 2, 0, 0))
+    shown.add_column("", style="cyan", no_wrap=True)
+    counts = [n for n in race.counts if any(row["count"] == n and row["rounds"] for row in rows)]
+    for count in counts:
+        shown.add_column(f"{count:,}", justify="right", no_wrap=True)
+    lines: dict[str, dict[object, Row]] = {}
+    for row in rows:
+        lines.setdefault(label(row), {})[row["count"]] = row
+    first = next(iter(lines.values()), {})
+    for name, cells in lines.items():
+        if any(row["rounds"] for row in cells.values()):
+            shown.add_row(name, *(cell(cells.get(n), first.get(n)) for n in counts))
+    return shown
+
+
+def label(row: Row) -> str:
+    """Return the name of a row, with its threads, and how positions were read where that tells."""
+    threads = "" if row["threads"] == 1 else f", {row['threads']} threads"
+    manner = f", {row['manner']}" if row["manner"] in ("batch", "body by body") else ""
+    return f"{row['name']}{manner}{threads}"
+
+
+def cell(row: Row | None, first: Row | None) -> str:
+    """Return a time and its ratio."""
+    if row is None or not row["rounds"] or first is None:
+        return "–"
+    median, base = float(str(row["median_s"])), float(str(first["median_s"]))
+    ratio = median / base
+    times = f"{ratio:,.0f}" if ratio >= 10 else f"{ratio:.2g}"
+    return f"{1e9 * median / int(str(row['count'])):,.0f} (×{times})"

@@ -1,0 +1,77 @@
+"""What was measured on, and the file that keeps the figures."""
+
+from __future__ import annotations
+
+import csv
+import os
+import platform
+import re
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+import jostle
+
+__all__ = ["Results", "Row", "cpu", "describe", "slug", "version_of"]
+
+Row = dict[str, object]
+
+
+def cpu() -> str:
+    """Return the processor's own name for itself, as far as it gives one."""
+    info = Path("/proc/cpuinfo")
+    if info.exists() and (match := re.search(r"model name\s*:\s*(.+)", info.read_text())):
+        return match[1].strip()
+    return platform.processor() or platform.machine()
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def describe() -> str:
+    """Return processor, cores, system, Python and NumPy in one line."""
+    system = f"{platform.system()} {platform.machine()}"
+    python = f"Python {platform.python_version()}, NumPy {np.__version__}"
+    return f"{cpu()}, {cores()} cores, {system}, {python}"
+
+
+def slug() -> str:
+    """Return a file name for this kind of machine."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", f"{cpu()} {cores()} cores").strip("-").lower()
+
+
+def version_of(package: str) -> str | None:
+    """Return the installed version of a package, None where it is not installed."""
+    if package == "jostle":
+        return jostle.__version__
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+class Results:
+    """A CSV file that grows row by row, so that a run that stops early keeps what it has."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._columns: list[str] = []
+
+    def add(self, rows: list[Row]) -> None:
+        """Append rows; the first of all begins the file and names its columns."""
+        for row in rows:
+            whole = {**row, "machine": describe()}
+            begins = not self._columns
+            self._columns = self._columns or list(whole)
+            if begins:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("w" if begins else "a", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, self._columns, lineterminator="\n")
+                if begins:
+                    writer.writeheader()
+                writer.writerow(whole)

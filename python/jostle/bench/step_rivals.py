@@ -1,0 +1,226 @@
+"""Every way to simulate discs that is compared, each a `Running` made from the same beginning."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.article import Simulation
+from jostle.bench.timing import clock
+
+__all__ = [
+    "FRAME",
+    "Beginning",
+    "Running",
+    "article",
+    "gas",
+    "jostle_world",
+    "pile",
+    "pymunk_space",
+]
+
+FRAME = 1 / 60
+"""Seconds that a frame advances."""
+
+SETTLED = 3.0
+"""A pile rests when its discs move at less than this many pixels a second, root mean square."""
+
+LONGEST_FALL = 15 * 60
+"""Frames after which a pile is taken as it is."""
+
+Column = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """Discs in a box, as columns."""
+
+    positions: Column
+    velocities: Column
+    radii: Column
+    masses: Column
+    box: tuple[float, float, float, float]
+    gravity: tuple[float, float]
+    restitution: float
+    substeps: int
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+@dataclass(frozen=True)
+class Running:
+    """A simulation; each way of `frames` advances it by one frame and reads all positions."""
+
+    frames: dict[str, Callable[[], object]]
+    state: Callable[[], tuple[Column, Column]]
+    """Positions and velocities, in the order of the beginning."""
+    close: Callable[[], object] = lambda: None
+    """Is called when nobody needs it any more."""
+
+
+def begun(world: jostle.World) -> Beginning:
+    """Return a world's columns."""
+    box = world.container
+    assert isinstance(box, jostle.Box)
+    return Beginning(
+        world.positions,
+        world.velocities,
+        world.radii,
+        world.masses,
+        (box.min_x, box.min_y, box.max_x, box.max_y),
+        world.gravity,
+        world.restitution,
+        world.substeps,
+    )
+
+
+@cache
+def gas(count: int) -> Beginning:
+    """Return elastic discs over 40 % of a box, mixed for a second."""
+    world = jostle.scenes.create("gas", n=count)
+    world.step(FRAME, 60)
+    return begun(world)
+
+
+@cache
+def pile(count: int, patience: float = math.inf) -> Beginning | None:
+    """Return discs of radius 5 to 10 that fell and came to rest.
+
+    None where the frames of the fall take more than `patience` seconds from the beginning.
+    """
+    world = jostle.scenes.create("pile", n=count)
+    slow = 0
+    for passed in range(0, LONGEST_FALL, 10):
+        slow += clock(lambda: world.step(FRAME, 10)) > 10 * patience
+        if slow == 3 and passed < 50:  # once may be another program's doing
+            return None
+        if passed >= 60 and speed(world.velocities) < SETTLED:
+            break
+    return begun(world)
+
+
+def speed(velocities: Column) -> float:
+    """Return the root mean square of the speeds."""
+    return float(np.sqrt(np.mean(np.einsum("ij,ij->i", velocities, velocities))))
+
+
+def jostle_world(start: Beginning, threads: int, method: str = "quadtree") -> Running:
+    """Our world, all positions read as one array."""
+    world = jostle.World(
+        start.positions,
+        start.velocities,
+        start.radii,
+        masses=start.masses,
+        gravity=start.gravity,
+        restitution=start.restitution,
+        container=jostle.Box(*start.box),
+        substeps=start.substeps,
+        threads=threads,
+    )
+    world.method = "brute" if method == "brute" else "quadtree"
+
+    def frame() -> Column:
+        world.step(FRAME)
+        return world.positions
+
+    return Running({"positions": frame}, lambda: (world.positions, world.velocities))
+
+
+def pymunk_space(
+    start: Beginning, threads: int, hashed: bool = False, substeps: int | None = None
+) -> Running:
+    """Build pymunk's world: bodies that cannot turn, no friction, no sleeping, as many sub-steps.
+
+    `hashed` chooses its other index, which its documents advise for many objects of one size.
+    """
+    import pymunk
+    import pymunk.batch
+
+    space = pymunk.Space(threaded=threads > 1)
+    space.threads = threads
+    space.gravity = start.gravity
+    if hashed:
+        space.use_spatial_hash(2 * float(np.mean(start.radii)), 10 * len(start))
+    # It multiplies the elasticities of the two that touch.
+    elasticity = math.sqrt(start.restitution)
+    bodies = []
+    columns = (start.positions, start.velocities, start.radii, start.masses)
+    for place, velocity, radius, mass in zip(*(c.tolist() for c in columns), strict=True):
+        body = pymunk.Body(mass, math.inf)
+        body.position, body.velocity = tuple(place), tuple(velocity)
+        disc = pymunk.Circle(body, radius)
+        disc.elasticity, disc.friction = elasticity, 0.0
+        bodies.append(body)
+        space.add(body, disc)
+    for wall in walls(start.box):
+        segment = pymunk.Segment(space.static_body, *wall, 100.0)
+        segment.elasticity, segment.friction = elasticity, 0.0
+        space.add(segment)
+    pieces = substeps or start.substeps
+
+    def step() -> None:
+        for _ in range(pieces):
+            space.step(FRAME / pieces)
+
+    buffer = pymunk.batch.Buffer()
+
+    def read(field: pymunk.batch.BodyFields) -> Column:
+        buffer.clear()
+        pymunk.batch.get_space_bodies(space, field, buffer)
+        # The body of the walls comes last.
+        return np.frombuffer(buffer.float_buf()).reshape(-1, 2)[: len(start)].copy()
+
+    def frame_by_body() -> Column:
+        step()
+        return np.array([body.position for body in bodies])
+
+    def frame_by_batch() -> Column:
+        step()
+        return read(pymunk.batch.BodyFields.POSITION)
+
+    def state() -> tuple[Column, Column]:
+        return (
+            np.array([body.position for body in bodies]),
+            np.array([body.velocity for body in bodies]),
+        )
+
+    def close() -> None:
+        # Its own clearing up goes through all contacts for each body: minutes for 200,000. So the
+        # memory is left to the end of the program.
+        from pymunk._chipmunk_cffi import ffi
+
+        shapes = [shape for body in bodies for shape in body.shapes]
+        handles = [body._body for body in bodies] + [shape._shape for shape in shapes]
+        for handle in (space._space, *handles):
+            ffi.gc(handle, None)
+
+    return Running({"body by body": frame_by_body, "batch": frame_by_batch}, state, close)
+
+
+def walls(
+    box: tuple[float, float, float, float],
+) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Return the middle lines of four walls, 200 thick, around a box."""
+    low_x, low_y, high_x, high_y = box[0] - 100, box[1] - 100, box[2] + 100, box[3] + 100
+    corners = [(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)]
+    return list(zip(corners, corners[1:] + corners[:1], strict=True))
+
+
+def article(count: int, method: str) -> Callable[[], object]:
+    """Return one frame of the article's program on its own particles, at its own density."""
+    scale = max(1.0, math.sqrt(count / 500))
+    simulation = Simulation(count, method, width=int(800 * scale), height=int(500 * scale))
+
+    def frame() -> object:
+        simulation.frame()
+        return [(particle.x, particle.y) for particle in simulation.particles]
+
+    return frame

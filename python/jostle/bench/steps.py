@@ -1,0 +1,211 @@
+"""The race of simulations: the same discs, the same second, then the clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+import jostle
+from jostle.bench import step_rivals as ways
+from jostle.bench.machine import Row, version_of
+from jostle.bench.step_rivals import Beginning, Running
+from jostle.bench.timing import Call, clock, interleaved
+
+__all__ = ["SCENES", "race"]
+
+SCENES = ("gas", "pile")
+
+CHECKED_FRAMES = 60
+"""Frames after which speeds and contacts are compared: a second."""
+
+COMPARED_MOST = 20_000
+"""Simulations, and the indices of pymunk, are compared up to this size. Larger scenes take over the
+index that won there, and are only run in."""
+
+RUN_IN_FRAMES = 10
+
+NEAR = 1.02
+"""Discs count as touching up to this many times the sum of their radii."""
+
+FALL = 0.12
+"""This share of the patience may a frame take while a pile falls, for that takes hundreds."""
+
+Told = Callable[[str], None]
+
+
+@dataclass
+class Entrant:
+    """A simulation with a number of threads, and what is known of it so far."""
+
+    name: str
+    package: str
+    threads: int
+    make: Callable[[Beginning], Running]
+    indices: tuple[Callable[[Beginning], Running], ...] = ()
+    seconds_a_disc: float = 0.0
+
+
+def entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
+    """Yield all that are installed; the first says what is right."""
+    for number in threads:
+        yield Entrant("jostle", "jostle", number, partial(ways.jostle_world, threads=number))
+    brute = partial(ways.jostle_world, threads=1, method="brute")
+    yield Entrant("jostle, brute force", "jostle", 1, brute)
+    if version_of("pymunk") is None:
+        return
+    for number in sorted({min(number, 2) for number in threads}):
+        tree = partial(ways.pymunk_space, threads=number)
+        indices = (tree, partial(tree, hashed=True))
+        yield Entrant("pymunk", "pymunk", number, tree, indices)
+    if scene == "pile":  # as its users do it: the frame in one piece
+        tree = partial(ways.pymunk_space, threads=1, substeps=1)
+        indices = (tree, partial(tree, hashed=True))
+        yield Entrant("pymunk, one sub-step", "pymunk", 1, tree, indices)
+
+
+def race(
+    scene: str,
+    counts: Sequence[int],
+    rounds: int = 9,
+    patience: float = 1.0,
+    threads: Sequence[int] = (1, 2),
+    told: Told = lambda text: None,
+) -> Iterator[list[Row]]:
+    """Compare and time one frame of every simulation, and yield the rows of each size.
+
+    The article's programs run beside the gas, each with as many of its own particles, at its own
+    density and by its own rules.
+
+    Parameters
+    ----------
+    scene : {"gas", "pile"}
+        A gas of elastic discs, or a pile at rest.
+    counts : sequence of int
+        Numbers of discs, ascending.
+    rounds : int
+        How often each is timed.
+    patience : float
+        Seconds. One whose frame takes longer is left out.
+    threads : sequence of int
+        Numbers of threads.
+    told : callable
+        Is told what is being done.
+    """
+    everyone = list(entrants(scene, threads))
+    for count in counts:
+        told(f"{scene}, {count:,}: the beginning")
+        start = ways.gas(count) if scene == "gas" else ways.pile(count, FALL * patience)
+        if start is None:  # it would take too long to fall
+            return
+        rows: list[Row] = []
+        timed: list[tuple[Row, Call, Entrant | None]] = []
+        everything: list[Running] = []
+        for entrant in everyone:
+            row = begin(scene, start, entrant)
+            if entrant.seconds_a_disc * count > patience:
+                rows.append({**row, "note": "not tried at this size"})
+                continue
+            told(f"{scene}, {count:,}: {entrant.name}, compared")
+            running = best_index(entrant, start).make(start)
+            everything.append(running)
+            for frame in running.frames.values():
+                frame()  # the first finds all contacts anew
+            slowest = max(clock(frame) for frame in running.frames.values())
+            entrant.seconds_a_disc = slowest / count
+            if slowest > patience:
+                rows.append({**row, "note": f"a frame takes {slowest:.1f} s"})
+                continue
+            row |= after_a_second(running, start)
+            for manner, frame in running.frames.items():
+                rows.append({**row, "manner": manner, "setting": setting(entrant)})
+                timed.append((rows[-1], frame, entrant))
+        if scene == "gas":
+            for method in ("quadtree", "brute"):
+                row, old_frame = article_row(scene, count, method)
+                rows.append(row)
+                if old_frame is None or clock(old_frame) > patience:
+                    row["note"] = "too slow at this size"
+                else:
+                    timed.append((row, old_frame, None))
+        told(f"{scene}, {count:,}: {rounds} rounds of {len(timed)}")
+        timings = interleaved([frame for _, frame, _ in timed], rounds)
+        for (row, _, raced), timing in zip(timed, timings, strict=True):
+            row |= timing.columns()
+            if raced is not None:
+                raced.seconds_a_disc = timing.median / count
+        for running in everything:
+            running.close()
+        yield rows
+
+
+def begin(scene: str, start: Beginning, entrant: Entrant) -> Row:
+    """Return the row of a simulation that has not been timed yet."""
+    return {
+        "scene": scene,
+        "count": len(start),
+        "substeps": start.substeps,
+        "name": entrant.name,
+        "version": version_of(entrant.package),
+        "threads": entrant.threads,
+        "manner": "",
+        "setting": "",
+        "rms_speed": "",
+        "contacts": "",
+        "rounds": 0,
+        "median_s": "",
+        "low_s": "",
+        "high_s": "",
+        "note": "",
+    }
+
+
+def article_row(scene: str, count: int, method: str) -> tuple[Row, Call | None]:
+    """Return a row for the article's program and its frame; no frame where there is no hope."""
+    name = "the article's tree" if method == "quadtree" else "the article's brute force"
+    start = ways.gas(1)
+    row = begin(scene, start, Entrant(name, "jostle", 1, partial(ways.jostle_world, threads=1)))
+    row |= {"count": count, "substeps": 1, "manner": "its own rules and particles"}
+    most = 50_000 if method == "quadtree" else 3_000
+    return row, ways.article(count, method) if count <= most else None
+
+
+def after_a_second(running: Running, start: Beginning) -> Row:
+    """Run for a second; return how fast the discs then are, and how many pairs touch.
+
+    Large scenes are only run in: nothing is returned.
+    """
+    frame = next(reversed(running.frames.values()))
+    compared = len(start) <= COMPARED_MOST
+    for _ in range(CHECKED_FRAMES if compared else RUN_IN_FRAMES):
+        frame()
+    if not compared:
+        return {}
+    positions, velocities = running.state()
+    near = np.asarray(start.radii, np.float64) * NEAR
+    contacts = len(jostle.find_pairs(positions.astype(np.float64), near))
+    return {"rms_speed": f"{ways.speed(velocities):.2f}", "contacts": contacts}
+
+
+def best_index(entrant: Entrant, start: Beginning) -> Entrant:
+    """Let a simulation that has a choice of indices take the quicker one for these discs."""
+    if entrant.indices and len(start) <= COMPARED_MOST:
+        tried = [make(start) for make in entrant.indices]
+        frames = [next(reversed(running.frames.values())) for running in tried]
+        for _ in range(CHECKED_FRAMES // 4):
+            for frame in frames:
+                frame()
+        medians = [timing.median for timing in interleaved(frames, 5)]
+        entrant.make = entrant.indices[medians.index(min(medians))]
+        for running in tried:
+            running.close()
+    return entrant
+
+
+def setting(entrant: Entrant) -> str:
+    """Name the index that was taken."""
+    if not entrant.indices:
+        return ""
+    return "tree" if entrant.make is entrant.indices[0] else "spatial hash"

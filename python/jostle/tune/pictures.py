@@ -1,0 +1,311 @@
+"""The pictures: a map of leaf capacity × depth, and curves of time over particles and world size.
+
+The only file that knows matplotlib; it draws into files and opens no window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from jostle.tune.findings import FRAME, crossing, curve, two_digits
+from jostle.tune.report import in_ms, title
+from jostle.tune.sweep import (
+    ARTICLE_CAPACITY,
+    ARTICLE_DEPTH,
+    COUNT_METHODS,
+    DEPTHS,
+    TOO_SLOW,
+    WORLD_SIZES,
+    Tuning,
+)
+from jostle.tune.timing import Outcome
+
+INK, SOFT, FAINT, PAPER = "#22282f", "#6b7684", "#dde2e8", "#ffffff"
+METHOD_COLOURS = dict(zip(COUNT_METHODS, ("#2f7f86", "#c77a3c", "#8a6aa8"), strict=True))
+METHOD_NAMES = dict(
+    zip(COUNT_METHODS, ("jostle's tree", "brute force", "the article's tree"), strict=True)
+)
+BEST = "#c2453f"
+# Pale where it is fast, dark where it is slow, so that a good plateau looks like one.
+SLOWNESS = LinearSegmentedColormap.from_list(
+    "slowness", ["#f6f4ec", "#cfe3d6", "#8fc0bd", "#5590a8", "#4f6d9e", "#4a4580", "#38244f"]
+)
+TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
+DARK = 3.6  # times the best, from which on a cell needs white words
+CAPACITY_LABEL = "leaf capacity: most particles in a box that does not split"
+DEPTH_LABEL = "maximum depth: most subdivisions"
+DOTS = 144  # an inch
+MAP_NOTE = (
+    "Red frame: the best. Bold: cannot be told apart from the quickest. "
+    "A depth that no branch reaches makes the tree of the row without a limit, timed once."
+)
+CURVES_NOTE = (
+    "Brute force runs in the same core as the tree; the article's time is a whole frame of its "
+    "program, in Python."
+)
+
+
+def settings(tuning: Tuning, path: Path) -> bool:
+    """Draw the map of leaf capacity × depth; return whether there was one to draw."""
+    if not any(outcome.rounds for outcome in tuning.settings.values()):
+        return False
+    figure = _figure(9.6, 6.2)
+    axes = figure.add_subplot()
+    draw_map(axes, tuning)
+    axes.set_xlabel(CAPACITY_LABEL, color=INK)
+    axes.set_ylabel(DEPTH_LABEL, color=INK)
+    best = min(outcome.median for outcome in tuning.settings.values())
+    _colour_bar(figure, [axes], f"time, as a multiple of the quickest ({in_ms(best)})")
+    _frame_texts(figure, "Leaf capacity and depth", title(tuning), MAP_NOTE)
+    figure.savefig(path)
+    return True
+
+
+def maps(tunings: Sequence[Tuning], columns: int, path: Path) -> None:
+    """Draw the maps of several scenes into one picture."""
+    rows = -(-len(tunings) // columns)
+    figure = _figure(5.8 * columns + 1.0, 3.9 * rows + 1.2)
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for axes, tuning in zip(grid.flat, tunings, strict=False):
+        draw_map(axes, tuning)
+        axes.set_title(tuning.scene, loc="left", fontsize=11, fontweight="bold", color=INK)
+    for axes in grid.flat[len(tunings) :]:
+        axes.set_axis_off()
+    for axes in grid[-1]:
+        axes.set_xlabel(CAPACITY_LABEL, color=INK)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(DEPTH_LABEL, color=INK)
+    _colour_bar(figure, list(grid.flat), "time, as a multiple of the scene's quickest")
+    details = title(tunings[0]).partition(", ")[2]
+    _frame_texts(figure, "Leaf capacity and depth", details, MAP_NOTE)
+    figure.savefig(path)
+
+
+def draw_map(axes: Axes, tuning: Tuning) -> None:
+    """Draw the cells, each with its time as a multiple of the best, and mark those that matter."""
+    capacities, depths = sorted(tuning.tree_depths), map_depths(tuning)
+    best = min(outcome.median for outcome in tuning.settings.values())
+    norm, marks = _norm(), _marks(tuning)
+    for row, depth in enumerate(depths):
+        for column, capacity in enumerate(capacities):
+            setting = tuning.cell(capacity, depth)
+            outcome = tuning.settings.get(setting, Outcome())
+            times = outcome.median / best
+            dark = bool(outcome.rounds) and times > DARK
+            colour = SLOWNESS(norm(min(times, TOO_SLOW))) if outcome.rounds else FAINT
+            cell = Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor=colour, edgecolor=PAPER)
+            cell.set_hatch("////" if outcome.too_slow else "")
+            axes.add_patch(cell)
+            marked = marks.get((capacity, depth))
+            axes.text(
+                *(column, row + (0.1 if marked else 0.0)),
+                _multiple(times) if outcome.rounds else ">20" if outcome.too_slow else "–",
+                ha="center",
+                va="center",
+                fontsize=8.5,
+                color=PAPER if dark else INK,
+                fontweight="bold" if outcome.rounds and tuning.is_as_good(setting) else "normal",
+            )
+            if marked:
+                _mark(axes, (column, row), marked, dark=dark)
+    axes.set_xlim(-0.5, len(capacities) - 0.5)
+    axes.set_ylim(-0.5, len(depths) - 0.5)
+    axes.set_xticks(range(len(capacities)), [f"{capacity}" for capacity in capacities])
+    names = [f"{depth}" for depth in depths[:-1]]
+    axes.set_yticks(range(len(depths)), [*names, "no limit"])
+    axes.tick_params(length=0, colors=INK)
+    axes.spines[:].set_visible(False)
+
+
+def map_depths(tuning: Tuning) -> list[int]:
+    """Return the rows of the map: the depths that limit some tree, and the one that limits none."""
+    deepest = max(tuning.tree_depths.values())
+    return [*(depth for depth in DEPTHS if depth < deepest), tuning.default.max_depth]
+
+
+def _marks(tuning: Tuning) -> dict[tuple[int, int], tuple[str, str]]:
+    """Return the cells to be framed: the word in each, and the colour of its frame."""
+    best, default = tuning.best(), tuning.default
+    marks = {
+        (ARTICLE_CAPACITY, ARTICLE_DEPTH): ("article", METHOD_COLOURS["article's tree"]),
+        (default.leaf_capacity, default.max_depth): ("default", INK),
+    }
+    cell = (best.leaf_capacity, best.max_depth)
+    word, _ = marks.get(cell, ("best", BEST))
+    return {**marks, cell: (word, BEST)}
+
+
+def _mark(axes: Axes, place: tuple[int, int], mark: tuple[str, str], *, dark: bool) -> None:
+    (column, row), (word, colour) = place, mark
+    corner, side = (column - 0.44, row - 0.44), 0.88
+    axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2.0))
+    words = PAPER if dark else colour
+    axes.text(column, row - 0.40, word, ha="center", va="bottom", fontsize=7, color=words)
+
+
+def _colour_bar(figure: Figure, axes: list[Axes], words: str) -> None:
+    bar = figure.colorbar(ScalarMappable(_norm(), SLOWNESS), ax=axes, pad=0.02, aspect=32)
+    bar.set_label(words, color=INK)
+    bar.ax.yaxis.set_major_locator(FixedLocator(TICKS))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    bar.ax.tick_params(colors=INK, labelsize=9)
+    bar.outline.set_visible(False)  # type: ignore[operator]
+
+
+def curves(tuning: Tuning, path: Path) -> bool:
+    """Draw time over particles and over world size; return whether there was any to draw."""
+    if not curve(tuning.counts, "quadtree"):
+        return False
+    figure = _figure(11.5, 5.4)
+    left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
+    _draw_counts(left, tuning)
+    _draw_sizes(right, tuning)
+    words = "Number of particles, and size of their world"
+    _frame_texts(figure, words, title(tuning), CURVES_NOTE)
+    figure.savefig(path)
+    return True
+
+
+def _draw_counts(axes: Axes, tuning: Tuning) -> None:
+    for method in COUNT_METHODS:
+        points = curve(tuning.counts, method)
+        if not points:
+            continue
+        colour = METHOD_COLOURS[method]
+        counts, times = zip(*points, strict=True)
+        axes.plot(counts, 1e3 * np.array(times), "o-", color=colour, markersize=4, linewidth=1.8)
+        above = method == "article's tree"  # the uppermost, and the first to end
+        at = max(len(points) - 2, 0) if above else -1
+        axes.annotate(
+            METHOD_NAMES[method],
+            (counts[at], 1e3 * times[at]),
+            xytext=(-8, 6) if above else (8, 0),
+            textcoords="offset points",
+            color=colour,
+            va="bottom" if above else "center",
+            ha="right" if above else "left",
+        )
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, high * 4.5)
+    axes.axhline(1e3 * FRAME, color=SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
+    axes.annotate(
+        "1/60 s",
+        (0, 1e3 * FRAME),
+        xycoords=("axes fraction", "data"),
+        xytext=(5, 3),
+        textcoords="offset points",
+        fontsize=8.5,
+        color=SOFT,
+    )
+    if (n := crossing(tuning.counts)) is not None:
+        axes.axvline(n, color=FAINT, linewidth=1.2, zorder=0)
+        axes.annotate(
+            f"the tree is ahead\nfrom about {two_digits(n):,}",
+            (n, 0),
+            xycoords=("data", "axes fraction"),
+            xytext=(5, 6),
+            textcoords="offset points",
+            fontsize=8.5,
+            color=SOFT,
+        )
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
+    axes.set_xlabel("particles")
+    axes.set_ylabel("time, ms")
+    _calm(axes)
+
+
+def _draw_sizes(axes: Axes, tuning: Tuning) -> None:
+    """Draw one line for each leaf capacity, the default's in front."""
+    capacities = sorted({setting.leaf_capacity for setting in tuning.sizes})
+    for number, capacity in enumerate(capacities):
+        points = sorted(
+            (setting.world_size, 1e3 * outcome.median)
+            for setting, outcome in tuning.sizes.items()
+            if setting.leaf_capacity == capacity and outcome.rounds
+        )
+        if not points:
+            continue
+        default = capacity == tuning.default.leaf_capacity
+        shade = SLOWNESS(0.25 + 0.6 * number / max(len(capacities) - 1, 1))
+        axes.plot(
+            *zip(*points, strict=True),
+            "o-",
+            color=BEST if default else shade,
+            linewidth=2.2 if default else 1.4,
+            markersize=4 if default else 3,
+            zorder=3 if default else 2,
+            label=f"{capacity} (default)" if default else f"{capacity}",
+        )
+    if not axes.lines:
+        axes.set_axis_off()
+        return
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.xaxis.set_major_locator(FixedLocator(WORLD_SIZES))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"×{value:g}"))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
+    axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
+    axes.set_xlabel("width and height of the world, the particles as they are")
+    axes.set_ylabel("time, ms")
+    legend = axes.legend(title="leaf capacity", frameon=False, fontsize=8.5, labelcolor=INK)
+    legend.get_title().set_color(SOFT)
+    _calm(axes)
+
+
+def _figure(width: float, height: float) -> Figure:
+    """Return an empty page with room for a head above and a note below."""
+    figure = Figure(figsize=(width, height), dpi=DOTS, facecolor=PAPER)
+    head, foot = 0.78 / height, 0.4 / height
+    figure.set_layout_engine("constrained", rect=(0.008, foot, 0.984, 1 - head - foot))
+    return figure
+
+
+def _frame_texts(figure: Figure, words: str, details: str, note: str) -> None:
+    """Write the head and the note."""
+    width, height = figure.get_size_inches()
+    left = 0.16 / width
+    for text, y, size, colour, weight in (
+        (words, height - 0.3, 14, INK, "bold"),
+        (details, height - 0.57, 9.5, SOFT, "normal"),
+        (note, 0.2, 8.5, SOFT, "normal"),
+    ):
+        figure.text(
+            *(left, y / height, text),
+            ha="left",
+            va="center",
+            fontsize=size,
+            color=colour,
+            fontweight=weight,
+        )
+
+
+def _calm(axes: Axes) -> None:
+    axes.grid(True, which="major", color=FAINT, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(SOFT)
+    axes.tick_params(colors=INK, which="both", labelsize=9)
+    axes.xaxis.label.set_color(INK)
+    axes.yaxis.label.set_color(INK)
+
+
+def _norm() -> LogNorm:
+    return LogNorm(1.0, TOO_SLOW)
+
+
+def _multiple(times: float) -> str:
+    return f"{times:.2f}" if times < 1.995 else f"{times:.1f}" if times < 9.95 else f"{times:.0f}"

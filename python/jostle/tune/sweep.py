@@ -1,0 +1,248 @@
+"""Which settings are tried: leaf capacity × depth, world size, number of particles."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from jostle.tune.contenders import Method, Setting, Work, contender, defaults, tree
+from jostle.tune.sample import Sample
+from jostle.tune.timing import LEAST, Outcome, Race, Ratio, compare
+
+ARTICLE_CAPACITY, ARTICLE_DEPTH = 3, 5  # its "4" is one subdivision more than it says
+CAPACITIES = (ARTICLE_CAPACITY, 8, 16, 24, 32, 40, 48, 64, 96, 128, 256)
+DEPTHS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 24)
+WORLD_SIZES = (0.5, 0.7, 1.0, 1.4, 2.0, 4.0)
+SIZE_CAPACITIES = (8, 16, 32, 48, 64, 128)
+COUNTS = (50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000)
+COUNT_METHODS: tuple[Method, ...] = ("quadtree", "brute force", "article's tree")
+ARTICLE_MOST = 10_000  # particles; a single frame of more takes many seconds
+
+TOO_SLOW = 20.0  # times the default: settings beyond are of no use to anybody
+EQUAL = 1.02  # times the quickest, up to which a setting without a limit of depth is preferred
+FINAL_ROUNDS = 10  # times those of a sweep: longer than a short disturbance
+FINALISTS = 2  # of the sweep's best, with a limit of depth and without, beside the default
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much time may be spent.
+
+    Attributes
+    ----------
+    rounds
+        Of each sweep, as far as `seconds` allow.
+    seconds
+        For all sweeps together.
+    limit
+        Seconds; what takes longer a call is left out of the sweep over numbers of particles.
+    most
+        Particles up to which that sweep goes, and at least to the number asked for.
+    """
+
+    rounds: int
+    seconds: float
+    limit: float
+    most: int
+
+
+THOROUGH = Effort(rounds=31, seconds=80.0, limit=0.5, most=100_000)
+QUICK = Effort(rounds=11, seconds=11.0, limit=0.1, most=20_000)
+
+Outcomes = dict[Setting, Outcome]
+Watch = Callable[[str, int, int], object]
+
+
+@dataclass
+class Tuning:
+    """What was measured, as far as it got."""
+
+    scene: str
+    n: int
+    work: Work
+    threads: int | None
+    default: Setting
+    settings: Outcomes = field(default_factory=dict)
+    """Leaf capacity × depth. A depth that no branch reaches makes the same tree as none: such
+    trees are timed once, under the default depth."""
+    tree_depths: dict[int, int] = field(default_factory=dict)
+    """Leaf capacity: subdivisions of the tree that no depth limits."""
+    sizes: Outcomes = field(default_factory=dict)
+    counts: Outcomes = field(default_factory=dict)
+    final: Outcomes = field(default_factory=dict)
+
+    def sweeps(self) -> Iterator[tuple[str, Outcomes]]:
+        """Return each sweep with its name."""
+        yield "settings", self.settings
+        yield "world size", self.sizes
+        yield "particles", self.counts
+        yield "final", self.final
+
+    def cell(self, leaf_capacity: int, max_depth: int) -> Setting:
+        """Return the setting that stands for these: itself, or the same tree without a limit."""
+        if max_depth >= self.tree_depths.get(leaf_capacity, max_depth + 1):
+            max_depth = self.default.max_depth
+        return Setting(self.n, 1.0, leaf_capacity, max_depth)
+
+    def best(self) -> Setting:
+        """Return the quickest setting: of the final, or of the sweep where there was none yet.
+
+        Of those that cannot be told apart from it one without a limit of depth is preferred: what
+        limit suits depends on the number of particles.
+        """
+        outcomes = self._latest()
+        measured = sorted(
+            (setting for setting in outcomes if outcomes[setting].rounds),
+            key=lambda setting: outcomes[setting].median,
+        )
+        if not measured:
+            return self.default
+        quickest = measured[0]
+        for setting in measured:
+            behind = compare(outcomes[setting], outcomes[quickest])
+            close = setting == quickest or (behind.within_noise and behind.median <= EQUAL)
+            if close and setting.max_depth == self.default.max_depth:
+                return setting
+        return quickest
+
+    def _latest(self) -> Outcomes:
+        fresh = any(outcome.rounds for outcome in self.final.values())
+        return self.final if fresh else self.settings
+
+    def gain(self) -> Ratio:
+        """Return the time of the default over that of the best."""
+        outcomes = self._latest()
+        return compare(outcomes.get(self.default, Outcome()), outcomes.get(self.best(), Outcome()))
+
+    def outcome(self, setting: Setting) -> Outcome:
+        """Return what is known of a setting: from the final, if it was in it."""
+        return {**self.settings, **self._latest()}.get(setting, Outcome())
+
+    def against_default(self, setting: Setting) -> Ratio:
+        """Return the time of a setting over that of the default, both of the same rounds."""
+        outcomes = self._latest() if setting in self._latest() else self.settings
+        return compare(outcomes.get(setting, Outcome()), outcomes.get(self.default, Outcome()))
+
+    def is_as_good(self, setting: Setting) -> bool:
+        """Whether a setting cannot be told apart from the best one of the sweep."""
+        best = min(self.settings, key=lambda key: self.settings[key].median)
+        return setting == best or compare(self.settings[setting], self.settings[best]).within_noise
+
+
+class Tuner:
+    """Fills a `Tuning`, sweep by sweep; what was measured stays if a sweep is broken off."""
+
+    def __init__(
+        self,
+        scene: str,
+        n: int,
+        *,
+        work: Work = "pairs",
+        threads: int | None = None,
+        effort: Effort = THOROUGH,
+        seed: int = 0,
+    ) -> None:
+        capacity, depth = defaults()
+        self.tuning = Tuning(scene, n, work, threads, Setting(n, 1.0, capacity, depth))
+        self.effort = effort
+        self._seed = seed
+        self._sample = Sample.of(scene, n, seed)
+
+    def settings(self, watch: Watch, share: float = 0.4) -> None:
+        """Sweep leaf capacity × depth."""
+        tuning, default = self.tuning, self.tuning.default
+        for capacity in sorted({*CAPACITIES, default.leaf_capacity}):
+            unlimited = Setting(tuning.n, 1.0, capacity, default.max_depth)
+            depth = tree(self._sample, unlimited, tuning.threads).stats.depth
+            tuning.tree_depths[capacity] = depth
+        tries = {
+            tuning.cell(capacity, depth): self._sample
+            for capacity in tuning.tree_depths
+            for depth in (*DEPTHS, default.max_depth)
+        }
+        limit = max(TOO_SLOW * self._once(default), LEAST)
+        self._race(tuning.settings, "leaf capacity × depth", tries, watch, share, limit)
+
+    def sizes(self, watch: Watch, share: float = 0.15) -> None:
+        """Sweep the size of the world, with a few leaf capacities in each."""
+        default = self.tuning.default
+        capacities = sorted({*SIZE_CAPACITIES, default.leaf_capacity})
+        tries = {}
+        for size in WORLD_SIZES:
+            if size < 1 and self.tuning.work == "step":
+                continue  # pressed into each other, particles do not move as any scene's
+            sample = self._sample.resized(size)
+            for capacity in capacities:
+                tries[Setting(self.tuning.n, size, capacity, default.max_depth)] = sample
+        limit = max(10 * TOO_SLOW * self._once(default), LEAST)
+        self._race(self.tuning.sizes, "world size", tries, watch, share, limit)
+
+    def counts(self, watch: Watch, share: float = 0.35) -> None:
+        """Sweep the number of particles, with the tree, by brute force and as the article did."""
+        tuning, effort = self.tuning, self.effort
+        tries = {}
+        most = max(effort.most, tuning.n)
+        for n in sorted({*(n for n in COUNTS if n <= most), tuning.n}):
+            sample = self._sample if n == tuning.n else Sample.of(tuning.scene, n, self._seed)
+            for method in COUNT_METHODS:
+                if method == "article's tree" and n > ARTICLE_MOST:
+                    continue
+                ours = method == "quadtree"
+                capacity, depth = defaults() if ours else (0, 0)
+                tries[Setting(n, 1.0, capacity, depth, method)] = sample
+        limit = max(effort.limit, 2 * self._once(tuning.default))
+        self._race(tuning.counts, "number of particles", tries, watch, share, limit)
+
+    def final(self, watch: Watch, share: float = 0.1) -> None:
+        """Time the best of the sweep, the default and the article's setting anew, by themselves.
+
+        The best of a hundred settings owes part of its lead to luck; fresh rounds show the rest.
+        """
+        tuning, found = self.tuning, self.tuning.settings
+        measured = [setting for setting in found if found[setting].rounds]
+        measured.sort(key=lambda setting: found[setting].median)
+        unlimited = [s for s in measured if s.max_depth == tuning.default.max_depth]
+        article = tuning.cell(ARTICLE_CAPACITY, ARTICLE_DEPTH)
+        also = [article] if article in measured else []
+        finalists = [tuning.default, *measured[:FINALISTS], *unlimited[:FINALISTS], *also]
+        tries = dict.fromkeys(finalists, self._sample)
+        rounds = FINAL_ROUNDS * self.effort.rounds
+        self._race(tuning.final, "final", tries, watch, share, rounds=rounds)
+
+    def _race(
+        self,
+        into: Outcomes,
+        name: str,
+        tries: dict[Setting, Sample],
+        watch: Watch,
+        share: float,
+        limit: float = float("inf"),
+        rounds: int | None = None,
+    ) -> None:
+        rounds = rounds or self.effort.rounds
+        tuning = self.tuning
+        race = Race(
+            {
+                setting: contender(sample, setting, tuning.work, tuning.threads)
+                for setting, sample in tries.items()
+            },
+            limit,
+            seed=random.Random(name).randrange(2**32),
+        )
+        steps, done = len(tries) * (rounds + 1), 0
+
+        def advance(more: int) -> None:
+            nonlocal done
+            done += more
+            watch(name, done, steps)
+
+        into.update(race.outcomes)  # the same objects: what was measured stays, come what may
+        advance(0)
+        race.run(rounds, share * self.effort.seconds, advance)
+
+    def _once(self, setting: Setting) -> float:
+        """Return about how long a setting takes: the best of three calls, with nothing else on."""
+        race = Race({0: contender(self._sample, setting, self.tuning.work, self.tuning.threads)})
+        race.run(3)
+        return min(race.outcomes[0].rounds)

@@ -1,0 +1,264 @@
+"""The benchmark: that it compares before it times, and times what it says; never how fast."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jostle
+from jostle.bench import held, pairs, shapes, step_rivals, steps
+from jostle.bench.machine import Results, describe, slug, version_of
+from jostle.bench.pair_rivals import RIVALS, Rival, Unable
+from jostle.bench.timing import Timing, interleaved
+
+SCENES = list(shapes.SCENES)
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+
+
+# ---- scenes --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_scene_is_seeded_and_made_of_float32_numbers(scene: str) -> None:
+    made, again = shapes.create(scene, 200), shapes.create(scene, 200)
+    assert np.array_equal(made.centers, again.centers)
+    assert not np.array_equal(made.centers, shapes.create(scene, 200, seed=1).centers)
+    for column in (made.centers, made.column(), made.half_sizes):
+        if column is not None:
+            assert column.dtype == np.float64
+            assert np.array_equal(column, column.astype(np.float32))
+
+
+@pytest.mark.parametrize("scene", ["discs", "mixed", "rectangles"])
+def test_shapes_cover_forty_per_cent(scene: str) -> None:
+    made = shapes.create(scene, 4_000)
+    halves = made.half_sizes
+    covered = np.pi * made.column() ** 2 if halves is None else 4 * np.prod(halves, axis=1)
+    side = np.ptp(made.centers, axis=0)
+    assert covered.sum() / np.prod(side) == pytest.approx(0.4, rel=0.05)
+
+
+def test_mixed_has_radii_a_hundred_to_one_and_mostly_small() -> None:
+    radii = shapes.create("mixed", 20_000).column()
+    assert radii.min() == pytest.approx(1, rel=0.01) and 60 < radii.max() <= 100
+    assert np.median(radii) < 2
+
+
+# ---- pairs ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("rival", RIVALS, ids=lambda rival: rival.name)
+def test_every_rival_that_is_installed_finds_the_same_pairs(rival: Rival, scene: str) -> None:
+    if version_of(rival.package) is None:
+        pytest.skip(f"{rival.package} is not installed")
+    made = shapes.create(scene, 120)
+    expected = jostle.find_pairs(made.centers, made.radii, made.half_sizes, method="brute")
+    assert len(expected) > 10
+    for setting in rival.settings:
+        for threads in rival.threads:
+            entrant = pairs.Entrant(rival, threads, setting)
+            try:
+                pairs.check(entrant, made, pairs.keys(expected, len(made)))
+            except Unable as reason:
+                assert str(reason)
+
+
+def ours(**changes: object) -> Rival:
+    return replace(RIVALS[0], threads=(1,), **changes)  # type: ignore[arg-type]
+
+
+def test_a_race_yields_a_row_for_each_rival_and_size() -> None:
+    scipy = [rival for rival in pairs.installed() if rival.name == "SciPy cKDTree"]
+    groups = list(pairs.race("discs", (20, 50), rounds=2, rivals=[ours(), *scipy]))
+    assert [[row["count"] for row in rows] for rows in groups] == [[20] * 2, [50] * 2]
+    for row in groups[1]:
+        assert row["rounds"] == 2 and row["version"] and float(str(row["median_s"])) > 0
+    assert "leafsize=" in str(groups[1][1]["setting"])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda found: found[1:],
+        lambda found: np.vstack([found, found[:1]]),
+        lambda found: np.vstack([found, [[0, len(found)]]]),
+    ],
+    ids=["one missing", "one twice", "one too many"],
+)
+def test_a_wrong_answer_stops_the_race(wrong) -> None:
+    def right(made: shapes.Shapes, threads: int):
+        return jostle.find_pairs(made.centers, made.radii, sort=True)
+
+    liar = ours(name="liar", find=lambda made, threads: wrong(right(made, threads)))
+    with pytest.raises(pairs.Disagreement, match="liar finds"):
+        list(pairs.race("discs", (100,), rounds=1, rivals=[ours(), liar]))
+
+
+def test_what_cannot_be_done_gets_a_row_with_the_reason() -> None:
+    def refuse(made: shapes.Shapes, threads: int) -> None:
+        raise Unable("never")
+
+    (rows,) = pairs.race("discs", (20,), rounds=1, rivals=[ours(), ours(name="no", find=refuse)])
+    assert rows[1]["note"] == "never" and rows[1]["rounds"] == 0 and rows[1]["median_s"] == ""
+
+
+def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
+    small, large = pairs.race("discs", (20, 40), rounds=3, patience=1e-9, rivals=[ours()])
+    assert small[0]["rounds"] == 1 and small[0]["median_s"]
+    assert large[0]["rounds"] == 0 and large[0]["note"]
+
+
+# ---- steps ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", steps.SCENES)
+def test_simulations_begin_alike_and_are_compared_before_they_are_timed(scene: str) -> None:
+    (rows,) = steps.race(scene, (30,), rounds=2, patience=30)
+    names = {row["name"] for row in rows}
+    assert {"jostle", "jostle, brute force"} <= names
+    assert ("pymunk" in names) == (version_of("pymunk") is not None)
+    speeds = {row["name"]: float(str(row["rms_speed"])) for row in rows if row["rms_speed"]}
+    for row in rows:
+        assert row["rounds"] == 2 and float(str(row["median_s"])) > 0
+        if scene == "gas" and row["rms_speed"]:  # the energy stays
+            assert speeds[str(row["name"])] == pytest.approx(speeds["jostle"], rel=0.05)
+
+
+def test_a_pile_comes_to_rest_and_is_not_waited_for_if_slow() -> None:
+    pile = step_rivals.pile(40)
+    assert pile is not None and step_rivals.speed(pile.velocities) < step_rivals.SETTLED
+    assert step_rivals.pile(41, 1e-9) is None
+
+
+@pytest.mark.parametrize("manner", ["body by body", "batch"])
+def test_pymunk_answers_in_the_order_of_the_beginning(manner: str) -> None:
+    pytest.importorskip("pymunk")
+    start = step_rivals.gas(25)
+    running = step_rivals.pymunk_space(start, 1)
+    positions = running.frames[manner]()
+    assert np.allclose(positions, running.state()[0])
+    assert np.abs(positions - start.positions).max() < 120 * step_rivals.FRAME * 1.5
+
+
+# ---- held ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("guess", [100, 10_000, 9_000_000])
+@pytest.mark.parametrize("end", [50, 100, 12_345, 300_000, 10**9])
+def test_the_search_finds_the_end_of_what_holds(end: int, guess: int) -> None:
+    asked: list[int] = []
+
+    def holds(count: int) -> bool:
+        asked.append(count)
+        return count <= end
+
+    expected = max((count for count in held.LADDER if count <= end), default=0)
+    assert held.largest(holds, guess) == expected
+    assert len(asked) == len(set(asked)) < 30
+
+
+def test_the_ladder_rises_by_a_tenth_or_so() -> None:
+    ratios = np.divide(held.LADDER[1:], held.LADDER[:-1])
+    assert ratios.min() > 1.05 and ratios.max() < 1.2
+
+
+# ---- timing and files ----------------------------------------------------------------------------
+
+
+def test_rounds_are_interleaved() -> None:
+    order: list[str] = []
+
+    def slow(name: str) -> None:
+        order.append(name)
+        sum(range(200_000))
+
+    interleaved([lambda: slow("a"), lambda: slow("b")], 3)
+    assert order == ["a", "b"] * 4
+
+
+def test_a_timing_tells_median_and_quartiles() -> None:
+    columns = Timing((5.0, 1.0, 2.0, 3.0, 4.0)).columns()
+    assert columns == {"rounds": 5, "median_s": "3", "low_s": "2", "high_s": "4"}
+
+
+def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "file.csv"
+    path.parent.mkdir()
+    path.write_text("an earlier run")
+    results = Results(path)
+    assert path.read_text() == "an earlier run"
+    for count in (1, 2):
+        results.add([{"count": count}])
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        assert [row["count"] for row in rows] == [str(n) for n in range(1, count + 1)]
+        assert rows[-1]["machine"] == describe()
+
+
+def test_a_machine_has_a_name_for_files() -> None:
+    assert slug() == slug().lower() and " " not in slug() and "core" in slug()
+
+
+# ---- benchmarks/ ---------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
+    parts = ["pairs", "small", "share", "hard-cases"]
+    options = ["--largest", "100", "--rounds", "2", "--out", str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, BENCHMARKS / "run.py", *parts, *options], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
+
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- table: small -->\nold\n<!-- end -->\nafter\n")
+    code = (
+        "import sys, tables; from pathlib import Path; tables.write_all(*map(Path, sys.argv[1:]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, tmp_path, page], cwd=BENCHMARKS, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    written = page.read_text()
+    assert "old" not in written and "Worst ratio" in written
+    assert written.startswith("before\n") and written.endswith("after\n")
+
+
+# ---- the command ---------------------------------------------------------------------------------
+
+
+def test_the_command_shows_tables_and_writes_a_file(monkeypatch, capsys, tmp_path: Path) -> None:
+    for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
+        pytest.importorskip(extra)
+    from jostle import cli
+
+    path = tmp_path / "figures.csv"
+    monkeypatch.setattr(
+        sys, "argv", ["jostle", "bench", "-n", "40", "--rounds", "2", "--csv", str(path)]
+    )
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    printed = capsys.readouterr().out
+    for words in (describe().split(",")[0], "all pairs", "one step", "jostle, 2 threads", "(×1)"):
+        assert words in printed
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["kind"] for row in rows} == {"pairs", "step"}
+    assert {row["scene"] for row in rows} == {
+        "discs",
+        "mixed",
+        "clusters",
+        "rectangles",
+        "gas",
+        "pile",
+    }

@@ -1,0 +1,395 @@
+"""`jostle tune`: the protocol under a false clock, then the command with the least to do."""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+for extra in ("typer", "rich", "pygame", "imageio_ffmpeg", "matplotlib"):
+    pytest.importorskip(extra)
+
+from matplotlib.image import imread  # noqa: E402
+from rich.console import Console  # noqa: E402
+
+import jostle  # noqa: E402
+from jostle import cli  # noqa: E402
+from jostle.tune import command, contenders, findings, pictures, records, report, sweep  # noqa: E402
+from jostle.tune.contenders import Setting, contender, defaults  # noqa: E402
+from jostle.tune.sample import Sample  # noqa: E402
+from jostle.tune.sweep import Effort, Tuner, Tuning  # noqa: E402
+from jostle.tune.timing import Contender, Outcome, Race, compare  # noqa: E402
+
+TINY = Effort(rounds=2, seconds=60.0, limit=0.5, most=100)
+
+
+# ---- the protocol --------------------------------------------------------------------------------
+
+
+class FalseTime:
+    """A clock that stands still but for the calls that take their time."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.log: list[str] = []
+
+    def __call__(self) -> float:
+        return self.now
+
+    def takes(self, name: str, *seconds: float, **options: object) -> Contender:
+        """Something that takes so long at its first, second … and every later call."""
+        left = list(seconds)
+
+        def call() -> None:
+            self.log.append(name)
+            self.now += left.pop(0) if len(left) > 1 else left[0]
+
+        return Contender(call, **options)
+
+
+def test_every_round_times_each_once_in_an_order_of_its_own() -> None:
+    clock = FalseTime()
+    names = "abcdefgh"
+    race = Race({name: clock.takes(name, 1.0) for name in names}, clock=clock)
+    race.run(4)
+    rounds = [clock.log[k : k + 8] for k in range(0, len(clock.log), 8)]
+    assert len(rounds) == 5  # the first only tries
+    assert all(sorted(one) == list(names) for one in rounds)
+    assert len({tuple(one) for one in rounds}) > 1
+    assert all(outcome.rounds == [1.0] * 4 for outcome in race.outcomes.values())
+
+
+def test_preparing_is_outside_the_clock() -> None:
+    clock = FalseTime()
+
+    def prepare() -> None:
+        clock.now += 100.0
+
+    race = Race({"a": clock.takes("a", 1.0, prepare=prepare)}, clock=clock)
+    race.run(3)
+    assert race.outcomes["a"].rounds == [1.0] * 3
+
+
+def test_short_calls_are_repeated_within_a_measurement() -> None:
+    clock = FalseTime()
+    race = Race(
+        {"short": clock.takes("short", 0.75e-3), "long": clock.takes("long", 1.0)}, clock=clock
+    )
+    race.run(1)
+    assert clock.log.count("short") == 1 + 7 and clock.log.count("long") == 1 + 1
+    assert race.outcomes["short"].median == pytest.approx(0.75e-3)
+
+
+def test_a_measurement_is_the_median_of_its_calls() -> None:
+    clock = FalseTime()
+    calls = (1e-3, *(1e-3, 50.0, 1e-3, 1e-3, 1e-3))
+    race = Race({"a": clock.takes("a", *calls)}, clock=clock)
+    race.run(1)
+    assert race.outcomes["a"].median == pytest.approx(1e-3)
+
+
+def test_what_is_expected_to_be_slow_is_never_called() -> None:
+    clock = FalseTime()
+    hopeless = clock.takes("hopeless", 1e9, expect=lambda: 11.0)
+    race = Race({"hopeless": hopeless, "quick": clock.takes("quick", 1.0)}, 10.0, clock)
+    race.run(3)
+    assert "hopeless" not in clock.log
+    assert race.outcomes["hopeless"].status == "too slow"
+    assert race.outcomes["hopeless"].median == math.inf
+    assert race.outcomes["quick"].status == "measured"
+
+
+def test_what_turns_out_slow_is_called_once() -> None:
+    clock = FalseTime()
+    race = Race(
+        {"slow": clock.takes("slow", 60.0), "quick": clock.takes("quick", 1.0)}, 10.0, clock
+    )
+    race.run(3)
+    assert clock.log.count("slow") == 1
+    assert race.outcomes["slow"].status == "too slow"
+
+
+def test_after_a_stall_there_is_a_second_chance() -> None:
+    clock = FalseTime()
+    race = Race({"a": clock.takes("a", 12.0, 1.0)}, 10.0, clock)
+    race.run(3)
+    assert race.outcomes["a"].rounds == [1.0] * 3
+
+
+def test_time_bounds_the_rounds_and_then_the_trial() -> None:
+    clock = FalseTime()
+    race = Race({name: clock.takes(name, 1.0) for name in "abcd"}, clock=clock)
+    done = []
+    race.run(100, seconds=17.0, advance=done.append)
+    assert {len(outcome.rounds) for outcome in race.outcomes.values()} == {3}
+    assert clock.now == 16.0 and sum(done) == 4 * 101
+
+    clock = FalseTime()
+    race = Race({name: clock.takes(name, 1.0) for name in "abcd"}, clock=clock)
+    race.run(5, seconds=1.5)
+    states = [outcome.status for outcome in race.outcomes.values()]
+    assert sorted(states) == ["measured", "measured", "not reached", "not reached"]
+
+
+def test_a_round_that_is_broken_off_leaves_no_trace() -> None:
+    clock = FalseTime()
+
+    def interrupt() -> None:
+        if clock.log.count("b") == 3:
+            raise KeyboardInterrupt
+
+    race = Race(
+        {"a": clock.takes("a", 1.0), "b": clock.takes("b", 1.0, prepare=interrupt)}, clock=clock
+    )
+    with pytest.raises(KeyboardInterrupt):
+        race.run(9)
+    assert [len(outcome.rounds) for outcome in race.outcomes.values()] == [2, 2]
+
+
+def test_a_ratio_within_the_noise_says_so() -> None:
+    noise = [1.0, 1.2, 0.9, 1.1, 1.3, 0.8, 1.0, 1.1, 0.9, 1.2]
+    drifting = Outcome([(k + 1) * 1.1 for k in range(10)])
+    steady = Outcome([k + 1.0 for k in range(10)])
+    # Round by round the one is a tenth slower, though both spread by a factor of ten.
+    assert not compare(drifting, steady).within_noise
+    assert compare(drifting, steady).median == pytest.approx(1.1)
+    assert compare(Outcome(noise), Outcome(noise[::-1])).within_noise
+    assert compare(Outcome(), steady).within_noise
+
+
+def test_the_range_of_a_median_holds_it_as_often_as_it_says() -> None:
+    random = np.random.default_rng(0)
+    one = Outcome([1.0] * 15)
+    held = [
+        compare(Outcome(random.lognormal(0, 0.3, 15).tolist()), one).within_noise
+        for _ in range(1000)
+    ]
+    assert 0.95 <= np.mean(held) <= 0.98  # 15 rounds: ranks 4 to 12, 96.5 %
+
+
+# ---- what is timed -------------------------------------------------------------------------------
+
+
+def test_a_world_of_another_size_has_the_same_particles_further_apart() -> None:
+    sample = Sample.of("gas", 50)
+    wide = sample.resized(2.0)
+    assert np.allclose(wide.positions, 2 * sample.positions)
+    assert np.array_equal(wide.radii, sample.radii)
+    assert wide.world.container.max_x == pytest.approx(2 * sample.world.container.max_x)
+    assert np.array_equal(wide.world.positions, wide.positions)
+
+
+@pytest.mark.parametrize("scene", jostle.scenes.names())
+def test_every_scene_fits_into_worlds_of_other_sizes(scene: str) -> None:
+    sample = Sample.of(scene, 40)
+    for size in sweep.WORLD_SIZES:
+        resized = sample.resized(size)
+        assert len(resized) == len(sample)
+        if size >= 1:  # closer together they are timed without their world
+            resized.world.step(1 / 60)
+
+
+def test_each_step_starts_from_the_same_state() -> None:
+    sample = Sample.of("gas", 60)
+    step = contender(sample, Setting(60, 1.0, *defaults()), "step", 1)
+    states = []
+    for _ in range(3):
+        step.prepare()
+        step.call()
+        states.append(sample.world.positions)
+    assert np.array_equal(states[0], states[2])
+    assert not np.array_equal(states[0], sample.positions)
+
+
+def test_a_depth_that_cuts_the_tree_short_is_expected_to_take_longer(monkeypatch) -> None:
+    monkeypatch.setattr(contenders, "seconds_a_test", lambda threads: 1.0)
+    sample = Sample.of("gas", 400)
+    expected = [
+        contender(sample, Setting(400, 1.0, 4, depth), "pairs", 1).expect() for depth in (0, 1, 2)
+    ]
+    assert expected[0] == 400 * 399 / 2
+    assert expected[0] > 1.2 * expected[1] > 2 * expected[2]
+    brute = contender(sample, Setting(400, 1.0, 0, 0, "brute force"), "pairs", 1)
+    assert brute.expect() == 400 * 399 / 2
+
+
+def test_hopeless_settings_are_left_out_and_shown_as_such(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(contenders, "seconds_a_test", lambda threads: 1.0)  # one second!
+    tuner = Tuner("gas", 300, effort=TINY, threads=1)
+    tuner.settings(lambda *_: None)
+    assert {outcome.status for outcome in tuner.tuning.settings.values()} == {"too slow"}
+    assert not list(report.report(tuner.tuning))
+    assert not pictures.settings(tuner.tuning, tmp_path / "none.png")
+
+
+# ---- a whole tuning ------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def tuned() -> Tuning:
+    tuner = Tuner("clusters", 100, effort=TINY, threads=1)
+    for part in (tuner.settings, tuner.final, tuner.sizes, tuner.counts):
+        part(lambda *_: None)
+    return tuner.tuning
+
+
+def test_the_defaults_are_those_of_the_library(tuned) -> None:
+    world = jostle.scenes.create("billiards")
+    assert defaults() == (world.leaf_capacity, world.max_depth)
+    assert (tuned.default.leaf_capacity, tuned.default.max_depth) == defaults()
+    assert tuned.default in tuned.settings and tuned.default in tuned.final
+
+
+def test_the_same_tree_is_timed_once(tuned) -> None:
+    limit = tuned.default.max_depth
+    depth = tuned.tree_depths[8]
+    assert tuned.cell(8, depth) == tuned.cell(8, depth + 3) == tuned.cell(8, limit)
+    assert tuned.cell(8, depth - 1).max_depth == depth - 1
+    assert {tuned.cell(c, d) for c in tuned.tree_depths for d in (*sweep.DEPTHS, limit)} == set(
+        tuned.settings
+    )
+
+
+def test_the_csv_has_a_line_for_each_setting(tuned, tmp_path: Path) -> None:
+    records.write(tuned, tmp_path / "t.csv")
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as file:
+        reader = csv.DictReader(file)
+        lines = list(reader)
+    assert tuple(reader.fieldnames) == records.COLUMNS
+    assert len(lines) == sum(len(outcomes) for _, outcomes in tuned.sweeps())
+    assert {line["sweep"] for line in lines} == {"settings", "final", "world size", "particles"}
+    for line in lines:
+        assert (line["scene"], line["threads"], line["status"]) == ("clusters", "1", "measured")
+        assert 0 < float(line["low_s"]) <= float(line["median_s"]) <= float(line["high_s"])
+        assert (line["leaf_capacity"] == "") == (line["method"] != "quadtree")
+
+
+@pytest.mark.parametrize("draw", [pictures.settings, pictures.curves])
+def test_pictures_show_something(tuned, draw, tmp_path: Path) -> None:
+    assert draw(tuned, tmp_path / "p.png")
+    image = imread(tmp_path / "p.png")[..., :3]
+    assert image.shape[0] > 500 and image.shape[1] > 900
+    assert (image < 0.99).any(axis=2).mean() > 0.01
+    assert len(np.unique(image.reshape(-1, 3), axis=0)) > 50
+
+
+def test_nothing_measured_makes_no_picture(tmp_path: Path) -> None:
+    nothing = Tuning("gas", 10, "pairs", None, Setting(10, 1.0, *defaults()))
+    assert not pictures.settings(nothing, tmp_path / "p.png")
+    assert not pictures.curves(nothing, tmp_path / "p.png")
+    assert not list(report.report(nothing))
+    records.write(nothing, tmp_path / "p.csv")
+    assert (tmp_path / "p.csv").read_text().count("\n") == 1
+
+
+def made_up(**times: list[float]) -> Tuning:
+    """A tuning of leaf capacities (c8=…) that took these times, round by round."""
+    limit = defaults()[1]
+    tuning = Tuning("gas", 10, "pairs", 1, Setting(10, 1.0, *defaults()))
+    for name, rounds in times.items():
+        tuning.settings[Setting(10, 1.0, int(name[1:]), limit)] = Outcome(rounds)
+    tuning.tree_depths = {setting.leaf_capacity: 2 for setting in tuning.settings}
+    return tuning
+
+
+def test_the_verdict_names_a_real_gain_and_no_other() -> None:
+    default = f"c{defaults()[0]}"
+    slower, noisy = [1.5] * 9, [0.9, 1.2, 0.9, 1.2, 0.9, 1.2, 0.9, 1.2, 0.9]
+    assert "1.50 times" in report.verdict(made_up(**{default: slower, "c100": [1.0] * 9}))
+    assert "within the noise" in report.verdict(made_up(**{default: [1.0] * 9, "c100": noisy}))
+    assert "default is the best" in report.verdict(made_up(**{default: [1.0] * 9, "c100": slower}))
+
+
+def test_of_equals_the_one_without_a_limit_is_best() -> None:
+    tuning = made_up(c100=[1.0, 1.01] * 5)
+    tuning.settings[Setting(10, 1.0, 4, 1)] = Outcome([1.01, 0.98] * 5)
+    assert tuning.best().leaf_capacity == 100
+    tuning.settings[Setting(10, 1.0, 4, 1)] = Outcome([0.5] * 10)
+    assert tuning.best().leaf_capacity == 4
+
+
+def test_findings_lie_between_the_measured_points() -> None:
+    def of(method: str, *times: float) -> dict:
+        return {
+            Setting(n, 1.0, 0, 0, method): Outcome([t])
+            for n, t in zip((100, 1_000, 10_000), times, strict=True)
+        }
+
+    counts = {**of("quadtree", 2e-3, 1e-2, 1e-1), **of("brute force", 1e-3, 2e-2, 2.0)}
+    assert findings.crossing(counts) == pytest.approx(10**2.5)
+    assert findings.particles_within(findings.curve(counts, "quadtree"), 1e-2) == pytest.approx(1e3)
+    assert findings.particles_within(findings.curve(counts, "quadtree"), 1.0) is None
+    assert findings.two_digits(12_345) == 12_000 and findings.two_digits(7) == 7
+
+
+# ---- the command ---------------------------------------------------------------------------------
+
+
+def run(monkeypatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["jostle", "tune", *arguments])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    return exit_.value.code
+
+
+@pytest.fixture
+def hasty(monkeypatch) -> None:
+    monkeypatch.setattr(command, "QUICK", TINY)
+
+
+@pytest.mark.parametrize(("options", "stem"), [((), "orbit"), (("--step",), "orbit-step")])
+def test_tune_leaves_tables_csv_and_pictures(
+    monkeypatch, capsys, tmp_path: Path, hasty, options, stem
+) -> None:
+    out = tmp_path / "new"
+    monkeypatch.setattr(cli, "console", Console(width=120))
+    code = run(
+        monkeypatch, "orbit", "--n", "80", "--quick", "--rounds", "1", "--out", str(out), *options
+    )
+    printed = capsys.readouterr().out
+    assert code == 0
+    assert sorted(path.name for path in out.iterdir()) == [
+        f"tune-{stem}-particles.png",
+        f"tune-{stem}-settings.png",
+        f"tune-{stem}.csv",
+    ]
+    for words in ("default", "leaf capacity", "brute force", "article's tree", f"tune-{stem}.csv"):
+        assert words in printed
+
+
+def test_interrupted_it_leaves_what_was_measured(monkeypatch, capsys, tmp_path, hasty) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Tuner, "sizes", interrupt)
+    assert run(monkeypatch, "gas", "--n", "80", "--quick", "--out", str(tmp_path)) == 130
+    assert "Stopped" in capsys.readouterr().out
+    assert {path.name for path in tmp_path.iterdir()} == {"tune-gas.csv", "tune-gas-settings.png"}
+    lines = (tmp_path / "tune-gas.csv").read_text().splitlines()
+    assert any(",settings," in line for line in lines)
+    assert not any(",world size," in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "there is no scene 'nowhere'; the scenes are article, gas"),
+        (["gas", "--n", "0"], "--n is 0; it must be at least 1"),
+        (["gas", "--n", "3000000"], "--n is 3000000; it must be at most 2,000,000"),
+        (["gas", "--n", "few"], "Invalid value for '-n'"),
+        (["gas", "--rounds", "0"], "--rounds is 0"),
+        (["gas", "--threads", "0"], "--threads is 0"),
+        (["gas", "--seed", "-1"], "--seed is -1"),
+        (["gas", "--out", "/dev/null/out"], "--out is '/dev/null/out'"),
+        ([], "Missing argument"),
+    ],
+)
+def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> None:
+    assert run(monkeypatch, *arguments) == 2
+    printed = capsys.readouterr()
+    assert not printed.out and printed.err.count("\n") == 1
+    assert printed.err.startswith("jostle: ") and words in printed.err
