@@ -50,7 +50,7 @@ class Quadtree:
         *,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
-        leaf_capacity: SupportsIndex = 64,
+        leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
     ) -> Self: ...
@@ -84,7 +84,7 @@ class World:
         container: _Container | None = None,
         method: Literal["quadtree", "brute"] = "quadtree",
         threads: SupportsIndex | None = None,
-        leaf_capacity: SupportsIndex = 64,
+        leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         substeps: SupportsIndex = 4,
     ) -> Self: ...

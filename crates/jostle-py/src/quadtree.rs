@@ -35,7 +35,7 @@ use crate::shapes::{Rows, Shapes};
 ///     What each shape may pair with, as a set of 32 bits; all of them where left
 ///     out. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
 ///     ``categories[j] & masks[i]`` have a bit.
-/// leaf_capacity : int, default 64
+/// leaf_capacity : int, default 96
 ///     Shapes that a box may hold before it splits into four.
 /// max_depth : int, default 4096
 ///     Subdivisions allowed: 0 keeps everything in one box, 2 allows two. The
@@ -121,7 +121,7 @@ impl PyQuadtree {
             leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, threads=None,
         ),
         text_signature = "(centers, radii=0.0, half_sizes=None, *, categories=None, masks=None, \
-                          leaf_capacity=64, max_depth=4096, threads=None)"
+                          leaf_capacity=96, max_depth=4096, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(

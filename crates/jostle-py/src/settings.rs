@@ -10,7 +10,7 @@ use crate::error::value_error;
 
 // The signatures that Python shows spell these numbers out.
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
-const _: () = assert!(DEFAULT_LEAF_CAPACITY == 64);
+const _: () = assert!(DEFAULT_LEAF_CAPACITY == 96);
 const _: () = assert!(DEFAULT_MAX_DEPTH == 4096);
 const _: () = assert!(DEFAULT_SUBSTEPS == 4);
 

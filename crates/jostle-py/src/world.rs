@@ -62,7 +62,7 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 ///     How pairs are found, never which.
 /// threads : int, optional
 ///     How many threads work; one for each core unless given.
-/// leaf_capacity : int, default 64
+/// leaf_capacity : int, default 96
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
 ///     Subdivisions that the tree may make; the default never stops a split.
@@ -109,7 +109,7 @@ impl PyWorld {
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, method='quadtree', threads=None, leaf_capacity=64, \
+                          container=None, method='quadtree', threads=None, leaf_capacity=96, \
                           max_depth=4096, substeps=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]

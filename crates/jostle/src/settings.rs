@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// Shapes a leaf may hold before it splits.
-pub const DEFAULT_LEAF_CAPACITY: usize = 64;
+pub const DEFAULT_LEAF_CAPACITY: usize = 96;
 
 /// Subdivisions allowed below the root. No set of finite positions needs this
 /// many (a split at least halves the cell, and float64 has 2,098 octaves), so
