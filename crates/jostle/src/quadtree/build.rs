@@ -24,7 +24,9 @@ const FEW: usize = 256;
 /// Upper nodes hold at least this share of all shapes.
 const SHARE: usize = 64;
 
-/// Makes the nodes, parents before children, siblings adjacent, and the covers.
+/// Makes the nodes, parents before children, siblings adjacent, and the covers. Not inlined,
+/// so that a profile can name it.
+#[inline(never)]
 pub fn nodes<T: Scalar>(
     order: &Order,
     columns: &Columns<T>,

@@ -1,0 +1,55 @@
+//! Milliseconds of each stage of a step:
+//! `cargo run --release --package jostle --example one_step -- gas 10000 60 31`.
+//!
+//! The arguments are a scene, the number of particles, steps before the clock starts and
+//! steps that are timed. Under valgrind's callgrind the same program gives numbers of
+//! instructions, which no other work on the machine disturbs (`benchmarks/stages.py`).
+
+use std::time::Instant;
+
+use jostle::scenes::{self, STEP};
+use jostle::{Stage, World};
+
+const STAGES: [Stage; 5] =
+    [Stage::Integrate, Stage::Build, Stage::Pairs, Stage::Contacts, Stage::Resolve];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [scene, numbers @ ..] = arguments.as_slice() else {
+        return println!("arguments: SCENE PARTICLES WARM_UP STEPS");
+    };
+    let number = |index: usize, default| {
+        numbers.get(index).and_then(|text| text.parse().ok()).unwrap_or(default)
+    };
+    let (count, warm_up, steps) = (number(0, 10_000), number(1, 60), number(2, 31).max(1));
+    let scene = match scenes::find(scene) {
+        Ok(scene) => scene,
+        Err(error) => return println!("{error}"),
+    };
+    let mut world = scene.create(Some(count), 0).expect("a scene is valid");
+    let mut settings = *world.settings();
+    settings.tree.threads = Some(1);
+    world.configure(settings).expect("the settings are valid");
+    world.step(STEP, warm_up, &mut |_| ()).expect("a scene can be stepped");
+    let mut times: [Vec<f64>; STAGES.len()] = Default::default();
+    for _ in 0..steps {
+        timed_step(&mut world, &mut times);
+    }
+    for (stage, times) in STAGES.iter().zip(&mut times) {
+        times.sort_by(f64::total_cmp);
+        println!("{:10} {:9.3} ms", format!("{stage:?}"), times[steps / 2]);
+    }
+}
+
+/// One step, with the time of each stage added to its list.
+#[inline(never)]
+fn timed_step(world: &mut World, times: &mut [Vec<f64>]) {
+    let mut last = Instant::now();
+    let mut watch = |stage: Stage| {
+        let now = Instant::now();
+        let index = STAGES.iter().position(|&other| other == stage).unwrap_or(0);
+        times[index].push((now - last).as_secs_f64() * 1e3);
+        last = now;
+    };
+    world.step(STEP, 1, &mut watch).expect("a scene can be stepped");
+}
