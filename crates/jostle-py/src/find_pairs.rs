@@ -1,6 +1,6 @@
 //! `jostle.find_pairs`.
 
-use std::sync::{LazyLock, Mutex};
+use std::sync::{Mutex, TryLockError};
 
 use jostle::{Method, Quadtree, Scalar, pairs};
 use numpy::{Element, PyArray2};
@@ -118,14 +118,16 @@ impl Search {
 
 /// A type of number for which a tree's memory is kept from call to call.
 trait Kept: Scalar {
-    fn memory() -> &'static Mutex<Quadtree<Self>>;
+    fn memory() -> &'static Memory<Self>;
 }
+
+type Memory<T> = Mutex<Option<Quadtree<T>>>;
 
 macro_rules! kept {
     ($t:ty) => {
         impl Kept for $t {
-            fn memory() -> &'static Mutex<Quadtree<Self>> {
-                static MEMORY: LazyLock<Mutex<Quadtree<$t>>> = LazyLock::new(Mutex::default);
+            fn memory() -> &'static Memory<Self> {
+                static MEMORY: Memory<$t> = Mutex::new(None);
                 &MEMORY
             }
         }
@@ -134,16 +136,27 @@ macro_rules! kept {
 kept!(f32);
 kept!(f64);
 
-/// More memory than this is given back after a call: enough for a million circles.
+/// More memory than this, for each of the two types, is given back after a call: enough
+/// for a million circles.
 const MOST_KEPT: usize = 64 << 20;
 
 /// Does `work` with a tree whose memory was used before: asking the system for it anew
 /// takes a sixth of the time of a call. Where another thread has it, a new one serves.
 fn with_kept_tree<T: Kept, R>(work: impl FnOnce(&mut Quadtree<T>) -> R) -> R {
-    let Ok(mut tree) = T::memory().try_lock() else { return work(&mut Quadtree::default()) };
-    let result = work(&mut tree);
+    let mut kept = match T::memory().try_lock() {
+        Ok(kept) => kept,
+        Err(TryLockError::Poisoned(poisoned)) => {
+            T::memory().clear_poison();
+            let mut kept = poisoned.into_inner();
+            *kept = None;
+            kept
+        }
+        Err(TryLockError::WouldBlock) => return work(&mut Quadtree::default()),
+    };
+    let tree = kept.get_or_insert_default();
+    let result = work(tree);
     if tree.kept_bytes() > MOST_KEPT {
-        *tree = Quadtree::default();
+        *kept = None;
     }
     result
 }

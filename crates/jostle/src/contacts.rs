@@ -39,6 +39,26 @@ pub struct Contact {
     pub fast: bool,
 }
 
+/// The ranges of all colours; the last one is to be solved in sequence.
+pub type Colours = [Range<usize>; COLOURS + 1];
+
+/// Where in the list of contacts each colour ends.
+#[derive(Clone, Copy, Debug)]
+struct Ends([usize; COLOURS + 1]);
+
+impl Default for Ends {
+    fn default() -> Self {
+        Self([0; COLOURS + 1])
+    }
+}
+
+impl Ends {
+    fn ranges(&self) -> Colours {
+        let mut start = 0;
+        self.0.map(|end| std::mem::replace(&mut start, end)..end)
+    }
+}
+
 impl Default for Contact {
     /// Coincident centres have no direction of their own and get +x.
     fn default() -> Self {
@@ -63,7 +83,7 @@ pub struct Contacts {
     /// Sorted by colour, inside a colour in canonical order.
     pub list: Vec<Contact>,
     /// Ends of the colours in `list`; the last one is to be solved in sequence.
-    ends: Vec<usize>,
+    ends: Ends,
     /// Where in `list` each contact stands, in canonical order.
     order: Vec<u32>,
     colours: Vec<u8>,
@@ -169,13 +189,15 @@ impl Contacts {
             counts[colour] += 1;
             self.colours.push(colour as u8);
         }
-        self.ends.clear();
         let mut sum = 0;
-        counts.map(|count| {
+        let starts = counts.map(|count| {
             sum += count;
-            self.ends.push(sum);
             sum - count
-        })
+        });
+        for (end, (start, count)) in self.ends.0.iter_mut().zip(starts.into_iter().zip(counts)) {
+            *end = start + count;
+        }
+        starts
     }
 
     /// Drops the contacts of particles that are gone and renames the places of
@@ -193,26 +215,22 @@ impl Contacts {
         let canonical: Vec<Contact> = self.canonical().copied().filter(stays).collect();
         self.order = (0..canonical.len() as u32).collect();
         self.list = canonical;
+        self.ends = Ends::default();
+        self.sources.clear();
         for contact in &mut self.list {
             contact.places = contact.places.map(|place| renamed[place as usize]);
         }
         self.remember(left as usize);
     }
 
-    /// The ranges of `list` that have one colour; the last one is to be solved in sequence.
-    pub fn colours(&self) -> impl Iterator<Item = Range<usize>> + use<> {
-        let mut start = 0;
-        let ends = self.ends.clone();
-        ends.into_iter().map(move |end| {
-            let colour = start..end;
-            start = end;
-            colour
-        })
+    /// The ranges of `list` that have one colour.
+    pub fn colours(&self) -> Colours {
+        self.ends.ranges()
     }
 
     /// Calls `act` on every contact, colour after colour, with the colour's number.
     pub fn solve(&mut self, threads: Option<usize>, act: impl Fn(&mut Contact, u32) + Sync + Send) {
-        for (colour, range) in self.colours().enumerate() {
+        for (colour, range) in self.colours().into_iter().enumerate() {
             let contacts = &mut self.list[range];
             let act = |contact: &mut Contact| act(contact, colour as u32);
             if colour == COLOURS {

@@ -95,6 +95,7 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
     b: &mut [B],
     act: impl Fn(usize, &mut [A], &mut [B]) + Sync + Send,
 ) {
+    debug_assert_eq!(a.len(), b.len());
     #[cfg(feature = "parallel")]
     if threads != Some(1) && a.len() > WORTHWHILE {
         use rayon::prelude::*;
@@ -151,6 +152,10 @@ static POOLS: Mutex<BTreeMap<usize, Arc<rayon::ThreadPool>>> = Mutex::new(BTreeM
 /// starts no more.
 #[cfg(feature = "parallel")]
 fn run<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
+    // Inside a pool there is nothing to look for, and no lock to take.
+    if rayon::current_thread_index().is_some() {
+        return work();
+    }
     let count = threads.unwrap_or(0);
     let pool = {
         let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -20,7 +20,7 @@ use crate::particles::{self, Particles};
 use crate::quadtree::Quadtree;
 use crate::resolve::{self, Rules, Scene};
 use crate::settings::{Method, Settings};
-use crate::shapes::Shapes;
+use crate::shapes::{MOST_ROWS, Shapes};
 
 /// Bounces slower than this many steps' worth of gravity are not bounces.
 const REST_STEPS: f32 = 3.0;
@@ -209,7 +209,7 @@ impl World {
         self.settings.container.check_fit(&particles.radii)?;
         rest_the_immovable(&mut particles);
         let (old, new) = (self.len(), self.len() + particles.len());
-        if new > u32::MAX as usize / 2 {
+        if new > MOST_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
         self.particles.extend(&particles);
@@ -287,8 +287,8 @@ impl World {
         column
     }
 
-    /// Changes columns of the particles in `rows` (`None`: of all): `change` gets
-    /// a copy of the particles in the order of adding. Refused values change nothing.
+    /// Changes columns of the particles: `change` gets a copy of them in the order of
+    /// adding. Refused values change nothing.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
         let mut copy = self.particles();
         change(&mut copy)?;
@@ -473,6 +473,7 @@ impl World {
     /// then those across each seam.
     fn candidates(&mut self) -> Result<()> {
         let Memory { tree, sorting, pairs: lists, .. } = &mut self.memory;
+        // Brute force is worth other threads long before a tree is.
         let threads = self.settings.tree.threads;
         let max = MAX_CANDIDATES;
         let brute = self.settings.method == Method::Brute;
@@ -513,7 +514,7 @@ impl World {
             restitution: settings.restitution,
             container: settings.container,
             rest_speed: REST_STEPS * dt * (gx * gx + gy * gy).sqrt(),
-            threads: parallel::worthwhile(settings.tree.threads, self.particles.len()),
+            threads: self.threads(),
         };
         let memory = &mut self.memory;
         let len = self.particles.len();

@@ -1,8 +1,12 @@
 //! Same input, same bits: whatever the threads, the method and the order of adding.
 
+use std::sync::{Mutex, PoisonError};
+
+use jostle::pairs::{self, Found};
 use jostle::scenes::{SCENES, STEP, Scene, random::Random};
+use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
-use jostle::{Method, Particles, Settings, World, WorldSettings};
+use jostle::{Each, Method, Particles, Scalar, Settings, Shapes, World, WorldSettings};
 
 /// State of each scene after 1,000 steps of 1/60 s, with at most 1,000 particles
 /// and seed 0. A change of the physics changes them: see CONTRIBUTING.
@@ -46,19 +50,76 @@ fn every_scene_ends_in_its_pinned_state() {
     assert!(wrong.is_empty(), "these states are not the pinned ones:\n{}", wrong.join("\n"));
 }
 
-/// What the kernels use is the same for the whole process, and no test may notice.
+/// The limit is one for the whole process: tests that set it wait for each other. Others do
+/// not notice, since no answer depends on it.
+static LIMIT: Mutex<()> = Mutex::new(());
+
+/// What `work` gives with each kind of vector instructions.
+fn with_each_kind<R>(work: impl Fn() -> R) -> [R; 3] {
+    let _alone = LIMIT.lock().unwrap_or_else(PoisonError::into_inner);
+    let kinds = [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
+    kinds.map(|most| {
+        simd::limit(most);
+        assert!(simd::widest() <= most);
+        work()
+    })
+}
+
 #[test]
-fn vector_instructions_do_not_show() {
+fn vector_instructions_do_not_show_in_a_world() {
     for scene in &SCENES {
-        let hashes =
-            [Instructions::Portable, Instructions::Avx2, Instructions::Avx512].map(|most| {
-                simd::limit(most);
-                let mut world = make(scene, 3000);
-                run(&mut world, 60);
-                world.state_hash()
-            });
+        let hashes = with_each_kind(|| {
+            let mut world = make(scene, 3000);
+            run(&mut world, 60);
+            world.state_hash()
+        });
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);
     }
+}
+
+/// Rounded boxes or circles, crowded and of many sizes, with or without filters.
+fn crowd<T: Scalar>(count: usize, boxes: bool, filters: bool) -> Shapes<T> {
+    let mut random = Random::new(7);
+    let side = (count as f32).sqrt();
+    let mut pairs = |most: f32| -> Vec<[T; 2]> {
+        let mut number = || T::from_f64(f64::from(random.between(0.0, most)));
+        (0..count).map(|_| [number(), number()]).collect()
+    };
+    let (centers, sizes) = (pairs(side), pairs(0.5));
+    let radii = pairs(0.6).into_iter().map(|[radius, _]| radius).collect();
+    let bits =
+        |shift: u32| Each::Rows((0..count as u32).map(|row| 1 << (row >> shift & 3)).collect());
+    let filters = filters.then(|| [bits(0), Each::One(5)]);
+    Shapes::new(centers, Each::Rows(radii), boxes.then_some(Each::Rows(sizes)), filters).unwrap()
+}
+
+/// Pairs and numbers of tests, by every way of finding them.
+fn found<T: Scalar>(shapes: &Shapes<T>, threads: usize) -> [Found; 3] {
+    let find = |method| pairs::find(shapes, method, Some(threads), DEFAULT_MAX_PAIRS).unwrap();
+    [None, Some(Method::Brute), Some(Method::Quadtree)].map(find)
+}
+
+fn the_order_of_pairs_is_always_the_same<T: Scalar>() {
+    for count in [2, 15, 16, 17, 200, 400, 600, 3_000, 40_000] {
+        for (boxes, filters) in [(false, false), (true, false), (false, true), (true, true)] {
+            // Forty thousand by brute force would take long; the tree is what uses threads.
+            let shapes =
+                crowd::<T>(count.min(if boxes || filters { 3_000 } else { count }), boxes, filters);
+            let expected = found(&shapes, 1);
+            for other in [2, 8].map(|threads| found(&shapes, threads)) {
+                assert!(other == expected, "{count} {boxes} {filters}: threads show");
+            }
+            for other in with_each_kind(|| found(&shapes, 1)) {
+                assert!(other == expected, "{count} {boxes} {filters}: instructions show");
+            }
+        }
+    }
+}
+
+#[test]
+fn neither_threads_nor_instructions_show_in_the_order_of_pairs() {
+    the_order_of_pairs_is_always_the_same::<f32>();
+    the_order_of_pairs_is_always_the_same::<f64>();
 }
 
 #[test]

@@ -119,6 +119,7 @@ fn agree<T: Scalar>(shapes: &Raw, settings: Settings) {
     assert_eq!(brute.pairs, expected, "brute force");
     let tree = built(&given, settings);
     for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+        // Other tests may set another limit meanwhile: then more than one is tested here.
         simd::limit(most);
         let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
         found.sort();
@@ -314,6 +315,7 @@ fn a_limit_stops_the_search_long_before_the_end() {
     let all = discs((0..1_000_000).map(|_| [0.0; 2]), 1.0);
     let tree = Quadtree::new(&all, Settings { max_depth: 0, ..Settings::default() }).unwrap();
     assert!(pairs::within(&tree, 1_000_000).is_err());
+    assert!(pairs::between(&tree, &tree, 1_000_000).is_err());
     assert!(pairs::brute(&Columns::of(&all), None, 1_000_000).is_err());
 }
 

@@ -210,9 +210,9 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 if near_b.len > 0 {
                     self.packed::<F, BOXES, FILTERS>(near_a, near_b, output);
                 }
-            }
-            if output.is_full() {
-                return;
+                if output.is_full() {
+                    return;
+                }
             }
         }
     }
@@ -413,12 +413,12 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
                 self.against::<F, BOXES, FILTERS>(first, &some, start, &others, wanted, output);
+                if output.is_full() {
+                    return;
+                }
             }
             let tests = (start..end).map(|other| other.min(rows.end) - rows.start);
             output.tests += tests.sum::<usize>() as u64;
-            if output.is_full() {
-                return;
-            }
             end = start;
         }
     }

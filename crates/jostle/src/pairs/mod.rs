@@ -19,17 +19,20 @@ use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::Shapes;
-use crate::simd::{self, Instructions, Simd, Work};
+use crate::simd::{Simd, Work};
 use join::Join;
 use kernel::Kernel;
 use output::{Budget, Finish, Output};
 
 /// Up to this many shapes brute force is faster than building a tree.
-const BRUTE_FORCE_LIMIT: usize = 160;
+const BRUTE_FORCE_LIMIT: usize = 192;
 
-/// As [`BRUTE_FORCE_LIMIT`] for circles, whose test is short, with instructions that do
-/// eight or more at once.
-const CIRCLES_LIMIT: usize = 320;
+/// As [`BRUTE_FORCE_LIMIT`] for circles, whose test is shorter. Measured with AVX-512 and
+/// AVX2; it is the same for all, or the order of the pairs would depend on the machine.
+const CIRCLES_LIMIT: usize = 384;
+
+/// By brute force, fewer shapes than this are not worth waking other threads for.
+const BRUTE_WORTH_WAKING: usize = 2048;
 
 /// Pairs, and how many shape tests it took to find them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -69,7 +72,7 @@ pub fn find_with<T: Scalar>(
 ) -> Result<Found> {
     let settings = Settings { threads, ..Settings::default() };
     settings.validate()?;
-    let circles = shapes.half_sizes.is_none() && simd::widest() > Instructions::Portable;
+    let circles = shapes.half_sizes.is_none();
     let limit = if circles { CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
     let small = shapes.len() <= limit;
     if method == Some(Method::Brute) || (method.is_none() && small) {
@@ -81,7 +84,7 @@ pub fn find_with<T: Scalar>(
     })
 }
 
-/// All overlapping pairs of rows of one tree, `i < j`, in the tree's order.
+/// All overlapping pairs of rows of one tree, `i < j`, in an order that comes from the tree.
 pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let rows = tree.rows();
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true };
@@ -91,8 +94,8 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
     })
 }
 
-/// All overlapping pairs, the first a row of `a`, the second a row of `b`, in
-/// the order of `a`'s tree.
+/// All overlapping pairs, the first a row of `a`, the second a row of `b`, in an order
+/// that comes from the trees.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let join = Join { a, b, shift: [T::ZERO; 2], itself: false };
     join.run(max_pairs, |i, j| [a.rows()[i as usize], b.rows()[j as usize]])
@@ -101,7 +104,7 @@ pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) ->
 /// The pairs of [`within`] with the geometry of their overlap.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlaps<T> {
-    /// Rows, `i < j`, in the tree's order.
+    /// Rows, `i < j`, in the order of [`within`].
     pub pairs: Vec<[u32; 2]>,
     /// Unit vectors from `i` to `j`.
     pub normals: Vec<[T; 2]>,
@@ -150,8 +153,9 @@ pub fn brute<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let len = columns.len();
+    let threads = if len < BRUTE_WORTH_WAKING { Some(1) } else { threads };
     // Bands of rows with about equal numbers of tests below the diagonal.
-    let bands = if parallel::is_parallel(threads) && len > 512 { 64 } else { 1 };
+    let bands = if len > 512 { 64 } else { 1 };
     let edge = |band: usize| {
         let rest = 1.0 - band as f64 / bands as f64;
         if band == bands { len } else { ((1.0 - rest.sqrt()) * len as f64) as usize }

@@ -37,6 +37,11 @@ impl Grid {
         Self { prescale: 1.0, origin: center, side: 1.0 }
     }
 
+    /// Whether it can tell centres apart; not so if one of them was not a number.
+    pub fn is_finite(&self) -> bool {
+        self.side.is_finite() && self.origin.iter().all(|v| v.is_finite())
+    }
+
     /// The Z-order key of a centre: bits of x and y in turn, coarsest first.
     #[inline(always)]
     pub fn key(&self, center: [f64; 2]) -> u32 {

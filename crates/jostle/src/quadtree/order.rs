@@ -93,6 +93,7 @@ impl Order {
         } else {
             root.grid = Grid::at(shapes.centers[0].map(T::to_f64));
             root.items.clear();
+            root.parts.clear();
             root.items.extend(0..len as Item);
             open.extend((len > 1).then_some(0..len));
         }
@@ -105,7 +106,9 @@ impl Order {
     /// Bytes of memory that it keeps, used or not.
     pub fn kept_bytes(&self) -> usize {
         let items: usize = self.keyed.iter().map(|keyed| keyed.items.capacity()).sum();
-        items * size_of::<Item>()
+        let grids = self.keyed.capacity() * (size_of::<Keyed>() + size_of::<[usize; 4]>());
+        grids
+            + items * size_of::<Item>()
             + self.rows.capacity() * size_of::<u32>()
             + self.sorter.kept_bytes()
     }
@@ -132,7 +135,7 @@ impl Order {
     ) {
         let rows = &mut self.rows[range.clone()];
         let finer = if rows.len() > SHORT_RUN { grid_of(shapes, rows) } else { None };
-        let Some(grid) = finer else {
+        let Some(grid) = finer.filter(Grid::is_finite) else {
             rows.sort_unstable_by(|&a, &b| {
                 let (i, j) = (a as usize, b as usize);
                 let [[a_x, a_y], [b_x, b_y]] = [shapes.centers[i], shapes.centers[j]];

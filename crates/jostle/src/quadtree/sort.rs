@@ -56,7 +56,8 @@ impl Parts {
         known.start + items[known].partition_point(|&item| key_of(item) < bound)
     }
 
-    fn clear(&mut self) {
+    /// Forgets all parts.
+    pub fn clear(&mut self) {
         self.bits = 0;
         self.starts.clear();
     }

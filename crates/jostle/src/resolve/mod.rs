@@ -20,10 +20,9 @@ mod separate;
 
 pub use rest::{AtWall, Leaning};
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use crate::contacts::{COLOURS, Contact, Contacts};
+use crate::contacts::{COLOURS, Colours, Contact, Contacts};
 use crate::container::{Container, MAX_WALLS};
 use crate::integrate::{self, Sweep};
 use crate::motion::{Motion, Motions, Velocities};
@@ -95,24 +94,18 @@ pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
 }
 
 /// Calls `act` on every movable particle.
-fn each_particle(
-    scene: &mut Scene<'_>,
-    rules: &Rules,
-    act: impl Fn(u32, &mut [f32; MAX_WALLS]) + Sync + Send,
-) {
+fn each_particle(scene: &Scene<'_>, rules: &Rules, act: impl Fn(u32) + Sync + Send) {
     let movable = &scene.particles.movable;
-    parallel::for_chunks(rules.threads, scene.wall_pushes, |first, pushes| {
-        for (offset, push) in pushes.iter_mut().enumerate() {
-            if movable[first + offset] {
-                act((first + offset) as u32, push);
-            }
+    parallel::for_rows(rules.threads, movable.len(), |place| {
+        if movable[place] {
+            act(place as u32);
         }
     });
 }
 
-fn kick(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
+fn kick(scene: &Scene<'_>, rules: &Rules, h: f32) {
     let motions = scene.motions;
-    each_particle(scene, rules, |place, _| {
+    each_particle(scene, rules, |place| {
         motions.set(place, integrate::kick(motions.get(place), rules.gravity, rules.drag, h));
     });
 }
@@ -169,7 +162,7 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
         });
         if rules.container.has_walls() {
             let walls = COLOURS as u32 + 1;
-            each_particle(scene, rules, |place, _| {
+            each_particle(scene, rules, |place| {
                 if !changed(place, walls) {
                     return;
                 }
@@ -206,7 +199,7 @@ fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
             *leaning = Leaning::of(contact, motions, rules.rest_speed, h);
         }
     });
-    let mut pairs = Coloured { colours: contacts.colours().collect(), leaning, threads };
+    let mut pairs = Coloured { colours: contacts.colours(), leaning, threads };
     pairs.each(|leaning| leaning.start(velocities));
     parallel::for_chunks(threads, at_walls, |_, chunk| {
         chunk.iter_mut().for_each(|at_wall| at_wall.start(velocities));
@@ -227,18 +220,15 @@ fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     parallel::for_chunks_of_two(threads, leaning, &mut contacts.list, |_, leaning, contacts| {
         leaning.iter().zip(contacts).for_each(|(leaning, contact)| leaning.tell(contact));
     });
-    let movable = &scene.particles.movable;
-    parallel::for_rows(threads, len, |place| {
-        if movable[place] {
-            let place = place as u32;
-            motions.set(place, rest::resume(motions.get(place), velocities.get(place), h));
-        }
+    let velocities = &scene.memory.velocities;
+    each_particle(scene, rules, |place| {
+        motions.set(place, rest::resume(motions.get(place), velocities.get(place), h));
     });
 }
 
 /// Pairs that lean, colour by colour.
 struct Coloured<'a> {
-    colours: Vec<Range<usize>>,
+    colours: Colours,
     leaning: &'a mut [Leaning],
     threads: Option<usize>,
 }
@@ -284,18 +274,18 @@ fn find_at_walls(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     }));
 }
 
-fn confine(scene: &mut Scene<'_>, rules: &Rules) {
+fn confine(scene: &Scene<'_>, rules: &Rules) {
     let (motions, sweeps, particles) = (scene.motions, scene.sweeps, scene.particles);
-    each_particle(scene, rules, |place, _| {
+    each_particle(scene, rules, |place| {
         let row = place as usize;
         let (sweep, radius) = (&sweeps[row], particles.radii[row]);
         motions.set(place, integrate::confine(motions.get(place), sweep, &rules.container, radius));
     });
 }
 
-fn advance(scene: &mut Scene<'_>, rules: &Rules) {
+fn advance(scene: &Scene<'_>, rules: &Rules) {
     let (motions, particles) = (scene.motions, scene.particles);
-    each_particle(scene, rules, |place, _| {
+    each_particle(scene, rules, |place| {
         let mut motion = motions.get(place);
         let goal = [0, 1].map(|k| motion.position[k] + motion.travel[k]);
         motion.position = rules.container.clamp(goal, particles.radii[place as usize]);
@@ -309,7 +299,7 @@ fn settle(scene: &mut Scene<'_>, rules: &Rules) {
         separate::push_apart(contact, motions, &particles.radii)
     });
     if rules.container.has_walls() {
-        each_particle(scene, rules, |place, _| {
+        each_particle(scene, rules, |place| {
             let mut motion = motions.get(place);
             let radius = particles.radii[place as usize];
             motion.position = rules.container.clamp(motion.position, radius);

@@ -132,8 +132,8 @@ const KINDS: [Instructions; 3] = [Instructions::Portable, Instructions::Avx2, In
 
 static LIMIT: AtomicU8 = AtomicU8::new(Instructions::Avx512 as u8);
 
-/// Uses nothing wider than `most` from now on. For measurements and tests: the
-/// answers are the same.
+/// Uses nothing wider than `most` from now on, in the whole process. For measurements and
+/// tests: the answers are the same.
 pub fn limit(most: Instructions) {
     LIMIT.store(most as u8, Ordering::Relaxed);
 }

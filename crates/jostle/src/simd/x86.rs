@@ -142,7 +142,7 @@ macro_rules! arithmetic {
             let difference: Self::Block = Simd::<$t>::sub(self, a, b);
             std::array::from_fn(
                 #[inline(always)]
-                |k| $abs(difference[k]),
+                |k| $abs(self, difference[k]),
             )
         }
         #[inline(always)]
@@ -150,7 +150,7 @@ macro_rules! arithmetic {
             (0..$count).fold(
                 0,
                 #[inline(always)]
-                |all, k| all | $negative(a[k], b[k]) << (k * $each),
+                |all, k| all | $negative(self, a[k], b[k]) << (k * $each),
             )
         }
         #[inline(always)]
@@ -158,71 +158,71 @@ macro_rules! arithmetic {
             (0..$count).fold(
                 0,
                 #[inline(always)]
-                |all, k| all | $less(a[k], b[k]) << (k * $each),
+                |all, k| all | $less(self, a[k], b[k]) << (k * $each),
             )
         }
     };
 }
 
-// SAFETY (of these twelve): they are only called by holders of a token.
+// SAFETY of these twelve: the token proves the instruction.
 
 #[inline(always)]
-fn abs_512(v: __m512) -> __m512 {
+fn abs_512(_: Avx512, v: __m512) -> __m512 {
     unsafe { _mm512_abs_ps(v) }
 }
 
 #[inline(always)]
-fn abs_512d(v: __m512d) -> __m512d {
+fn abs_512d(_: Avx512, v: __m512d) -> __m512d {
     unsafe { _mm512_abs_pd(v) }
 }
 
 #[inline(always)]
-fn abs_256(v: __m256) -> __m256 {
+fn abs_256(_: Avx2, v: __m256) -> __m256 {
     unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), v) }
 }
 
 #[inline(always)]
-fn abs_256d(v: __m256d) -> __m256d {
+fn abs_256d(_: Avx2, v: __m256d) -> __m256d {
     unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), v) }
 }
 
 #[inline(always)]
-fn negative_512(a: __m512, b: __m512) -> u32 {
+fn negative_512(_: Avx512, a: __m512, b: __m512) -> u32 {
     u32::from(unsafe { _mm512_movepi32_mask(_mm512_castps_si512(_mm512_and_ps(a, b))) })
 }
 
 #[inline(always)]
-fn negative_512d(a: __m512d, b: __m512d) -> u32 {
+fn negative_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
     u32::from(unsafe { _mm512_movepi64_mask(_mm512_castpd_si512(_mm512_and_pd(a, b))) })
 }
 
 #[inline(always)]
-fn negative_256(a: __m256, b: __m256) -> u32 {
+fn negative_256(_: Avx2, a: __m256, b: __m256) -> u32 {
     (unsafe { _mm256_movemask_ps(_mm256_and_ps(a, b)) }) as u32
 }
 
 #[inline(always)]
-fn negative_256d(a: __m256d, b: __m256d) -> u32 {
+fn negative_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
     (unsafe { _mm256_movemask_pd(_mm256_and_pd(a, b)) }) as u32
 }
 
 #[inline(always)]
-fn less_512(a: __m512, b: __m512) -> u32 {
+fn less_512(_: Avx512, a: __m512, b: __m512) -> u32 {
     u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })
 }
 
 #[inline(always)]
-fn less_512d(a: __m512d, b: __m512d) -> u32 {
+fn less_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
     u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b) })
 }
 
 #[inline(always)]
-fn less_256(a: __m256, b: __m256) -> u32 {
+fn less_256(_: Avx2, a: __m256, b: __m256) -> u32 {
     (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }) as u32
 }
 
 #[inline(always)]
-fn less_256d(a: __m256d, b: __m256d) -> u32 {
+fn less_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
     (unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) }) as u32
 }
 
@@ -255,7 +255,7 @@ impl Simd<f32> for Avx512 {
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_512(first, bits, to);
+        pack_places_512(self, first, bits, to);
     }
 }
 
@@ -292,17 +292,16 @@ impl Simd<f64> for Avx512 {
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_512(first, bits, to);
+        pack_places_512(self, first, bits, to);
     }
 }
 
 // Compressing into a register and storing that is many times faster on some
 // processors than compressing into memory.
 
-// SAFETY: only called by holders of a token; the array is one register long.
-
 #[inline(always)]
-fn pack_places_512(first: u32, bits: u32, to: &mut [u32; LANES]) {
+fn pack_places_512(_: Avx512, first: u32, bits: u32, to: &mut [u32; LANES]) {
+    // SAFETY: the token proves the instructions; the array is one register long.
     unsafe {
         let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
         let places = _mm512_add_epi32(_mm512_set1_epi32(first as i32), lanes);
@@ -332,16 +331,23 @@ impl Simd<f32> for Avx2 {
 
     #[inline(always)]
     fn pack(self, from: Self::Block, bits: u32, to: &mut [f32; LANES]) {
-        // SAFETY: the token proves the instruction.
-        let words = from.map(
-            #[inline(always)]
-            |register| unsafe { _mm256_castps_si256(register) },
-        );
-        pack_256(words, bits, to.as_mut_ptr().cast());
+        let behind = (bits & 0xff).count_ones() as usize;
+        // SAFETY: the token proves the instructions; the first register's numbers are at
+        // most eight, so that the second one's eight end within the sixteen there are.
+        unsafe {
+            let [low, high] = from.map(
+                #[inline(always)]
+                |register| _mm256_castps_si256(register),
+            );
+            let low = _mm256_castsi256_ps(packed_256(self, low, bits));
+            let high = _mm256_castsi256_ps(packed_256(self, high, bits >> 8));
+            _mm256_storeu_ps(to.as_mut_ptr(), low);
+            _mm256_storeu_ps(to.as_mut_ptr().add(behind), high);
+        }
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_256(first, bits, to);
+        pack_places_256(self, first, bits, to);
     }
 }
 
@@ -372,7 +378,7 @@ impl Simd<f64> for Avx2 {
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_256(first, bits, to);
+        pack_places_256(self, first, bits, to);
     }
 }
 
@@ -395,35 +401,20 @@ static LANES_OF: [u64; 256] = {
 };
 
 /// The words of a register whose bit is set, first.
-///
-/// SAFETY: only called by holders of a token.
 #[inline(always)]
-fn permuted_256(register: __m256i, bits: u32) -> __m256i {
+fn packed_256(_: Avx2, register: __m256i, bits: u32) -> __m256i {
     let order = LANES_OF[(bits & 0xff) as usize] as i64;
+    // SAFETY: the token proves the instructions.
     unsafe {
         let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
         _mm256_permutevar8x32_epi32(register, order)
     }
 }
 
-/// Packs two registers of eight into sixteen words at `to`.
-#[inline(always)]
-fn pack_256(registers: [__m256i; 2], bits: u32, to: *mut __m256i) {
-    let first = (bits & 0xff).count_ones() as usize;
-    // SAFETY: only called by holders of a token, with room for sixteen words at `to`; the
-    // first register's words are at most eight, so the second store ends within them.
-    unsafe {
-        _mm256_storeu_si256(to, permuted_256(registers[0], bits));
-        let behind = to.cast::<u32>().add(first).cast();
-        _mm256_storeu_si256(behind, permuted_256(registers[1], bits >> 8));
-    }
-}
-
 /// Eight numbers from `first` on.
-///
-/// SAFETY: only called by holders of a token.
 #[inline(always)]
-fn counted_256(first: u32) -> __m256i {
+fn counted_256(_: Avx2, first: u32) -> __m256i {
+    // SAFETY: the token proves the instructions.
     unsafe {
         let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
         _mm256_add_epi32(_mm256_set1_epi32(first as i32), lanes)
@@ -431,7 +422,14 @@ fn counted_256(first: u32) -> __m256i {
 }
 
 #[inline(always)]
-fn pack_places_256(first: u32, bits: u32, to: &mut [u32; LANES]) {
-    let places = [counted_256(first), counted_256(first.wrapping_add(8))];
-    pack_256(places, bits, to.as_mut_ptr().cast());
+fn pack_places_256(token: Avx2, first: u32, bits: u32, to: &mut [u32; LANES]) {
+    let low = packed_256(token, counted_256(token, first), bits);
+    let high = packed_256(token, counted_256(token, first.wrapping_add(8)), bits >> 8);
+    let behind = (bits & 0xff).count_ones() as usize;
+    // SAFETY: the token proves the instruction; the first register's words are at most
+    // eight, so that the second one's eight end within the sixteen there are.
+    unsafe {
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), low);
+        _mm256_storeu_si256(to.as_mut_ptr().add(behind).cast(), high);
+    }
 }
