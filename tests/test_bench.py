@@ -329,4 +329,11 @@ def test_a_narrow_console_cuts_no_figures(monkeypatch, capsys) -> None:
     assert bench(monkeypatch) == 0
     printed = capsys.readouterr().out
     assert "…" not in printed and "(×1)" in printed
-    assert "steps, which take longer" in printed.replace("\n", " ")
+
+
+def test_it_says_at_how_many_shapes_steps_are_run() -> None:
+    from jostle.bench import command
+
+    assert "a fifth" in command.sizes(command.races(2_000))
+    assert "up to 10,000" in command.sizes(command.races(100_000))
+    assert command.sizes(command.races(40)) == "pairs and steps of up to 40 shapes"

@@ -159,7 +159,9 @@ def tune(
 def bench(
     n: Annotated[
         int,
-        typer.Option("-n", help="Most shapes in a scene; steps are run at up to a fifth of it."),
+        typer.Option(
+            "-n", help="Most shapes; steps are run at up to a fifth of it, but at 1,000 at least."
+        ),
     ] = 100_000,
     rounds: Annotated[int, typer.Option(help="How often each is timed.")] = 9,
     threads: Annotated[

@@ -119,8 +119,10 @@ def _kept(race: Race, row: Row) -> Row:
 def sizes(todo: Sequence[Race]) -> str:
     """Say how many shapes are raced, and why steps stop earlier."""
     most, fewer = todo[0].counts[-1], todo[-1].counts[-1]
-    words = f"pairs of up to {most:,} shapes; steps, which take longer, of up to {fewer:,}"
-    return words + (", for they are raced at up to a fifth" if 5 * fewer <= most else "")
+    if fewer == most:
+        return f"pairs and steps of up to {most:,} shapes"
+    words = "steps, which take longer, are run at up to a fifth of that and at 1,000 at least: here"
+    return f"pairs of up to {most:,} shapes; {words} up to {fewer:,}"
 
 
 def who_is_there() -> str:

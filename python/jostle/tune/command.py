@@ -73,9 +73,11 @@ def tune(
         else:
             print_whole(part, console)
         console.print()
-    for name, path in _write(tuning, out):
-        console.print(f"{name:10}{path}", highlight=False, soft_wrap=True)
-    console.print("", last, sep="\n", highlight=False, soft_wrap=True)
+    try:
+        for name, path in _write(tuning, out):
+            console.print(f"{name:10}{path}", highlight=False, soft_wrap=True)
+    finally:
+        console.print("", last, sep="\n", highlight=False, soft_wrap=True)
     return finished
 
 
