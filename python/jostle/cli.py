@@ -256,7 +256,7 @@ def _check_range(name: str, value: int | None, least: int, most: int) -> None:
         _refuse(f"{name} is {value}; it must be at most {most:,}")
 
 
-def _check_folder(out: Path, name: str = "--out", *, make: bool = True) -> None:
+def _check_folder(out: Path, *, make: bool = True) -> None:
     """Prove that a file can be written in a folder before an hour of work.
 
     The folder is made, or, if it is to be made later, the one that it would be made in is tried.
@@ -264,11 +264,14 @@ def _check_folder(out: Path, name: str = "--out", *, make: bool = True) -> None:
     try:
         if make:
             out.mkdir(parents=True, exist_ok=True)
-        there = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
-        with tempfile.TemporaryFile(dir=there):
-            pass
+        _try_folder(next(folder for folder in (out, *out.absolute().parents) if folder.exists()))
     except OSError as error:
-        _refuse(f"{name} is {str(out)!r}, where no file can be written: {error.strerror}")
+        _refuse(f"--out is {str(out)!r}, where no file can be written: {error.strerror}")
+
+
+def _try_folder(folder: Path) -> None:
+    with tempfile.TemporaryFile(dir=folder):
+        pass
 
 
 def _check_file(name: str, path: Path) -> None:
@@ -287,10 +290,10 @@ def _check_new_file(name: str, path: Path) -> None:
         _check_file(name, path)
         if path.is_file() and path.stat().st_size:
             _refuse(f"{name} is {str(path)!r}, which is there already; name a new file")
+        if not path.exists():
+            _try_folder(path.parent)
     except OSError as error:
         _refuse(f"{name} is {str(path)!r}, where no file can be written: {error.strerror}")
-    if not path.exists():
-        _check_folder(path.parent, name, make=False)
 
 
 def _check_extra() -> None:

@@ -101,11 +101,9 @@ def advice(tuning: Tuning) -> str:
     if tuning.one_leaf() and not tuning.settings:
         most = tuning.default.leaf_capacity
         return f"All fit one leaf, which holds up to {most}; there is nothing to tune."
-    if best == tuning.default:
-        return "Nothing to change: the default is as good as any."
     if gain.too_few:
         return "Too few rounds to say whether anything is worth changing."
-    if gain.within_noise:
+    if best == tuning.default or gain.within_noise:
         return "Nothing to change: the default is as good as any."
     if gain.median < WORTH:
         return f"Nothing to change: a lead of {_factor(gain.median)} × is not worth it."
