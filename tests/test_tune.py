@@ -293,6 +293,24 @@ def test_pictures_show_something(tuned, draw, tmp_path: Path) -> None:
     assert len(np.unique(image.reshape(-1, 3), axis=0)) > 50
 
 
+@pytest.mark.parametrize(
+    ("best", "rounds", "words"),
+    [
+        (64, 9, ["", " (default)", " (best at ×1)"]),
+        (defaults()[0], 9, ["", " (default = best)"]),
+        (64, 5, ["", " (default)"]),
+    ],
+)
+def test_the_worlds_are_drawn_for_three_leaf_capacities(best, rounds, words) -> None:
+    tuning = made_up(c8=[1.0])
+    for capacity in {*sweep.SIZE_CAPACITIES, defaults()[0]}:
+        setting = Setting(10, 1.0, capacity, defaults()[1])
+        tuning.sizes[setting] = Outcome([1.0 if capacity == best else 1.5] * rounds)
+    shown = pictures._shown_sizes(tuning)
+    assert [word for word, _ in shown.values()] == words
+    assert best in shown or rounds < 6
+
+
 def test_nothing_measured_makes_no_picture(tmp_path: Path) -> None:
     nothing = Tuning("gas", 1000, "pairs", None, Setting(1000, 1.0, *defaults()))
     assert not pictures.settings(nothing, tmp_path / "p.png")

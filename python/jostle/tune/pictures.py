@@ -66,7 +66,7 @@ def settings(tuning: Tuning, path: Path) -> bool:
         return False
     figure = _figure(9.6, 6.2)
     axes = figure.add_subplot()
-    draw_map(axes, tuning, both="default = best")
+    draw_map(axes, tuning, both="default" if tuning.gain().too_few else "default = best")
     axes.set_xlabel(CAPACITY_LABEL, color=INK)
     axes.set_ylabel(DEPTH_LABEL, color=INK)
     best = min(outcome.median for outcome in tuning.settings.values())
@@ -284,7 +284,7 @@ def _shown_sizes(tuning: Tuning) -> dict[int, tuple[str, str]]:
     default, found = tuning.default.leaf_capacity, size_gain(tuning, 1.0)
     shown = {min(capacities, default=default): ("", METHOD_COLOURS["quadtree"])}
     shown[default] = (" (default)", INK)
-    if found is not None:
+    if found is not None and not found[2].too_few:
         best = default if found[2].within_noise else found[1]
         shown[best] = (" (default = best)" if best == default else " (best at ×1)", BEST)
     return shown
