@@ -262,3 +262,78 @@ def test_the_command_shows_tables_and_writes_a_file(monkeypatch, capsys, tmp_pat
         "gas",
         "pile",
     }
+
+
+def bench(monkeypatch, *arguments: str) -> int:
+    for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
+        pytest.importorskip(extra)
+    from jostle import cli
+
+    options = ["-n", "40", "--rounds", "1", *arguments]
+    monkeypatch.setattr(sys, "argv", ["jostle", "bench", *options])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    return int(str(exit_.value.code))
+
+
+def test_interrupted_it_shows_what_was_measured(monkeypatch, capsys, tmp_path: Path) -> None:
+    whole = pairs.race
+
+    def interrupted(scene: str, *arguments: object, **options: object):
+        yield next(whole(scene, *arguments, **options))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pairs, "race", interrupted)
+    path = tmp_path / "figures.csv"
+    assert bench(monkeypatch, "--csv", str(path)) == 130
+    printed = capsys.readouterr().out
+    rows = len(path.read_text().splitlines()) - 1
+    assert "Stopped" in printed and "discs: all pairs" in printed and "(×1)" in printed
+    assert f"{rows} rows written to" in printed
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        (".", "is a folder"),
+        ("there.csv", "is there already"),
+        ("missing/new.csv", "there is no folder"),
+        ("there.csv/new.csv", "no file can be written"),
+    ],
+)
+def test_a_file_that_cannot_be_new_is_refused_first(
+    monkeypatch, capsys, tmp_path: Path, name: str, words: str
+) -> None:
+    (tmp_path / "there.csv").write_text("an earlier run")
+    assert bench(monkeypatch, "--csv", str(tmp_path / name)) == 2
+    printed = capsys.readouterr()
+    assert not printed.out and printed.err.count("\n") == 1
+    assert words in printed.err and "--csv" in printed.err and "--out" not in printed.err
+    assert [path.name for path in tmp_path.iterdir()] == ["there.csv"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+def test_a_full_disk_is_one_sentence_after_the_table(monkeypatch, capsys) -> None:
+    assert bench(monkeypatch, "--csv", "/dev/full") == 2
+    printed = capsys.readouterr()
+    assert "discs: all pairs" in printed.out
+    assert "could not be written" in printed.err and printed.err.count("\n") == 1
+
+
+def test_a_narrow_console_cuts_no_figures(monkeypatch, capsys) -> None:
+    from rich.console import Console
+
+    from jostle import cli
+
+    monkeypatch.setattr(cli, "console", Console(width=24))
+    assert bench(monkeypatch) == 0
+    printed = capsys.readouterr().out
+    assert "…" not in printed and "(×1)" in printed
+
+
+def test_it_says_at_how_many_shapes_steps_are_run() -> None:
+    from jostle.bench import command
+
+    assert "a fifth" in command.sizes(command.races(2_000))
+    assert "up to 10,000" in command.sizes(command.races(100_000))
+    assert command.sizes(command.races(40)) == "pairs and steps of up to 40 shapes"

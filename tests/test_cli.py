@@ -59,6 +59,16 @@ def test_scenes_lists_every_scene() -> None:
     assert all(name in done.stdout for name in jostle.scenes.names())
 
 
+def test_an_ascii_terminal_gets_what_it_can_show() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "jostle.cli", "scenes"],
+        capture_output=True,
+        env={**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"},
+    )
+    assert done.returncode == 0 and not done.stderr
+    assert b"billiards" in done.stdout and done.stdout.isascii()
+
+
 def test_version() -> None:
     assert command("--version").stdout.strip() == f"jostle {jostle.__version__}"
 

@@ -18,7 +18,16 @@ from rich.console import Console  # noqa: E402
 
 import jostle  # noqa: E402
 from jostle import cli  # noqa: E402
-from jostle.tune import command, contenders, findings, pictures, records, report, sweep  # noqa: E402
+from jostle.tune import (  # noqa: E402
+    command,
+    contenders,
+    findings,
+    pictures,
+    records,
+    report,
+    sweep,
+    tables,
+)
 from jostle.tune.contenders import Setting, contender, defaults  # noqa: E402
 from jostle.tune.sample import Sample  # noqa: E402
 from jostle.tune.sweep import Effort, Tuner, Tuning  # noqa: E402
@@ -161,6 +170,13 @@ def test_a_ratio_within_the_noise_says_so() -> None:
     assert compare(Outcome(), steady).within_noise
 
 
+def test_below_six_rounds_nothing_is_certain() -> None:
+    slow, quick = Outcome([9.0] * 6), Outcome([1.0] * 6)
+    assert not compare(slow, quick).within_noise and not compare(slow, quick).too_few
+    few = compare(Outcome([9.0] * 5), quick)
+    assert few.within_noise and few.too_few and few.median == 9.0
+
+
 def test_the_range_of_a_median_holds_it_as_often_as_it_says() -> None:
     random = np.random.default_rng(0)
     one = Outcome([1.0] * 15)
@@ -277,8 +293,26 @@ def test_pictures_show_something(tuned, draw, tmp_path: Path) -> None:
     assert len(np.unique(image.reshape(-1, 3), axis=0)) > 50
 
 
+@pytest.mark.parametrize(
+    ("best", "rounds", "words"),
+    [
+        (64, 9, ["", " (default)", " (best at ×1)"]),
+        (defaults()[0], 9, ["", " (default = best)"]),
+        (64, 5, ["", " (default)"]),
+    ],
+)
+def test_the_worlds_are_drawn_for_three_leaf_capacities(best, rounds, words) -> None:
+    tuning = made_up(c8=[1.0])
+    for capacity in {*sweep.SIZE_CAPACITIES, defaults()[0]}:
+        setting = Setting(10, 1.0, capacity, defaults()[1])
+        tuning.sizes[setting] = Outcome([1.0 if capacity == best else 1.5] * rounds)
+    shown = pictures._shown_sizes(tuning)
+    assert [word for word, _ in shown.values()] == words
+    assert best in shown or rounds < 6
+
+
 def test_nothing_measured_makes_no_picture(tmp_path: Path) -> None:
-    nothing = Tuning("gas", 10, "pairs", None, Setting(10, 1.0, *defaults()))
+    nothing = Tuning("gas", 1000, "pairs", None, Setting(1000, 1.0, *defaults()))
     assert not pictures.settings(nothing, tmp_path / "p.png")
     assert not pictures.curves(nothing, tmp_path / "p.png")
     assert not list(report.report(nothing))
@@ -299,9 +333,60 @@ def made_up(**times: list[float]) -> Tuning:
 def test_the_verdict_names_a_real_gain_and_no_other() -> None:
     default = f"c{defaults()[0]}"
     slower, noisy = [1.5] * 9, [0.9, 1.2, 0.9, 1.2, 0.9, 1.2, 0.9, 1.2, 0.9]
-    assert "1.50 times" in report.verdict(made_up(**{default: slower, "c100": [1.0] * 9}))
+    verdict = report.verdict(made_up(**{default: slower, "c100": [1.0] * 9}))
+    assert "1.50 times" in verdict and "Of 2 different trees no other can" in verdict
     assert "within the noise" in report.verdict(made_up(**{default: [1.0] * 9, "c100": noisy}))
-    assert "default is the best" in report.verdict(made_up(**{default: [1.0] * 9, "c100": slower}))
+    stands = report.verdict(made_up(**{default: [1.0] * 9, "c100": slower}))
+    assert "ahead of the default" in stands
+    few = report.verdict(made_up(**{default: [1.5] * 2, "c100": [1.0] * 2}))
+    assert "too few rounds to say" in few
+
+
+def test_the_last_words_say_what_to_do() -> None:
+    default = f"c{defaults()[0]}"
+
+    def advice(default_takes: float, rounds: int = 9) -> str:
+        tuning = made_up(**{default: [default_takes] * rounds, "c100": [1.0] * rounds})
+        return report.advice(tuning)
+
+    assert "jostle.Quadtree(centers, radii, leaf_capacity=100, threads=1).pairs()" in advice(1.5)
+    assert "not worth it" in advice(1.04) and "as good as any" in advice(0.9)
+    assert all("Too few rounds" in advice(takes, rounds=5) for takes in (1.5, 1.0, 0.5))
+
+
+def test_a_line_of_code_runs() -> None:
+    tuning = made_up(c8=[1.0] * 9)
+    names = dict.fromkeys(("centers", "positions", "velocities"), np.zeros((3, 2)))
+    for tuning.work in ("pairs", "step"):
+        line = report.code(tuning, Setting(10, 1.0, 8, 5))
+        exec(line, {"jostle": jostle, **names, "radii": np.ones(3)})
+
+
+def test_the_final_decides_who_is_as_good_and_the_best_always_is() -> None:
+    tuning = made_up(c8=[1.0] * 9, c16=[1.1] * 9, c100=[1.2] * 9)
+    c8, c16, c100 = tuning.settings
+    assert [tuning.is_as_good(s) for s in (c8, c16, c100)] == [True, False, False]
+    tuning.final = {c8: Outcome([1.0, 1.2] * 9), c16: Outcome([1.2, 0.9] * 9)}
+    assert tuning.best() == c16
+    assert [tuning.is_as_good(s) for s in (c8, c16, c100)] == [True, True, False]
+
+
+def test_the_best_gains_nothing_over_itself() -> None:
+    tuning = made_up(**{f"c{defaults()[0]}": [1.0] * 9, "c100": [1.5] * 9})
+    table = next(iter(report.report(tuning)))
+    assert list(table.columns[-1].cells)[:2] == ["1.00 ×", "1.00 ×"]
+
+
+@pytest.mark.parametrize("width", [40, 80])
+def test_figures_are_whole_on_a_narrow_console(tuned, capsys, width) -> None:
+    console = Console(width=width)
+    for part in report.report(tuned):
+        if not isinstance(part, str):
+            tables.print_whole(part, console)
+    printed = capsys.readouterr().out
+    assert "…" not in printed and " ms" in printed and "100" in printed
+    if width == 80:
+        assert all(len(line) <= 80 for line in printed.splitlines())
 
 
 def test_of_equals_the_one_without_a_limit_is_best() -> None:
@@ -348,7 +433,7 @@ def test_tune_leaves_tables_csv_and_pictures(
     out = tmp_path / "new"
     monkeypatch.setattr(cli, "console", Console(width=120))
     code = run(
-        monkeypatch, "orbit", "--n", "80", "--quick", "--rounds", "1", "--out", str(out), *options
+        monkeypatch, "orbit", "--n", "150", "--quick", "--rounds", "1", "--out", str(out), *options
     )
     printed = capsys.readouterr().out
     assert code == 0
@@ -357,7 +442,7 @@ def test_tune_leaves_tables_csv_and_pictures(
         f"tune-{stem}-settings.png",
         f"tune-{stem}.csv",
     ]
-    for words in ("default", "leaf capacity", "brute force", "article's tree", f"tune-{stem}.csv"):
+    for words in ("default", "capacity", "brute force", "whole frame", f"tune-{stem}.csv"):
         assert words in printed
 
 
@@ -366,12 +451,54 @@ def test_interrupted_it_leaves_what_was_measured(monkeypatch, capsys, tmp_path, 
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Tuner, "sizes", interrupt)
-    assert run(monkeypatch, "gas", "--n", "80", "--quick", "--out", str(tmp_path)) == 130
+    assert run(monkeypatch, "gas", "--n", "150", "--quick", "--out", str(tmp_path)) == 130
     assert "Stopped" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {"tune-gas.csv", "tune-gas-settings.png"}
     lines = (tmp_path / "tune-gas.csv").read_text().splitlines()
     assert any(",settings," in line for line in lines)
     assert not any(",world size," in line for line in lines)
+
+
+@pytest.mark.parametrize("at", ["__init__", "settings"])
+def test_interrupted_at_once_it_leaves_no_folder(monkeypatch, capsys, tmp_path, hasty, at) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Tuner, at, interrupt)
+    out = tmp_path / "new" / "folder"
+    assert run(monkeypatch, "gas", "--n", "150", "--quick", "--out", str(out)) == 130
+    assert "before anything was measured" in capsys.readouterr().out
+    assert not out.parent.exists()
+
+
+@pytest.mark.parametrize("n", ["1", str(defaults()[0])])
+def test_what_fits_one_leaf_is_not_tuned(monkeypatch, capsys, tmp_path, hasty, n) -> None:
+    assert run(monkeypatch, "gas", "--n", n, "--quick", "--out", str(tmp_path)) == 0
+    printed = capsys.readouterr().out
+    assert "nothing to tune" in printed and "World size" not in printed
+    assert not (tmp_path / "tune-gas-settings.png").exists()
+
+
+@pytest.mark.parametrize("name", ["tune-gas.csv", "tune-gas-particles.png"])
+def test_a_folder_in_the_place_of_a_file_is_refused_first(
+    monkeypatch, capsys, tmp_path, name
+) -> None:
+    (tmp_path / name).mkdir()
+    assert run(monkeypatch, "gas", "--out", str(tmp_path)) == 2
+    printed = capsys.readouterr()
+    assert not printed.out and name in printed.err and printed.err.count("\n") == 1
+
+
+def test_a_file_that_cannot_be_written_is_one_sentence(
+    monkeypatch, capsys, tmp_path, hasty
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(records, "write", full)
+    assert run(monkeypatch, "gas", "--n", "20", "--quick", "--out", str(tmp_path)) == 2
+    sentence = capsys.readouterr().err
+    assert "No space left" in sentence and sentence.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 import os
 import sys
 import tempfile
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Literal, NoReturn
 
 _INSTALL = 'the command needs {}, which is not installed; pip install "jostle[app]" brings it'
 
@@ -133,29 +134,40 @@ def tune(
     _check_range("--seed", seed, 0, 2**63 - 1)
     if importlib.util.find_spec("matplotlib") is None:
         _refuse(_INSTALL.format("matplotlib"))
-    _check_folder(out)
-    from jostle.tune.command import tune as tune_scene
+    from jostle.tune import command
 
-    finished = tune_scene(
-        *(scene, n, out, console),
-        work="step" if step else "pairs",
-        threads=threads,
-        rounds=rounds,
-        quick=quick,
-        seed=seed,
-    )
+    work: Literal["step", "pairs"] = "step" if step else "pairs"
+    _check_folder(out, make=False)
+    for path in command.files(scene, work, out):
+        _check_file("--out", path)
+    try:
+        finished = command.tune(
+            *(scene, n, out, console),
+            work=work,
+            threads=threads,
+            rounds=rounds,
+            quick=quick,
+            seed=seed,
+        )
+    except OSError as error:
+        _refuse(f"the tuning could not be written: {str(error).splitlines()[0]}")
     if not finished:
         raise typer.Exit(130)
 
 
 @app.command()
 def bench(
-    n: Annotated[int, typer.Option("-n", help="Most shapes in a scene.")] = 100_000,
+    n: Annotated[
+        int,
+        typer.Option(
+            "-n", help="Most shapes; steps are run at up to a fifth of it, but at 1,000 at least."
+        ),
+    ] = 100_000,
     rounds: Annotated[int, typer.Option(help="How often each is timed.")] = 9,
     threads: Annotated[
         int, typer.Option(help="Most threads, beside one, for those that have a choice.")
     ] = 2,
-    csv: Annotated[Path | None, typer.Option(help="A file for the figures.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="A new file for the figures.")] = None,
 ) -> None:
     """Race jostle against the libraries that are installed, on this machine."""
     from jostle.bench import command
@@ -164,8 +176,13 @@ def bench(
     _check_range("--rounds", rounds, 1, 1_000)
     _check_range("--threads", threads, 1, 1_024)
     if csv is not None:
-        _check_folder(csv.parent)
-    command.bench(n, rounds, sorted({1, threads}), csv, console)
+        _check_new_file("--csv", csv)
+    try:
+        finished = command.bench(n, rounds, sorted({1, threads}), csv, console)
+    except OSError as error:
+        _refuse(f"the figures could not be written: {str(error).splitlines()[0]}")
+    if not finished:
+        raise typer.Exit(130)
 
 
 def _show(options: Options, steps: int | None) -> str | None:
@@ -239,14 +256,44 @@ def _check_range(name: str, value: int | None, least: int, most: int) -> None:
         _refuse(f"{name} is {value}; it must be at most {most:,}")
 
 
-def _check_folder(out: Path) -> None:
-    """Make the folder, and prove that a file can be written there before an hour of work."""
+def _check_folder(out: Path, *, make: bool = True) -> None:
+    """Prove that a file can be written in a folder before an hour of work.
+
+    The folder is made, or, if it is to be made later, the one that it would be made in is tried.
+    """
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
-            pass
+        if make:
+            out.mkdir(parents=True, exist_ok=True)
+        _try_folder(next(folder for folder in (out, *out.absolute().parents) if folder.exists()))
     except OSError as error:
         _refuse(f"--out is {str(out)!r}, where no file can be written: {error.strerror}")
+
+
+def _try_folder(folder: Path) -> None:
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+
+
+def _check_file(name: str, path: Path) -> None:
+    """Prove that a file could be written, as far as that shows before it is."""
+    if path.is_dir():
+        _refuse(f"{name}: {str(path)!r} is a folder, and no file can be written in its place")
+    if path.exists() and not os.access(path, os.W_OK):
+        _refuse(f"{name}: {str(path)!r} is there already and cannot be written")
+
+
+def _check_new_file(name: str, path: Path) -> None:
+    """Prove that a file could be written, and that no figures are lost by it."""
+    try:
+        if not path.parent.exists():
+            _refuse(f"{name} is {str(path)!r}, but there is no folder {str(path.parent)!r}")
+        _check_file(name, path)
+        if path.is_file() and path.stat().st_size:
+            _refuse(f"{name} is {str(path)!r}, which is there already; name a new file")
+        if not path.exists():
+            _try_folder(path.parent)
+    except OSError as error:
+        _refuse(f"{name} is {str(path)!r}, where no file can be written: {error.strerror}")
 
 
 def _check_extra() -> None:
@@ -263,6 +310,9 @@ def _refuse(sentence: str) -> NoReturn:
 
 def main() -> None:
     """Run the command; a mistake in its arguments becomes one sentence and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # what it has no letter for becomes "?"
+            stream.reconfigure(errors="replace")
     # The base class of every complaint about arguments; which package holds it depends on
     # typer's version.
     complaint: type[Exception] = typer.BadParameter.__mro__[2]

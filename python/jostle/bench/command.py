@@ -12,6 +12,7 @@ from rich.table import Table
 
 from jostle.bench import pairs, steps
 from jostle.bench.machine import Results, Row, describe, version_of
+from jostle.tune.tables import print_whole
 
 __all__ = ["bench"]
 
@@ -55,25 +56,73 @@ def races(largest: int) -> list[Race]:
 
 def bench(
     largest: int, rounds: int, threads: Sequence[int], csv: Path | None, console: Console
-) -> None:
-    """Race whatever is installed."""
-    console.print(describe(), highlight=False, soft_wrap=True)
-    console.print(who_is_there(), highlight=False, soft_wrap=True)
-    results = Results(csv) if csv else None
+) -> bool:
+    """Race whatever is installed; Ctrl-C ends the races and shows what was measured.
+
+    Returns
+    -------
+    bool
+        Whether it came to its end.
+
+    Raises
+    ------
+    OSError
+        Where the file cannot be written; the tables are shown before.
+    """
     todo = races(largest)
+    for line in (describe(), who_is_there(), sizes(todo)):
+        console.print(line, highlight=False, soft_wrap=True)
+    results = Results(csv) if csv else None
+    finished = _run(todo, rounds, threads, results, console)
+    if not finished:
+        console.print("Stopped.")
+    if results and results.count:
+        rows = f"{results.count} rows" if results.count > 1 else "1 row"
+        console.print(f"{rows} written to {results.path}", highlight=False, soft_wrap=True)
+    return finished
+
+
+def _run(
+    todo: Sequence[Race],
+    rounds: int,
+    threads: Sequence[int],
+    results: Results | None,
+    console: Console,
+) -> bool:
     columns = BarColumn(20), TextColumn("{task.description}"), TimeElapsedColumn()
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=sum(len(race.counts) for race in todo))
         for race in todo:
             rows: list[Row] = []
-            for group in race.run(rounds, threads, lambda text: bar.update(task, description=text)):
-                rows += group
-                if results:
-                    results.add([{"kind": race.kind} | {c: row[c] for c in KEPT} for row in group])
-                bar.advance(task)
-            console.print(title(race), table(race, rows), sep="\n")
-    if results:
-        console.print(f"written to {results.path}", highlight=False, soft_wrap=True)
+            try:
+                for group in race.run(
+                    rounds, threads, lambda text: bar.update(task, description=text)
+                ):
+                    rows += group
+                    if results:
+                        results.add([_kept(race, row) for row in group])
+                    bar.advance(task)
+            except KeyboardInterrupt:
+                return False
+            finally:
+                if rows:
+                    console.print(title(race))
+                    print_whole(table(race, rows), console)
+    return True
+
+
+def _kept(race: Race, row: Row) -> Row:
+    """Return the columns of the file."""
+    return {"kind": race.kind} | {column: row[column] for column in KEPT}
+
+
+def sizes(todo: Sequence[Race]) -> str:
+    """Say how many shapes are raced, and why steps stop earlier."""
+    most, fewer = todo[0].counts[-1], todo[-1].counts[-1]
+    if fewer == most:
+        return f"pairs and steps of up to {most:,} shapes"
+    words = "steps, which take longer, are run at up to a fifth of that and at 1,000 at least: here"
+    return f"pairs of up to {most:,} shapes; {words} up to {fewer:,}"
 
 
 def who_is_there() -> str:

@@ -60,6 +60,7 @@ class Results:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.count = 0
         self._columns: list[str] = []
 
     def add(self, rows: list[Row]) -> None:
@@ -75,3 +76,4 @@ class Results:
                 if begins:
                     writer.writeheader()
                 writer.writerow(whole)
+            self.count += 1

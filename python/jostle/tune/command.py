@@ -12,8 +12,10 @@ from jostle.tune import records
 from jostle.tune.contenders import Work
 from jostle.tune.report import report, title
 from jostle.tune.sweep import QUICK, THOROUGH, Tuner, Tuning
+from jostle.tune.tables import print_whole
 
 SWEEPS = ("leaf capacity × depth", "final", "world size", "number of particles")
+NOTHING = "Stopped before anything was measured; no file was written."
 
 
 def tune(
@@ -35,7 +37,7 @@ def tune(
     scene, n, seed
         Which particles.
     out
-        A folder that exists; the files are named for the scene.
+        A folder, made when there is something to write; the files are named for the scene.
     console
         Where progress, tables and the names of the files go.
     work, threads
@@ -51,22 +53,51 @@ def tune(
     effort = QUICK if quick else THOROUGH
     if rounds is not None:
         effort = replace(effort, rounds=rounds)
-    tuner = Tuner(scene, n, work=work, threads=threads, effort=effort, seed=seed)
-    console.print(f"[bold]{title(tuner.tuning)}[/]", highlight=False)
+    try:
+        tuner = Tuner(scene, n, work=work, threads=threads, effort=effort, seed=seed)
+    except KeyboardInterrupt:
+        console.print(NOTHING)
+        return False
+    tuning = tuner.tuning
+    console.print(f"[bold]{title(tuning)}[/]", highlight=False)
     finished = _sweep(tuner, console)
+    if not finished and not _measured(tuning):
+        console.print(NOTHING)
+        return False
     if not finished:
         console.print("Stopped. What was measured until then:")
-    for part in report(tuner.tuning):
-        console.print(part, "", sep="\n", highlight=False)
-    for name, path in _write(tuner.tuning, out):
-        console.print(f"{name:10}{path}", highlight=False, soft_wrap=True)
+    *parts, last = [*report(tuning)] or [""]
+    for part in parts:
+        if isinstance(part, str):
+            console.print(part, highlight=False)
+        else:
+            print_whole(part, console)
+        console.print()
+    try:
+        for name, path in _write(tuning, out):
+            console.print(f"{name:10}{path}", highlight=False, soft_wrap=True)
+    finally:
+        console.print("", last, sep="\n", highlight=False, soft_wrap=True)
     return finished
 
 
+def files(scene: str, work: Work, out: Path) -> list[Path]:
+    """Return what a tuning writes: the CSV, the map and the curves."""
+    stem = scene if work == "pairs" else f"{scene}-step"
+    return [out / f"tune-{stem}{end}" for end in (".csv", "-settings.png", "-particles.png")]
+
+
+def _measured(tuning: Tuning) -> bool:
+    return any(o.rounds for _, outcomes in tuning.sweeps() for o in outcomes.values())
+
+
 def _sweep(tuner: Tuner, console: Console) -> bool:
+    steps = (tuner.settings, tuner.final, tuner.sizes, tuner.counts)
+    sweeps = dict(zip(SWEEPS, steps, strict=True))
     with _progress(console) as progress:
         tasks: dict[str, TaskID] = {
-            name: progress.add_task(name, total=None, start=False) for name in SWEEPS
+            name: progress.add_task(name, total=None, start=False)
+            for name in (SWEEPS[-1:] if tuner.tuning.one_leaf() else SWEEPS)
         }
 
         def watch(name: str, done: int, total: int) -> None:
@@ -75,8 +106,9 @@ def _sweep(tuner: Tuner, console: Console) -> bool:
             progress.update(tasks[name], completed=done, total=total)
 
         try:
-            for sweep in (tuner.settings, tuner.final, tuner.sizes, tuner.counts):
-                sweep(watch)
+            for name, sweep in sweeps.items():
+                if name in tasks:
+                    sweep(watch)
         except KeyboardInterrupt:
             return False
     return True
@@ -86,12 +118,11 @@ def _write(tuning: Tuning, out: Path) -> list[tuple[str, Path]]:
     """Write the CSV and the pictures that there is something to show in."""
     from jostle.tune import pictures
 
-    stem = tuning.scene if tuning.work == "pairs" else f"{tuning.scene}-step"
-    table = out / f"tune-{stem}.csv"
+    table, *images = files(tuning.scene, tuning.work, out)
+    out.mkdir(parents=True, exist_ok=True)
     records.write(tuning, table)
     written = [("csv", table)]
-    for name, draw in (("settings", pictures.settings), ("particles", pictures.curves)):
-        picture = out / f"tune-{stem}-{name}.png"
+    for picture, draw in zip(images, (pictures.settings, pictures.curves), strict=True):
         if draw(tuning, picture):
             written.append(("picture", picture))
     return written

@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from jostle.tune.findings import FRAME, crossing, curve, two_digits
+from jostle.tune.contenders import Setting
+from jostle.tune.findings import FRAME, crossing, curve, size_gain, two_digits
 from jostle.tune.report import in_ms, title
 from jostle.tune.sweep import (
     ARTICLE_CAPACITY,
@@ -28,6 +29,8 @@ from jostle.tune.sweep import (
     Tuning,
 )
 from jostle.tune.timing import Outcome
+
+End = tuple[float, float, str, str]  # of a curve: its last point, its name and its colour
 
 INK, SOFT, FAINT, PAPER = "#22282f", "#6b7684", "#dde2e8", "#ffffff"
 METHOD_COLOURS = dict(zip(COUNT_METHODS, ("#2f7f86", "#c77a3c", "#8a6aa8"), strict=True))
@@ -44,10 +47,13 @@ DARK = 3.6  # times the best, from which on a cell needs white words
 CAPACITY_LABEL = "leaf capacity: most particles in a box that does not split"
 DEPTH_LABEL = "maximum depth: most subdivisions"
 DOTS = 144  # an inch
+AXES_HEIGHT = 260  # about so many points are the axes of curves high
+BOX = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none"}
 MAP_NOTE = (
-    "Red frame: the best. Bold: cannot be told apart from the quickest. "
+    "Red frame: the best. Bold: cannot be told apart from it. "
     "A depth that no branch reaches makes the tree of the row without a limit, timed once."
 )
+FEW_NOTE = "Red frame: what came out first, in too few rounds to say how the settings differ."
 CURVES_NOTE = (
     "Brute force runs in the same core as the tree; the article's time is a whole frame of its "
     "program, in Python."
@@ -60,12 +66,13 @@ def settings(tuning: Tuning, path: Path) -> bool:
         return False
     figure = _figure(9.6, 6.2)
     axes = figure.add_subplot()
-    draw_map(axes, tuning)
+    draw_map(axes, tuning, both="default" if tuning.gain().too_few else "default = best")
     axes.set_xlabel(CAPACITY_LABEL, color=INK)
     axes.set_ylabel(DEPTH_LABEL, color=INK)
     best = min(outcome.median for outcome in tuning.settings.values())
     _colour_bar(figure, [axes], f"time, as a multiple of the quickest ({in_ms(best)})")
-    _frame_texts(figure, "Leaf capacity and depth", title(tuning), MAP_NOTE)
+    note = FEW_NOTE if tuning.too_few() else MAP_NOTE
+    _frame_texts(figure, "Leaf capacity and depth", title(tuning), note)
     figure.savefig(path)
     return True
 
@@ -90,11 +97,14 @@ def maps(tunings: Sequence[Tuning], columns: int, path: Path) -> None:
     figure.savefig(path)
 
 
-def draw_map(axes: Axes, tuning: Tuning) -> None:
-    """Draw the cells, each with its time as a multiple of the best, and mark those that matter."""
+def draw_map(axes: Axes, tuning: Tuning, both: str = "default") -> None:
+    """Draw the cells, each with its time as a multiple of the best, and mark those that matter.
+
+    `both` is the word in a frame that is the default's and the best's.
+    """
     capacities, depths = sorted(tuning.tree_depths), map_depths(tuning)
     best = min(outcome.median for outcome in tuning.settings.values())
-    norm, marks = _norm(), _marks(tuning)
+    norm, marks, tell = _norm(), _marks(tuning, both), not tuning.too_few()
     for row, depth in enumerate(depths):
         for column, capacity in enumerate(capacities):
             setting = tuning.cell(capacity, depth)
@@ -113,7 +123,7 @@ def draw_map(axes: Axes, tuning: Tuning) -> None:
                 va="center",
                 fontsize=8.5,
                 color=PAPER if dark else INK,
-                fontweight="bold" if outcome.rounds and tuning.is_as_good(setting) else "normal",
+                fontweight="bold" if tell and _is_as_good(tuning, setting) else "normal",
             )
             if marked:
                 _mark(axes, (column, row), marked, dark=dark)
@@ -132,12 +142,17 @@ def map_depths(tuning: Tuning) -> list[int]:
     return [*(depth for depth in DEPTHS if depth < deepest), tuning.default.max_depth]
 
 
-def _marks(tuning: Tuning) -> dict[tuple[int, int], tuple[str, str]]:
+def _is_as_good(tuning: Tuning, setting: Setting) -> bool:
+    outcome = tuning.settings.get(setting, Outcome())
+    return bool(outcome.rounds) and tuning.is_as_good(setting)
+
+
+def _marks(tuning: Tuning, both: str) -> dict[tuple[int, int], tuple[str, str]]:
     """Return the cells to be framed: the word in each, and the colour of its frame."""
     best, default = tuning.best(), tuning.default
     marks = {
         (ARTICLE_CAPACITY, ARTICLE_DEPTH): ("article", METHOD_COLOURS["article's tree"]),
-        (default.leaf_capacity, default.max_depth): ("default", INK),
+        (default.leaf_capacity, default.max_depth): (both if best == default else "default", INK),
     }
     cell = (best.leaf_capacity, best.max_depth)
     word, _ = marks.get(cell, ("best", BEST))
@@ -149,7 +164,8 @@ def _mark(axes: Axes, place: tuple[int, int], mark: tuple[str, str], *, dark: bo
     corner, side = (column - 0.44, row - 0.44), 0.88
     axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2.0))
     words = PAPER if dark else colour
-    axes.text(column, row - 0.40, word, ha="center", va="bottom", fontsize=7, color=words)
+    size = 7 if len(word) < 10 else 5.8
+    axes.text(column, row - 0.40, word, ha="center", va="bottom", fontsize=size, color=words)
 
 
 def _colour_bar(figure: Figure, axes: list[Axes], words: str) -> None:
@@ -177,28 +193,31 @@ def curves(tuning: Tuning, path: Path) -> bool:
 
 
 def _draw_counts(axes: Axes, tuning: Tuning) -> None:
+    ends: list[End] = []
     for method in COUNT_METHODS:
         points = curve(tuning.counts, method)
         if not points:
             continue
         colour = METHOD_COLOURS[method]
-        counts, times = zip(*points, strict=True)
-        axes.plot(counts, 1e3 * np.array(times), "o-", color=colour, markersize=4, linewidth=1.8)
-        above = method == "article's tree"  # the uppermost, and the first to end
-        at = max(len(points) - 2, 0) if above else -1
-        axes.annotate(
+        counts, seconds = zip(*points, strict=True)
+        times = 1e3 * np.array(seconds)
+        axes.plot(counts, times, "o-", color=colour, markersize=4, linewidth=1.8)
+        if method != "article's tree":
+            ends.append((counts[-1], times[-1], METHOD_NAMES[method], colour))
+            continue
+        axes.annotate(  # the uppermost, and the first to end
             METHOD_NAMES[method],
-            (counts[at], 1e3 * times[at]),
-            xytext=(-8, 6) if above else (8, 0),
+            (counts[max(len(points) - 2, 0)], times[max(len(points) - 2, 0)]),
+            xytext=(-8, 6),
             textcoords="offset points",
             color=colour,
-            va="bottom" if above else "center",
-            ha="right" if above else "left",
+            va="bottom",
+            ha="right",
+            bbox=BOX,
         )
     axes.set_xscale("log")
     axes.set_yscale("log")
-    low, high = axes.get_xlim()
-    axes.set_xlim(low, high * 4.5)
+    _label_ends(axes, ends)
     axes.axhline(1e3 * FRAME, color=SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
     axes.annotate(
         "1/60 s",
@@ -208,6 +227,7 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
         textcoords="offset points",
         fontsize=8.5,
         color=SOFT,
+        bbox=BOX,
     )
     if (n := crossing(tuning.counts)) is not None:
         axes.axvline(n, color=FAINT, linewidth=1.2, zorder=0)
@@ -219,6 +239,7 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
             textcoords="offset points",
             fontsize=8.5,
             color=SOFT,
+            bbox=BOX,
         )
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
@@ -228,9 +249,9 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
 
 
 def _draw_sizes(axes: Axes, tuning: Tuning) -> None:
-    """Draw one line for each leaf capacity, the default's in front."""
-    capacities = sorted({setting.leaf_capacity for setting in tuning.sizes})
-    for number, capacity in enumerate(capacities):
+    """Draw a line for the smallest leaf capacity, the default, and the best of the scene's size."""
+    ends: list[End] = []
+    for capacity, (word, colour) in _shown_sizes(tuning).items():
         points = sorted(
             (setting.world_size, 1e3 * outcome.median)
             for setting, outcome in tuning.sizes.items()
@@ -238,17 +259,8 @@ def _draw_sizes(axes: Axes, tuning: Tuning) -> None:
         )
         if not points:
             continue
-        default = capacity == tuning.default.leaf_capacity
-        shade = SLOWNESS(0.25 + 0.6 * number / max(len(capacities) - 1, 1))
-        axes.plot(
-            *zip(*points, strict=True),
-            "o-",
-            color=BEST if default else shade,
-            linewidth=2.2 if default else 1.4,
-            markersize=4 if default else 3,
-            zorder=3 if default else 2,
-            label=f"{capacity} (default)" if default else f"{capacity}",
-        )
+        axes.plot(*zip(*points, strict=True), "o-", color=colour, markersize=4, linewidth=1.8)
+        ends.append((*points[-1], f"{capacity}{word}", colour))
     if not axes.lines:
         axes.set_axis_off()
         return
@@ -259,11 +271,41 @@ def _draw_sizes(axes: Axes, tuning: Tuning) -> None:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"×{value:g}"))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
     axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
-    axes.set_xlabel("width and height of the world, the particles as they are")
+    axes.set_xlabel("width and height of the world")
     axes.set_ylabel("time, ms")
-    legend = axes.legend(title="leaf capacity", frameon=False, fontsize=8.5, labelcolor=INK)
-    legend.get_title().set_color(SOFT)
+    axes.set_title("by leaf capacity", loc="left", fontsize=9, color=SOFT)
+    _label_ends(axes, ends)
     _calm(axes)
+
+
+def _shown_sizes(tuning: Tuning) -> dict[int, tuple[str, str]]:
+    """Return the leaf capacities to be drawn: a word about each, and its colour."""
+    capacities = {setting.leaf_capacity for setting in tuning.sizes}
+    default, found = tuning.default.leaf_capacity, size_gain(tuning, 1.0)
+    shown = {min(capacities, default=default): ("", METHOD_COLOURS["quadtree"])}
+    shown[default] = (" (default)", INK)
+    if found is not None and not found[2].too_few:
+        best = default if found[2].within_noise else found[1]
+        shown[best] = (" (default = best)" if best == default else " (best at ×1)", BEST)
+    return shown
+
+
+def _label_ends(axes: Axes, ends: Sequence[End]) -> None:
+    """Write names to the right of the last points of curves, one above the other."""
+    low, high = np.log(axes.get_ylim())
+    least, last = 14 / AXES_HEIGHT, -np.inf
+    for x, y, words, colour in sorted(ends, key=lambda end: end[1]):
+        place = (np.log(y) - low) / (high - low)
+        last = max(place, last + least)
+        axes.annotate(
+            words,
+            (x, y),
+            xytext=(8, (last - place) * AXES_HEIGHT),
+            textcoords="offset points",
+            color=colour,
+            va="center",
+            bbox=BOX,
+        )
 
 
 def _figure(width: float, height: float) -> Figure:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from rich import box
 from rich.table import Table
 
-from jostle.tune.contenders import Setting
+from jostle.tune.contenders import Method, Setting
 from jostle.tune.findings import (
     FRAME,
     Curve,
@@ -24,9 +25,17 @@ from jostle.tune.sweep import (
     WORLD_SIZES,
     Tuning,
 )
-from jostle.tune.timing import Outcome, Ratio
+from jostle.tune.timing import FEWEST, Outcome, Ratio
 
 WORK_NAMES = {"pairs": "building the tree and finding all pairs", "step": "one step of the world"}
+DEFAULT_TAKES = "the default\ntakes"
+COUNT_NAMES: dict[Method, str] = {
+    "quadtree": "tree",
+    "brute force": "brute force",
+    "article's tree": "article,\nwhole frame",
+}
+MARKS = {"≈": "≈ within the noise", "?": "? too few rounds to say"}
+WORTH = 1.05  # times as long: less is not worth a change
 
 
 def title(tuning: Tuning) -> str:
@@ -37,8 +46,9 @@ def title(tuning: Tuning) -> str:
 
 
 def report(tuning: Tuning) -> Iterator[Table | str]:
-    """Return tables and sentences in the order to be read."""
-    if any(outcome.rounds for outcome in tuning.settings.values()):
+    """Return tables and sentences in the order to be read, what to do with them last."""
+    found = any(outcome.rounds for outcome in tuning.settings.values())
+    if found:
         yield _settings_table(tuning)
         yield verdict(tuning)
     if any(outcome.rounds for outcome in tuning.sizes.values()):
@@ -46,25 +56,70 @@ def report(tuning: Tuning) -> Iterator[Table | str]:
     if any(outcome.rounds for outcome in tuning.counts.values()):
         yield _counts_table(tuning)
         yield _counts_sentence(tuning)
+    if found or tuning.one_leaf():
+        yield f"[bold]{advice(tuning)}[/]"
 
 
 def verdict(tuning: Tuning) -> str:
     """Say what the best setting gains over the default, and whether that is more than noise."""
     best, gain = tuning.best(), tuning.gain()
     if best == tuning.default:
-        words = "The default is the best of all settings tried."
+        words = "No setting tried came out ahead of the default."
+    elif gain.too_few:
+        words = (
+            f"{describe(tuning, best).capitalize()} came out first; there were too few rounds to "
+            f"say whether the default takes longer."
+        )
     elif gain.within_noise:
         words = (
-            f"The default stands: {describe(tuning, best)} came out first, but its lead, "
-            f"{_times(gain)}, is within the noise."
+            f"{describe(tuning, best).capitalize()} came out first, but the default takes "
+            f"{_times(gain)} as long, which is within the noise."
         )
     else:
-        words = f"The best is {describe(tuning, best)}: the default takes {_times(gain)} as long."
-    equal = [s for s, o in tuning.settings.items() if o.rounds and tuning.is_as_good(s)]
-    trees = sum(1 for outcome in tuning.settings.values() if outcome.rounds)
-    left_out = len(tuning.settings) - trees
-    words += f" Of {trees} different trees {len(equal)} cannot be told apart from the quickest"
+        words = f"With {describe(tuning, best)} the default takes {_times(gain)} as long."
+    return f"{words} {_equals_sentence(tuning)}"
+
+
+def _equals_sentence(tuning: Tuning) -> str:
+    best = tuning.best()
+    measured = [setting for setting, outcome in tuning.settings.items() if outcome.rounds]
+    others = sum(1 for setting in measured if setting != best and tuning.is_as_good(setting))
+    if tuning.too_few():
+        words = f"{len(measured)} different trees were timed, in too few rounds to compare them"
+    else:
+        words = f"Of {len(measured)} different trees {others or 'no'} "
+        words += f"other{'' if others == 1 else 's'} cannot be told apart from "
+        words += "the default" if best == tuning.default else "this one"
+        words = words.replace("no others cannot", "no other can")
+    left_out = len(tuning.settings) - len(measured)
     return words + (f"; {left_out} were left out as too slow." if left_out else ".")
+
+
+def advice(tuning: Tuning) -> str:
+    """Say what to do: a line of code to be copied, or nothing."""
+    best, gain = tuning.best(), tuning.gain()
+    if tuning.one_leaf() and not tuning.settings:
+        most = tuning.default.leaf_capacity
+        return f"All fit one leaf, which holds up to {most}; there is nothing to tune."
+    if gain.too_few:
+        return "Too few rounds to say whether anything is worth changing."
+    if best == tuning.default or gain.within_noise:
+        return "Nothing to change: the default is as good as any."
+    if gain.median < WORTH:
+        return f"Nothing to change: a lead of {_factor(gain.median)} × is not worth it."
+    return f"To use it: {code(tuning, best)}"
+
+
+def code(tuning: Tuning, setting: Setting) -> str:
+    """Return a setting as a line of code."""
+    options = f"leaf_capacity={setting.leaf_capacity}"
+    if setting.max_depth != tuning.default.max_depth:
+        options += f", max_depth={setting.max_depth}"
+    if tuning.threads is not None:
+        options += f", threads={tuning.threads}"
+    if tuning.work == "step":
+        return f"jostle.World(positions, velocities, radii, {options})"
+    return f"jostle.Quadtree(centers, radii, {options}).pairs()"
 
 
 def describe(tuning: Tuning, setting: Setting) -> str:
@@ -79,15 +134,14 @@ def _depth(tuning: Tuning, setting: Setting) -> str:
 
 def _settings_table(tuning: Tuning) -> Table:
     table = _table("Leaf capacity and depth")
-    for name in ("", "leaf capacity", "maximum depth", "time", "spread", "against the default"):
-        table.add_column(name, justify="left" if not name else "right")
+    _columns(table, "", "leaf\ncapacity", "maximum\ndepth", "time", "spread", DEFAULT_TAKES)
     measured = {s: o for s, o in tuning.settings.items() if o.rounds}
     worst = max(measured, key=lambda setting: measured[setting].median)
     article = tuning.cell(ARTICLE_CAPACITY, ARTICLE_DEPTH)
     for name, setting in (
         ("best", tuning.best()),
         ("default", tuning.default),
-        ("the article's", article),
+        ("article", article),
         ("slowest", worst),
     ):
         outcome = tuning.outcome(setting)
@@ -97,41 +151,34 @@ def _settings_table(tuning: Tuning) -> Table:
         if not outcome.rounds:
             table.add_row(name, f"{setting.leaf_capacity}", limit, outcome.status, "", "")
             continue
-        against = tuning.against_default(setting)
         table.add_row(
             name,
             f"{setting.leaf_capacity}",
             limit,
             in_ms(outcome.median),
             _spread(outcome),
-            "" if setting == tuning.default else _against(against),
+            _gain(tuning.default_over(setting), setting == tuning.default),
             style="bold" if name == "best" else None,
         )
-    return table
+    return _noted(table)
 
 
 def _sizes_table(tuning: Tuning) -> Table:
     table = _table("World size: the same particles, closer together or further apart")
-    for name in ("world", "time of the default", "best leaf capacity", "the default takes"):
-        table.add_column(name, justify="right")
+    _columns(table, "world", "time of\nthe default", "best leaf\ncapacity", DEFAULT_TAKES)
     for size in WORLD_SIZES:
         if (found := size_gain(tuning, size)) is None:
             continue
         default, best, gain = found
         stays = best == tuning.default.leaf_capacity
-        table.add_row(
-            f"× {size:g}", in_ms(default.median), f"{best}", "" if stays else _against(gain)
-        )
-    return table
+        table.add_row(f"× {size:g}", in_ms(default.median), f"{best}", _gain(gain, stays))
+    return _noted(table)
 
 
 def _counts_table(tuning: Tuning) -> Table:
     table = _table("Number of particles")
-    table.add_column("particles", justify="right")
-    for method in COUNT_METHODS:
-        table.add_column(method, justify="right")
-    table.add_column("tree, a particle", justify="right")
-    table.add_column("brute force takes", justify="right")
+    names = (COUNT_NAMES[method] for method in COUNT_METHODS)
+    _columns(table, "particles", *names, "tree, a\nparticle", "brute force\ntakes")
     by_key = {(setting.n, setting.method): o for setting, o in tuning.counts.items()}
     for n in sorted({setting.n for setting in tuning.counts}):
         found = [by_key.get((n, method), Outcome()) for method in COUNT_METHODS]
@@ -151,8 +198,12 @@ def _counts_table(tuning: Tuning) -> Table:
 def _counts_sentence(tuning: Tuning) -> str:
     counts = tuning.counts
     ours, brute, old = (_fits(curve(counts, method)) for method in COUNT_METHODS)
-    words = f"A 60th of a second is enough for {ours} particles"
-    words += f" with the tree, {brute} by brute force, and {old} with the article's tree."
+    what = "pairs" if tuning.work == "pairs" else "a step"
+    words = f"Particles for which a 60th of a second is enough: {ours} with the tree, {brute} by "
+    words += f"brute force ({what} in float32), {old} with the article's tree (a whole frame in "
+    words += "Python)."
+    if "more than" in ours + brute:
+        words += " More than means only that the sweep stops there."
     if (n := crossing(counts)) is not None:
         words += f" The tree overtakes brute force at about {two_digits(n):,} particles."
     return words
@@ -160,13 +211,32 @@ def _counts_sentence(tuning: Tuning) -> str:
 
 def _fits(points: Curve) -> str:
     if not points or points[0][1] > FRAME:
-        return "no measured number of"
+        return "none of those measured"
     found = particles_within(points)
     return f"more than {points[-1][0]:,}" if found is None else f"about {two_digits(found):,}"
 
 
 def _table(name: str) -> Table:
-    return Table(title=name, title_style="bold", title_justify="left", header_style="dim")
+    return Table(
+        title=name,
+        header_style="dim",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1),
+    )
+
+
+def _columns(table: Table, *names: str) -> None:
+    """Add columns of figures, which are never cut short."""
+    for name in names:
+        table.add_column(name, justify="right" if name else "left", no_wrap=True)
+
+
+def _noted(table: Table) -> Table:
+    """Explain the marks that are in a table."""
+    cells = [f"{cell}" for column in table.columns for cell in column.cells]
+    notes = [words for mark, words in MARKS.items() if any(cell.startswith(mark) for cell in cells)]
+    table.caption = "; ".join(notes) or None
+    return table
 
 
 def in_ms(seconds: float) -> str:
@@ -177,12 +247,17 @@ def in_ms(seconds: float) -> str:
 
 
 def _spread(outcome: Outcome) -> str:
+    if len(outcome.rounds) < FEWEST:
+        return "–"
     low, high = outcome.quartiles
     return f"± {50 * (high - low) / outcome.median:.0f} %"
 
 
-def _against(ratio: Ratio) -> str:
-    return f"{_factor(ratio.median)} ×" + (", within the noise" if ratio.within_noise else "")
+def _gain(ratio: Ratio, same: bool) -> str:
+    if same:
+        return "1.00 ×"
+    mark = "?" if ratio.too_few else "≈" if ratio.within_noise else ""
+    return f"{mark} {_factor(ratio.median)} ×".strip()
 
 
 def _times(ratio: Ratio) -> str:
@@ -190,4 +265,4 @@ def _times(ratio: Ratio) -> str:
 
 
 def _factor(value: float) -> str:
-    return f"{value:.2f}" if value < 9.95 else f"{value:,.0f}"
+    return f"{value:.2g}" if value < 0.1 else f"{value:.2f}" if value < 9.95 else f"{value:,.0f}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from jostle.tune.contenders import Method, Setting, Work, contender, defaults, tree
 from jostle.tune.sample import Sample
-from jostle.tune.timing import LEAST, Outcome, Race, Ratio, compare
+from jostle.tune.timing import FEWEST, LEAST, Outcome, Race, Ratio, compare
 
 ARTICLE_CAPACITY, ARTICLE_DEPTH = 3, 5  # its "4" is one subdivision more than it says
 CAPACITIES = (ARTICLE_CAPACITY, 8, 16, 24, 32, 40, 48, 64, 96, 128, 256)
@@ -112,22 +112,34 @@ class Tuning:
 
     def gain(self) -> Ratio:
         """Return the time of the default over that of the best."""
-        outcomes = self._latest()
-        return compare(outcomes.get(self.default, Outcome()), outcomes.get(self.best(), Outcome()))
+        return self.default_over(self.best())
 
     def outcome(self, setting: Setting) -> Outcome:
         """Return what is known of a setting: from the final, if it was in it."""
         return {**self.settings, **self._latest()}.get(setting, Outcome())
 
-    def against_default(self, setting: Setting) -> Ratio:
-        """Return the time of a setting over that of the default, both of the same rounds."""
-        outcomes = self._latest() if setting in self._latest() else self.settings
-        return compare(outcomes.get(setting, Outcome()), outcomes.get(self.default, Outcome()))
+    def default_over(self, setting: Setting) -> Ratio:
+        """Return the time of the default over that of a setting."""
+        return self._compare(self.default, setting)
 
     def is_as_good(self, setting: Setting) -> bool:
-        """Whether a setting cannot be told apart from the best one of the sweep."""
-        best = min(self.settings, key=lambda key: self.settings[key].median)
-        return setting == best or compare(self.settings[setting], self.settings[best]).within_noise
+        """Whether a setting is the best one, or not certain to take longer."""
+        best = self.best()
+        return setting == best or self._compare(setting, best).low <= 1.0
+
+    def too_few(self) -> bool:
+        """Whether the sweep had too few rounds to tell its settings apart."""
+        return max((len(o.rounds) for o in self.settings.values()), default=0) < FEWEST
+
+    def one_leaf(self) -> bool:
+        """Whether the default makes a tree of one leaf: it has nothing to be tuned."""
+        return self.n <= self.default.leaf_capacity
+
+    def _compare(self, slow: Setting, quick: Setting) -> Ratio:
+        """Compare two settings in the same rounds: of the final, if both were in it."""
+        latest = self._latest()
+        outcomes = latest if slow in latest and quick in latest else self.settings
+        return compare(outcomes.get(slow, Outcome()), outcomes.get(quick, Outcome()))
 
 
 class Tuner:

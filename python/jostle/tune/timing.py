@@ -23,6 +23,7 @@ MOST_CALLS = 200  # in one measurement
 FORGIVEN = 2  # times the limit: up to there a contender has a second chance,
 STALL = 0.1  # and in any case up to this many seconds
 CONFIDENCE = 0.95
+FEWEST = 6  # rounds; the extremes of fewer hold the median less often than that
 
 
 def _nothing() -> None:
@@ -75,7 +76,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Ratio:
-    """How many times as long one took as another: the median of all rounds, and its uncertainty."""
+    """How many times as long one took as another: the median of all rounds, and its uncertainty.
+
+    Of too few rounds nothing is certain: low is 0 and high infinite.
+    """
 
     median: float
     low: float
@@ -86,16 +90,21 @@ class Ratio:
         """Whether the two cannot be told apart."""
         return self.low <= 1.0 <= self.high
 
+    @property
+    def too_few(self) -> bool:
+        """Whether there were too few rounds to tell anything apart."""
+        return math.isinf(self.high)
+
 
 def compare(slow: Outcome, quick: Outcome) -> Ratio:
     """Return `slow` over `quick`, round by round.
 
     Low and high hold the median of ever more rounds with 95 % confidence, whatever the noise is
-    like; below six rounds nothing does, and they are the extremes.
+    like; below six rounds nothing does, and they are 0 and infinity.
     """
     ratios = sorted(a / b for a, b in zip(slow.rounds, quick.rounds, strict=False) if b > 0)
-    if not ratios:
-        return Ratio(math.nan, -math.inf, math.inf)
+    if len(ratios) < FEWEST:
+        return Ratio(statistics.median(ratios) if ratios else math.nan, 0.0, math.inf)
     skip = _ranks_outside(len(ratios))
     return Ratio(statistics.median(ratios), ratios[skip], ratios[-1 - skip])
 
