@@ -28,6 +28,9 @@ const REST_STEPS: f32 = 3.0;
 /// Pairs that may touch in one step before it is refused: four gibibytes of them.
 const MAX_CANDIDATES: usize = 1 << 25;
 
+/// Fewer particles than this are not worth waking other threads for.
+const WORTH_WAKING: usize = 12_000;
+
 /// Parts into which a step on a torus is cut at most.
 const MAX_PARTS: f32 = 1000.0;
 
@@ -345,7 +348,7 @@ impl World {
 
     /// The threads to use: one for a small world.
     fn threads(&self) -> Option<usize> {
-        parallel::worthwhile(self.settings.tree.threads, self.len())
+        if self.len() < WORTH_WAKING { Some(1) } else { self.settings.tree.threads }
     }
 
     fn step_often(
