@@ -200,7 +200,7 @@ def draw_pairs(rows: list[Row], path: Path) -> None:
                 axes.plot(counts, each, label=label, **look)
         logarithmic(axes, "shapes", "ns a shape")
         axes.set_title(title)
-        axes.set_ylim(30, 300_000)
+        axes.set_ylim(15, 300_000)
     slowest_first = reversed([label for label, _, _ in pair_lines(rows)])
     legend(drawing, panels, slowest_first)
     save(drawing, path, rows, "All overlapping pairs, building included")
@@ -253,9 +253,10 @@ def draw_step(rows: list[Row], path: Path) -> None:
         "60 a second",
         (1, 1000 / 60),
         xycoords=("axes fraction", "data"),
-        xytext=(0, 3),
+        xytext=(0, -4),
         textcoords="offset points",
         ha="right",
+        va="top",
         color=FAINT,
         fontsize=8,
     )

@@ -70,7 +70,12 @@ def main() -> None:
         for stage, each in count(scene, options.count, folder).items():
             print(f"  {stage:10} {each:10,.0f}")
             rows.append(
-                {"scene": scene, "count": options.count, "stage": stage, "instructions": round(each)}
+                {
+                    "scene": scene,
+                    "count": options.count,
+                    "stage": stage,
+                    "instructions": round(each),
+                }
             )
     Results(ROOT / f"benchmarks/results/stages-{slug()}.csv").add(rows)
 
