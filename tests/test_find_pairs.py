@@ -356,7 +356,7 @@ def longest_pause(call: Any) -> tuple[float, float]:
 
 @pytest.mark.parametrize("method", ["brute", "quadtree"])
 def test_other_threads_run_meanwhile(method: Any) -> None:
-    centers = discs(30_000 if method == "brute" else 600_000)
+    centers = discs(50_000 if method == "brute" else 2_000_000)
     call = lambda: jostle.find_pairs(centers, 0.5, method=method, threads=1)  # noqa: E731
     taken, paused = min((longest_pause(call) for _ in range(3)), key=lambda pair: pair[1] / pair[0])
     assert taken > 0.05, "too quick to tell"

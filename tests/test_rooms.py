@@ -146,7 +146,8 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 # ---- the Python package --------------------------------------------------------------------------
 
-LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name != "cli.py"]
+COMMAND = {"cli.py", "tables.py"}
+LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
 # The files of the app that act on a simulation; all others look at it.
 ACTING = {"world_simulation", "article_simulation", "hand", "window", "headless", "report"}
 LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
@@ -167,7 +168,7 @@ def imports(path: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
 def test_library_never_imports_the_app(path: Path) -> None:
-    assert not [name for name in imports(path) if re.match(r"jostle\.(app|bench|tune|cli)\b", name)]
+    assert not [name for name in imports(path) if re.match(r"jostle\.(app|bench|tune|cli|tables)\b", name)]
 
 
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
@@ -182,7 +183,7 @@ def test_importing_jostle_loads_no_part_of_the_app() -> None:
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     extra = {"pygame", "rich", "typer", "imageio_ffmpeg", "matplotlib"}
-    assert not {*extra, "jostle.app", "jostle.bench", "jostle.tune"} & set(loaded)
+    assert not {*extra, "jostle.app", "jostle.bench", "jostle.tune", "jostle.tables"} & set(loaded)
 
 
 SIBLINGS = ("app", "bench", "tune")

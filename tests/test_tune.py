@@ -17,7 +17,7 @@ from matplotlib.image import imread  # noqa: E402
 from rich.console import Console  # noqa: E402
 
 import jostle  # noqa: E402
-from jostle import cli  # noqa: E402
+from jostle import cli, tables  # noqa: E402
 from jostle.tune import (  # noqa: E402
     command,
     contenders,
@@ -26,7 +26,6 @@ from jostle.tune import (  # noqa: E402
     records,
     report,
     sweep,
-    tables,
 )
 from jostle.tune.contenders import Setting, contender, defaults  # noqa: E402
 from jostle.tune.sample import Sample  # noqa: E402

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from jostle.bench import pairs, steps
 from jostle.bench.machine import Results, Row, describe, version_of
-from jostle.tune.tables import print_whole
+from jostle.tables import print_whole
 
 __all__ = ["bench"]
 

@@ -1,6 +1,6 @@
 """The article's advice as a tool: which settings find the pairs of a scene fastest.
 
 In reading order: `timing` is the protocol and knows no tree; `sample` the shapes of a scene;
-`contenders` what is timed; `sweep` which settings, in which order; `report`, `tables`, `records`
+`contenders` what is timed; `sweep` which settings, in which order; `report`, `records`
 (the CSV) and `pictures` show what came of it; `command` is the way through all of them.
 """

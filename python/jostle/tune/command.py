@@ -8,11 +8,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from jostle.tables import print_whole
 from jostle.tune import records
 from jostle.tune.contenders import Work
 from jostle.tune.report import report, title
 from jostle.tune.sweep import QUICK, THOROUGH, Tuner, Tuning
-from jostle.tune.tables import print_whole
 
 SWEEPS = ("leaf capacity × depth", "final", "world size", "number of particles")
 NOTHING = "Stopped before anything was measured; no file was written."
