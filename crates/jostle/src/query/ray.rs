@@ -174,14 +174,22 @@ impl<T: Scalar> Beam<T> {
 
     /// A bit for each shape of a block whose middle is as near to the line as it is large.
     #[inline(always)]
-    fn lanes<S: Simd<T>>(&self, simd: S, slack: T, shapes: &Columns<T>, first: usize) -> u32 {
+    fn lanes<S: Simd<T>>(
+        &self,
+        simd: S,
+        (slack, round): (T, bool),
+        shapes: &Columns<T>,
+        first: usize,
+    ) -> u32 {
         let [ox, oy] = self.ray.origin;
         let [ux, uy] = self.ray.direction;
         let x = simd.sub(simd.splat(ox), simd.load(block(&shapes.x, first)));
         let y = simd.sub(simd.splat(oy), simd.load(block(&shapes.y, first)));
         let aside = simd.sub(simd.mul(x, simd.splat(uy)), simd.mul(y, simd.splat(ux)));
-        let mut reach =
-            simd.add(simd.load(block(&shapes.radius, first)), simd.splat(self.ray.radius + slack));
+        let mut reach = simd.splat(self.ray.radius + slack);
+        if round {
+            reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
+        }
         if shapes.has_boxes() {
             reach = simd.add(reach, simd.load(block(&shapes.half_x, first)));
             reach = simd.add(reach, simd.load(block(&shapes.half_y, first)));
@@ -268,8 +276,8 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
             }
             let node = &nodes[index as usize];
             if node.is_leaf() {
-                let slack = beam.slack(&covers[index as usize]);
-                self.leaf(simd, slack, node.range());
+                let cover = &covers[index as usize];
+                self.leaf(simd, (beam.slack(cover), cover.radius > T::ZERO), node.range());
                 continue;
             }
             let from = stack.len();
@@ -285,13 +293,13 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
 
 impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
     #[inline(always)]
-    fn leaf<S: Simd<T>>(&mut self, simd: S, slack: T, places: Range<usize>) {
+    fn leaf<S: Simd<T>>(&mut self, simd: S, about: (T, bool), places: Range<usize>) {
         let (shapes, rows) = (self.tree.columns(), self.tree.rows());
         self.best.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
-            let near = self.beam.lanes(simd, slack, shapes, first);
+            let near = self.beam.lanes(simd, about, shapes, first);
             for_each_lane(near & first_lanes(places.end - first), |lane| {
-                let shape = shapes.shape(first + lane);
+                let shape = shapes.shape_if(first + lane, about.1);
                 if selects(self.mask, shape.category)
                     && let Some(id) = (self.id_of)(rows[first + lane])
                 {

@@ -1,6 +1,5 @@
 //! All shapes that a region overlaps.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::{QUESTIONS, along_a_curve, worthwhile};
@@ -33,6 +32,16 @@ impl<T: Scalar> Window<T> {
             below.most(above) - half_size[axis]
         };
         [along(0), along(1)]
+    }
+
+    /// What holds both.
+    fn join(self, other: Self) -> Self {
+        let both = |f: fn(T, T) -> T, a: [T; 2], b: [T; 2]| [f(a[0], b[0]), f(a[1], b[1])];
+        Self {
+            min: both(T::least, self.min, other.min),
+            max: both(T::most, self.max, other.max),
+            radius: self.radius.most(other.radius),
+        }
     }
 
     /// Whether some shape of `cover` could touch it.
@@ -195,64 +204,89 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) -> Hits<u32> {
         let mut hits = Hits { offsets: vec![0], ids: Vec::new(), tests: 0 };
-        let mut stack = Vec::new();
-        let mut before = self.count.load(Ordering::Relaxed);
-        for &question in self.order {
-            let region = &self.regions[question as usize];
-            let start = hits.ids.len();
-            if before <= MOST_IDS {
-                self.walk(simd, region, &mut stack, &mut hits);
-                let rows = self.tree.rows();
-                let found = &mut hits.ids[start..];
-                found.iter_mut().for_each(|place| *place = rows[*place as usize]);
-                found.sort_unstable();
-                before = found.len() + self.count.fetch_add(found.len(), Ordering::Relaxed);
+        let (mut stack, mut frontier) = (Vec::new(), Frontier::default());
+        for group in self.order.chunks(GROUP) {
+            let windows = group.iter().map(|&question| self.regions[question as usize].window());
+            match windows.reduce(Window::join) {
+                // What comes now is not asked for any more.
+                Some(_) if self.count.load(Ordering::Relaxed) > MOST_IDS => frontier.len = 0,
+                Some(window) => frontier.fill(self.tree, &window),
+                None => {}
             }
-            hits.offsets.push(hits.ids.len());
+            let before = hits.ids.len();
+            for &question in group {
+                self.answer(
+                    simd,
+                    &self.regions[question as usize],
+                    &frontier,
+                    &mut stack,
+                    &mut hits,
+                );
+            }
+            self.count.fetch_add(hits.ids.len() - before, Ordering::Relaxed);
         }
         hits
     }
 }
 
 impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
-    /// Collects the places of the shapes that one region overlaps.
+    /// Adds the answer to one question, which begins at the nodes of `frontier`.
     #[inline(always)]
-    fn walk<S: Simd<T>>(&self, simd: S, region: &R, stack: &mut Vec<u32>, hits: &mut Hits<u32>) {
-        let (nodes, covers) = (self.tree.nodes(), self.tree.covers());
+    fn answer<S: Simd<T>>(
+        &self,
+        simd: S,
+        region: &R,
+        frontier: &Frontier<T>,
+        stack: &mut Vec<u32>,
+        hits: &mut Hits<u32>,
+    ) {
+        let start = hits.ids.len();
         let window = region.window();
-        let near = |cover: &Cover<T>| {
-            selects(self.mask, cover.category) && window.meets(cover) && !region.misses(cover)
-        };
-        // Where a category can hide a shape, every shape has to be looked at.
-        let all_selected = self.mask.is_none();
-        stack.extend(covers.first().filter(|cover| near(cover)).map(|_| 0));
+        for first in (0..frontier.len).step_by(LANES) {
+            let bits = frontier.lanes(simd, &window, first) & first_lanes(frontier.len - first);
+            for_each_lane(bits, |lane| {
+                let node = frontier.nodes[first + lane];
+                let cover = &self.tree.covers()[node as usize];
+                if selects(self.mask, cover.category) && !region.misses(cover) {
+                    stack.push(node);
+                }
+            });
+        }
         while let Some(index) = stack.pop() {
-            let node = &nodes[index as usize];
-            if R::PLAIN && all_selected && window.holds(&covers[index as usize]) {
+            let node = &self.tree.nodes()[index as usize];
+            if self.takes_all(&window, index as usize) {
                 hits.ids.extend(node.range().map(|place| place as u32));
             } else if node.is_leaf() {
-                let round = covers[index as usize].radius > T::ZERO;
-                self.leaf(simd, region, (&window, round), node.range(), hits);
+                self.collect(simd, region, index as usize, hits);
             } else {
                 for child in node.children() {
-                    if near(&covers[child]) {
+                    let cover = &self.tree.covers()[child];
+                    let near = selects(self.mask, cover.category) & window.meets(cover);
+                    if near && !region.misses(cover) {
                         stack.push(child as u32);
                     }
                 }
             }
         }
+        let (rows, found) = (self.tree.rows(), &mut hits.ids[start..]);
+        found.iter_mut().for_each(|place| *place = rows[*place as usize]);
+        found.sort_unstable();
+        hits.offsets.push(hits.ids.len());
     }
 
+    /// Whether a region overlaps every shape in a node. Where a category can hide a shape,
+    /// each has to be looked at.
     #[inline(always)]
-    fn leaf<S: Simd<T>>(
-        &self,
-        simd: S,
-        region: &R,
-        (window, round): (&Window<T>, bool),
-        places: Range<usize>,
-        hits: &mut Hits<u32>,
-    ) {
-        let shapes = self.tree.columns();
+    fn takes_all(&self, window: &Window<T>, node: usize) -> bool {
+        R::PLAIN && self.mask.is_none() && window.holds(&self.tree.covers()[node])
+    }
+
+    /// Collects the places of the shapes in a leaf that one region overlaps.
+    #[inline(always)]
+    fn collect<S: Simd<T>>(&self, simd: S, region: &R, leaf: usize, hits: &mut Hits<u32>) {
+        let (shapes, window) = (self.tree.columns(), region.window());
+        let places = self.tree.nodes()[leaf].range();
+        let round = self.tree.covers()[leaf].radius > T::ZERO;
         hits.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
             let bits = window.lanes(simd, shapes, first, round) & first_lanes(places.end - first);
@@ -263,5 +297,102 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
                 }
             });
         }
+    }
+}
+
+/// Questions side by side that go down the tree together.
+const GROUP: usize = 16;
+
+/// Nodes at which they part at the latest.
+const MOST_NODES: usize = 3 * LANES;
+
+/// Room for the nodes that come of the last one that is opened, and for a whole block.
+const ROOM: usize = MOST_NODES + 4 + LANES;
+
+/// Nodes below which some neighbouring questions have everything to find, with their covers
+/// in columns: a question asks a block of them at once.
+struct Frontier<T> {
+    len: usize,
+    nodes: [u32; ROOM],
+    min: [[T; ROOM]; 2],
+    max: [[T; ROOM]; 2],
+    half_size: [[T; ROOM]; 2],
+    radius: [T; ROOM],
+}
+
+impl<T: Scalar> Default for Frontier<T> {
+    fn default() -> Self {
+        let none = [[T::ZERO; ROOM]; 2];
+        let (min, max, half_size) = (none, none, none);
+        Self { len: 0, nodes: [0; ROOM], min, max, half_size, radius: [T::ZERO; ROOM] }
+    }
+}
+
+impl<T: Scalar> Frontier<T> {
+    /// Opens nodes that meet `window`, the whole of the questions, as long as there is room.
+    #[inline(always)]
+    fn fill(&mut self, tree: &Quadtree<T>, window: &Window<T>) {
+        let (nodes, covers) = (tree.nodes(), tree.covers());
+        self.len = usize::from(!nodes.is_empty());
+        self.nodes[0] = 0;
+        // Leaves stay, everything else makes way for its children, level by level.
+        let mut opened = true;
+        while opened && self.len <= MOST_NODES {
+            opened = false;
+            let mut place = 0;
+            let mut end = self.len;
+            while place < end && self.len <= MOST_NODES {
+                let node = &nodes[self.nodes[place] as usize];
+                if node.is_leaf() {
+                    place += 1;
+                    continue;
+                }
+                opened = true;
+                end -= 1;
+                self.len -= 1;
+                self.nodes[place] = self.nodes[end];
+                self.nodes[end] = self.nodes[self.len];
+                for child in node.children() {
+                    self.nodes[self.len] = child as u32;
+                    self.len += usize::from(window.meets(&covers[child]));
+                }
+            }
+        }
+        for place in 0..self.len {
+            let cover = &covers[self.nodes[place] as usize];
+            for axis in 0..2 {
+                self.min[axis][place] = cover.min[axis];
+                self.max[axis][place] = cover.max[axis];
+                self.half_size[axis][place] = cover.half_size[axis];
+            }
+            self.radius[place] = cover.radius;
+        }
+    }
+
+    /// A bit for each node of a block of which some shape could touch the window.
+    #[inline(always)]
+    fn lanes<S: Simd<T>>(&self, simd: S, window: &Window<T>, first: usize) -> u32 {
+        let x = self.beyond(simd, window, 0, first);
+        let y = self.beyond(simd, window, 1, first);
+        let reach = simd.add(simd.splat(window.radius), simd.load(block(&self.radius, first)));
+        !simd.less(simd.mul(reach, reach), simd.add(simd.mul(x, x), simd.mul(y, y)))
+    }
+
+    /// How far the window is from the nodes of a block along one axis; 0 inside.
+    #[inline(always)]
+    fn beyond<S: Simd<T>>(
+        &self,
+        simd: S,
+        window: &Window<T>,
+        axis: usize,
+        first: usize,
+    ) -> S::Block {
+        let min = simd.load(block(&self.min[axis], first));
+        let max = simd.load(block(&self.max[axis], first));
+        let below = simd.sub(simd.splat(window.min[axis]), max);
+        let above = simd.sub(min, simd.splat(window.max[axis]));
+        let gap = simd.most(below, above);
+        let gap = simd.sub(gap, simd.load(block(&self.half_size[axis], first)));
+        simd.most(gap, simd.splat(T::ZERO))
     }
 }
