@@ -27,7 +27,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 
 /// Questions that one thread answers at a time.
-const QUESTIONS: usize = 64;
+const QUESTIONS: usize = 128;
 
 /// Fewer questions than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 512;

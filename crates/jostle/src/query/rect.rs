@@ -16,17 +16,23 @@ pub struct Rect<T> {
 impl<T: Scalar> Rect<T> {
     /// Rectangles from `[min_x, min_y, max_x, max_y]` each.
     pub fn all(rows: &[[T; 4]]) -> Result<Vec<Self>> {
-        let rects = rows.iter().enumerate().map(|(index, &[min_x, min_y, max_x, max_y])| {
-            let rule = if ![min_x, min_y, max_x, max_y].iter().all(|v| v.is_finite()) {
-                "all four numbers must be finite"
-            } else if min_x > max_x || min_y > max_y {
+        let good = |[min_x, min_y, max_x, max_y]: &[T; 4]| {
+            let finite = [min_x, min_y, max_x, max_y].iter().all(|v| v.is_finite());
+            finite && min_x <= max_x && min_y <= max_y
+        };
+        if let Some(index) = rows.iter().position(|row| !good(row)) {
+            let rule = if rows[index].iter().all(|v| v.is_finite()) {
                 "it must be (min_x, min_y, max_x, max_y), no minimum above its maximum"
             } else {
-                return Ok(Self { min: [min_x, min_y], max: [max_x, max_y] });
+                "all four numbers must be finite"
             };
-            Err(Error::at("rect", index, list(&[min_x, min_y, max_x, max_y]), rule))
-        });
-        rects.collect()
+            return Err(Error::at("rect", index, list(&rows[index]), rule));
+        }
+        let rect = |&[min_x, min_y, max_x, max_y]: &[T; 4]| Self {
+            min: [min_x, min_y],
+            max: [max_x, max_y],
+        };
+        Ok(rows.iter().map(rect).collect())
     }
 }
 

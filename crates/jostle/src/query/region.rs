@@ -7,7 +7,7 @@ use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
 use crate::parallel;
-use crate::quadtree::Quadtree;
+use crate::quadtree::{Node, Quadtree};
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 
 /// Most ids in one answer, a gibibyte of them.
@@ -127,6 +127,13 @@ pub struct Hits<I> {
 }
 
 impl<I> Hits<I> {
+    /// No answers yet, and memory for those to some questions.
+    fn with_room_for(questions: usize) -> Self {
+        let mut offsets = Vec::with_capacity(questions + 1);
+        offsets.push(0);
+        Self { offsets, ids: Vec::with_capacity(8 * questions), tests: 0 }
+    }
+
     /// Ids of one question.
     pub fn of(&self, question: usize) -> &[I] {
         &self.ids[self.offsets[question]..self.offsets[question + 1]]
@@ -203,8 +210,9 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) -> Hits<u32> {
-        let mut hits = Hits { offsets: vec![0], ids: Vec::new(), tests: 0 };
-        let (mut stack, mut frontier) = (Vec::new(), Frontier::default());
+        let mut hits = Hits::with_room_for(self.order.len());
+        let (mut frontier, mut stack) = (Frontier::default(), Vec::new());
+        let (mut ends, mut nodes) = (Vec::new(), Vec::new());
         for group in self.order.chunks(GROUP) {
             let windows = group.iter().map(|&question| self.regions[question as usize].window());
             match windows.reduce(Window::join) {
@@ -213,15 +221,18 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
                 Some(window) => frontier.fill(self.tree, &window),
                 None => {}
             }
-            let before = hits.ids.len();
+            ends.clear();
+            nodes.clear();
             for &question in group {
-                self.answer(
-                    simd,
-                    &self.regions[question as usize],
-                    &frontier,
-                    &mut stack,
-                    &mut hits,
-                );
+                let region = &self.regions[question as usize];
+                self.find(simd, region, &frontier, &mut stack, &mut nodes);
+                ends.push(nodes.len());
+            }
+            let (before, mut from) = (hits.ids.len(), 0);
+            for (&question, &end) in group.iter().zip(&ends) {
+                let region = &self.regions[question as usize];
+                self.answer(simd, region, &nodes[from..end], &mut hits);
+                from = end;
             }
             self.count.fetch_add(hits.ids.len() - before, Ordering::Relaxed);
         }
@@ -230,17 +241,17 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
 }
 
 impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
-    /// Adds the answer to one question, which begins at the nodes of `frontier`.
+    /// Adds the nodes in which one question finds something: leaves, and those that it
+    /// takes as a whole. It begins at those of `frontier`.
     #[inline(always)]
-    fn answer<S: Simd<T>>(
+    fn find<S: Simd<T>>(
         &self,
         simd: S,
         region: &R,
         frontier: &Frontier<T>,
         stack: &mut Vec<u32>,
-        hits: &mut Hits<u32>,
+        found: &mut Vec<u32>,
     ) {
-        let start = hits.ids.len();
         let window = region.window();
         for first in (0..frontier.len).step_by(LANES) {
             let bits = frontier.lanes(simd, &window, first) & first_lanes(frontier.len - first);
@@ -254,18 +265,43 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
         }
         while let Some(index) = stack.pop() {
             let node = &self.tree.nodes()[index as usize];
-            if self.takes_all(&window, index as usize) {
-                hits.ids.extend(node.range().map(|place| place as u32));
-            } else if node.is_leaf() {
-                self.collect(simd, region, index as usize, hits);
-            } else {
-                for child in node.children() {
-                    let cover = &self.tree.covers()[child];
-                    let near = selects(self.mask, cover.category) & window.meets(cover);
-                    if near && !region.misses(cover) {
-                        stack.push(child as u32);
-                    }
+            if node.is_leaf() || self.takes_all(&window, index as usize) {
+                found.push(index);
+                self.expect(simd, node);
+                continue;
+            }
+            for child in node.children() {
+                let cover = &self.tree.covers()[child];
+                let near = selects(self.mask, cover.category) & window.meets(cover);
+                if near && !region.misses(cover) {
+                    stack.push(child as u32);
                 }
+            }
+        }
+    }
+
+    /// Sends for what will be read of a leaf.
+    #[inline(always)]
+    fn expect<S: Simd<T>>(&self, simd: S, node: &Node) {
+        if node.is_leaf() {
+            let shapes = self.tree.columns();
+            simd.expect(&shapes.x[node.range()]);
+            simd.expect(&shapes.y[node.range()]);
+            simd.expect(&self.tree.rows()[node.range()]);
+        }
+    }
+
+    /// Adds the answer to one question, from the nodes in which there is something.
+    #[inline(always)]
+    fn answer<S: Simd<T>>(&self, simd: S, region: &R, nodes: &[u32], hits: &mut Hits<u32>) {
+        let start = hits.ids.len();
+        let window = region.window();
+        for &index in nodes {
+            if self.takes_all(&window, index as usize) {
+                let places = self.tree.nodes()[index as usize].range();
+                hits.ids.extend(places.map(|place| place as u32));
+            } else {
+                self.collect(simd, region, index as usize, hits);
             }
         }
         let (rows, found) = (self.tree.rows(), &mut hits.ids[start..]);

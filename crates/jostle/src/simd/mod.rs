@@ -70,6 +70,8 @@ pub trait Simd<T>: Copy {
     fn less(self, a: Self::Block, b: Self::Block) -> u32;
     /// The numbers whose bit is set, side by side; what lies behind them is unspecified.
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]);
+    /// Says that items of `column` will be read soon. Nothing but time depends on it.
+    fn expect<V>(self, column: &[V]);
     /// `first` + lane for every bit that is set, side by side, as in [`Simd::pack`].
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]);
 }

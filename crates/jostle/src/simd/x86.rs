@@ -71,6 +71,9 @@ where
     unsafe { inner(work) }
 }
 
+/// Bytes that come from memory together.
+const CACHE_LINE: usize = 64;
+
 /// Implements [`Simd`] but for packing: `$count` registers of `$each` numbers.
 macro_rules! arithmetic {
     ($t:ty, $register:ty, $count:literal, $each:literal, $splat:ident, $load:ident, $store:ident,
@@ -144,6 +147,13 @@ macro_rules! arithmetic {
                 #[inline(always)]
                 |k| $abs(self, difference[k]),
             )
+        }
+        #[inline(always)]
+        fn expect<V>(self, column: &[V]) {
+            for line in column.chunks(CACHE_LINE / size_of::<V>()) {
+                // SAFETY: every processor has the instruction; no address is wrong for it.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
+            }
         }
         #[inline(always)]
         fn both_negative(self, a: Self::Block, b: Self::Block) -> u32 {
