@@ -1,6 +1,7 @@
 """The compiled part of jostle; `help` on each name tells more."""
 
-from typing import Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final
+from collections.abc import Callable
+from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,8 @@ __all__ = [
     "find_pairs",
     "scene_names",
     "scene_view",
+    "sprite_lists",
+    "sprite_pairs",
 ]
 
 __version__: Final[str]
@@ -39,6 +42,15 @@ def find_pairs(
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> NDArray[np.uint32]: ...
+def sprite_pairs(
+    left: list[Any],
+    right: list[Any] | None,
+    rule: Literal["rect", "rects", "circle", "mask"],
+    ratio: float,
+    types: tuple[type, type],
+    radius_of: Callable[[Any], float] | None = None,
+) -> tuple[NDArray[np.uint32], NDArray[np.bool_] | None] | None: ...
+def sprite_lists(pairs: NDArray[np.uint32], objects: list[Any]) -> list[tuple[int, list[Any]]]: ...
 
 @final
 class Quadtree:

@@ -8,6 +8,7 @@ mod shapes;
 mod results;
 mod find_pairs;
 mod quadtree;
+mod sprites;
 mod containers;
 mod particles;
 mod world;
@@ -27,6 +28,8 @@ mod _core {
     use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
+    #[pymodule_export]
+    use super::sprites::{sprite_lists, sprite_pairs};
     #[pymodule_export]
     use super::world::PyWorld;
 
