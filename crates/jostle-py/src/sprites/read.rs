@@ -31,9 +31,6 @@ const EXACT_INTEGER: f64 = 1e15;
 /// Beyond this a square might overflow.
 const LARGEST_RADIUS: f64 = 1e100;
 
-/// Differences of places up to here fit into an `int` of C.
-const FARTHEST_MASK: f64 = 1e9;
-
 /// A type of rectangle that was met, and which kind it is; None for neither.
 type Known<'py> = (Bound<'py, PyType>, Option<Kind>);
 
@@ -67,7 +64,12 @@ impl<'a, 'py> Reader<'a, 'py> {
         read: fn(&mut Self, &Bound<'py, PyAny>) -> PyResult<Option<V>>,
     ) -> PyResult<Option<Sides<V>>> {
         let mut all = |sprites: &Bound<'py, PyList>| -> PyResult<Option<Vec<V>>> {
-            sprites.iter().map(|sprite| read(self, &sprite)).collect()
+            let mut all = Vec::with_capacity(sprites.len());
+            for sprite in sprites {
+                let Some(one) = read(self, &sprite)? else { return Ok(None) };
+                all.push(one);
+            }
+            Ok(Some(all))
         };
         let Some(a) = all(left)? else { return Ok(None) };
         let Some(right) = right else { return Ok(Some((a, None))) };
@@ -85,11 +87,13 @@ impl<'a, 'py> Reader<'a, 'py> {
         let py = rect.py();
         let Some(kind) = self.kind(rect)? else { return Ok(None) };
         let names = [intern!(py, "x"), intern!(py, "y"), intern!(py, "w"), intern!(py, "h")];
-        let mut sides = [0.0; 4];
-        for (side, name) in sides.iter_mut().zip(names) {
-            *side = number(kind, rect, name)?;
-        }
-        Ok(sides.iter().all(|side| side.is_finite()).then_some(Rect { kind, sides }))
+        Ok(match kind {
+            Kind::Int => Some(Rect::Int(sides(rect, names)?)),
+            Kind::Float => {
+                let sides: [f32; 4] = sides(rect, names)?;
+                sides.iter().all(|side| side.is_finite()).then_some(Rect::Float(sides))
+            }
+        })
     }
 
     /// Centre of `sprite.rect`, and `sprite.radius`.
@@ -112,17 +116,15 @@ impl<'a, 'py> Reader<'a, 'py> {
     /// pygame would make a mask of.
     pub fn mask(&mut self, sprite: &Bound<'py, PyAny>) -> PyResult<Option<Rect>> {
         let py = sprite.py();
-        let Some(mut rect) = self.rect(sprite)? else { return Ok(None) };
+        let Some(rect) = self.rect(sprite)? else { return Ok(None) };
         let mask = match sprite.getattr(intern!(py, "mask")) {
             Err(error) if error.is_instance_of::<PyAttributeError>(py) => {
                 sprite.getattr(intern!(py, "image"))?
             }
             mask => mask?,
         };
-        let (w, h) = mask.call_method0(intern!(py, "get_size"))?.extract::<(u32, u32)>()?;
-        rect.sides[2..].copy_from_slice(&[f64::from(w), f64::from(h)]);
-        let near = rect.sides.iter().all(|side| side.abs() <= FARTHEST_MASK);
-        Ok(near.then_some(rect))
+        let (w, h) = mask.call_method0(intern!(py, "get_size"))?.extract::<(u16, u16)>()?;
+        Ok(rect.resized(w, h))
     }
 
     /// Which kind of rectangle it is.
@@ -170,11 +172,14 @@ fn hides_a_method(rect: &Bound<'_, PyAny>) -> PyResult<bool> {
     Ok(own.contains("colliderect")? || own.contains("inflate")?)
 }
 
-/// A coordinate or a size.
-fn number<'py>(kind: Kind, rect: &Bound<'py, PyAny>, name: &Bound<'py, PyString>) -> PyResult<f64> {
-    let value = rect.getattr(name)?;
-    match kind {
-        Kind::Int => value.extract::<i32>().map(f64::from),
-        Kind::Float => value.extract::<f64>(),
+/// Four numbers of a rectangle.
+fn sides<'py, V>(rect: &Bound<'py, PyAny>, names: [&Bound<'py, PyString>; 4]) -> PyResult<[V; 4]>
+where
+    V: for<'a> FromPyObject<'a, 'py, Error = PyErr> + Copy + Default,
+{
+    let mut sides = [V::default(); 4];
+    for (side, name) in sides.iter_mut().zip(names) {
+        *side = rect.getattr(name)?.extract()?;
     }
+    Ok(sides)
 }

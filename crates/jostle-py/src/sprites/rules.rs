@@ -1,22 +1,22 @@
 //! pygame-ce's arithmetic, to the bit: C ints for a Rect, C floats for an FRect.
 //!
-//! Every number of either is exact as a float64. A function answers None where C would
-//! overflow or meet what is no number: then only pygame can say what comes out.
+//! A function answers None where C would overflow or meet what is no number: then only
+//! pygame can say what comes out.
 
 /// Which of pygame's two rectangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// `pygame.Rect`, of 32-bit integers.
+    /// `pygame.Rect`.
     Int,
-    /// `pygame.FRect`, of float32.
+    /// `pygame.FRect`.
     Float,
 }
 
 /// x, y, width and height as they stand in a rectangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Rect {
-    pub kind: Kind,
-    pub sides: [f64; 4],
+pub enum Rect {
+    Int([i32; 4]),
+    Float([f32; 4]),
 }
 
 /// The sides of a rectangle in order, whatever the signs of its sizes.
@@ -27,6 +27,10 @@ pub struct Edges {
 }
 
 impl Edges {
+    fn new([x, y]: [f64; 2], [right, bottom]: [f64; 2]) -> Self {
+        Self { min: [x.min(right), y.min(bottom)], max: [x.max(right), y.max(bottom)] }
+    }
+
     /// Touching is not overlapping.
     pub fn overlap(&self, other: &Self) -> bool {
         let along = |k: usize| self.min[k] < other.max[k] && self.max[k] > other.min[k];
@@ -44,82 +48,99 @@ pub struct Circle {
     pub exact: bool,
 }
 
-/// An `int` of C.
-fn int(value: f64) -> Option<f64> {
-    (value >= f64::from(i32::MIN) && value <= f64::from(i32::MAX)).then_some(value)
+/// Differences of places up to here fit into an `int` of C.
+const FARTHEST: f64 = 1e9;
+
+/// What C makes an `int` of.
+fn int(value: f64) -> Option<i32> {
+    let value = value.trunc();
+    (value >= f64::from(i32::MIN) && value <= f64::from(i32::MAX)).then_some(value as i32)
 }
 
-/// A `float` of C.
-fn float(value: f64) -> Option<f64> {
-    let value = value as f32;
-    value.is_finite().then_some(f64::from(value))
+fn finite(value: f32) -> Option<f32> {
+    value.is_finite().then_some(value)
 }
 
-impl Kind {
-    /// A number that this kind of rectangle is given: cut off or rounded.
-    fn take(self, value: f64) -> Option<f64> {
-        match self {
-            Self::Int => int(value.trunc()),
-            Self::Float => float(value),
-        }
-    }
-
-    /// A sum in its arithmetic. The sum of two float32 in float64, rounded to float32,
-    /// is that of float32.
-    fn add(self, a: f64, b: f64) -> Option<f64> {
-        match self {
-            Self::Int => int(a + b),
-            Self::Float => float(a + b),
-        }
-    }
-
-    /// Half of a number in its arithmetic.
-    fn half(self, value: f64) -> f64 {
-        match self {
-            Self::Int => (value / 2.0).trunc(),
-            Self::Float => f64::from(value as f32 / 2.0),
-        }
-    }
+fn pair<V>(first: Option<V>, second: Option<V>) -> Option<[V; 2]> {
+    Some([first?, second?])
 }
 
 impl Rect {
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Int(_) => Kind::Int,
+            Self::Float(_) => Kind::Float,
+        }
+    }
+
+    /// All four numbers, exactly.
+    pub fn sides(&self) -> [f64; 4] {
+        match self {
+            Self::Int(sides) => sides.map(f64::from),
+            Self::Float(sides) => sides.map(f64::from),
+        }
+    }
+
+    /// A rectangle of another size in its place; None where the difference of two places
+    /// might not fit into an `int` of C.
+    pub fn resized(self, w: u16, h: u16) -> Option<Self> {
+        let near = self.sides()[..2].iter().all(|side| side.abs() <= FARTHEST);
+        near.then_some(match self {
+            Self::Int([x, y, ..]) => Self::Int([x, y, w.into(), h.into()]),
+            Self::Float([x, y, ..]) => Self::Float([x, y, w.into(), h.into()]),
+        })
+    }
+
     /// The rectangle as `Rect(this)` or `FRect(this)` would hold it.
     pub fn as_kind(&self, kind: Kind) -> Option<Self> {
-        if kind == self.kind {
-            return Some(*self);
+        match (self, kind) {
+            (Self::Float(sides), Kind::Int) => {
+                let [x, y, w, h] = sides.map(|side| int(f64::from(side)));
+                Some(Self::Int([x?, y?, w?, h?]))
+            }
+            (Self::Int(sides), Kind::Float) => Some(Self::Float(sides.map(|side| side as f32))),
+            _ => Some(*self),
         }
-        let [x, y, w, h] = self.sides.map(|side| kind.take(side));
-        Some(Self { kind, sides: [x?, y?, w?, h?] })
     }
 
     /// Its edges; the inner None stands for a rectangle without area, which meets nothing.
     pub fn edges(&self) -> Option<Option<Edges>> {
-        let [x, y, w, h] = self.sides;
-        let (right, bottom) = (self.kind.add(x, w)?, self.kind.add(y, h)?);
-        let edges =
-            Edges { min: [x.min(right), y.min(bottom)], max: [x.max(right), y.max(bottom)] };
-        Some((w != 0.0 && h != 0.0).then_some(edges))
+        let [x, y, w, h] = self.sides();
+        let end = match self {
+            Self::Int([x, y, w, h]) => pair(x.checked_add(*w), y.checked_add(*h))?.map(f64::from),
+            Self::Float([x, y, w, h]) => pair(finite(x + w), finite(y + h))?.map(f64::from),
+        };
+        Some((w != 0.0 && h != 0.0).then(|| Edges::new([x, y], end)))
     }
 
     /// As `collide_rect_ratio` scales it: by `inflate`, with what Python computes.
     pub fn scaled(&self, ratio: f64) -> Option<Self> {
-        let kind = self.kind;
-        let [x, y, w, h] = self.sides;
-        let (more_w, more_h) = (kind.take(w * ratio - w)?, kind.take(h * ratio - h)?);
-        let sides = [
-            kind.add(x, -kind.half(more_w))?,
-            kind.add(y, -kind.half(more_h))?,
-            kind.add(w, more_w)?,
-            kind.add(h, more_h)?,
-        ];
-        Some(Self { kind, sides })
+        let more = |side: f64| side * ratio - side;
+        match *self {
+            Self::Int([x, y, w, h]) => {
+                let [more_w, more_h] = pair(int(more(w.into())), int(more(h.into())))?;
+                let [x, y] = pair(x.checked_sub(more_w / 2), y.checked_sub(more_h / 2))?;
+                let [w, h] = pair(w.checked_add(more_w), h.checked_add(more_h))?;
+                Some(Self::Int([x, y, w, h]))
+            }
+            Self::Float([x, y, w, h]) => {
+                let (more_w, more_h) = (more(w.into()) as f32, more(h.into()) as f32);
+                let sides = [x - more_w / 2.0, y - more_h / 2.0, w + more_w, h + more_h];
+                sides.iter().all(|side| side.is_finite()).then_some(Self::Float(sides))
+            }
+        }
     }
 
     /// `centerx` and `centery`.
     pub fn center(&self) -> Option<[f64; 2]> {
-        let [x, y, w, h] = self.sides;
-        let kind = self.kind;
-        Some([kind.add(x, kind.half(w))?, kind.add(y, kind.half(h))?])
+        match *self {
+            Self::Int([x, y, w, h]) => {
+                Some(pair(x.checked_add(w / 2), y.checked_add(h / 2))?.map(f64::from))
+            }
+            Self::Float([x, y, w, h]) => {
+                Some(pair(finite(x + w / 2.0), finite(y + h / 2.0))?.map(f64::from))
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! comparison, repeated here on exact numbers, has the last word.
 
 use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{Columns, Each, Quadtree, Result, Settings, Shapes, pairs};
+use jostle::{Columns, Each, Quadtree, Result, Scalar, Settings, Shapes, pairs};
 
 use super::rules::{Circle, Edges, Kind, Rect, circles_meet};
 
@@ -16,6 +16,10 @@ pub struct Found {
 /// on the way, and too little to matter.
 const HAIR: f64 = 1e-9;
 
+/// Whole numbers up to here, their halves and what the core makes of them are exact as
+/// float32, which is the quicker arithmetic.
+const SMALL: f64 = 1e6;
+
 /// How large an inexact radius may be beside its float64, as a part of it.
 const INEXACT: f64 = 1e-3;
 
@@ -24,36 +28,22 @@ const TESTS_FOR_A_SHAPE: usize = 64;
 
 /// Rectangles, scaled by `ratio`. The left one's kind says how both are compared.
 pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>> {
-    let scaled = |rects: &[Rect]| -> Option<Vec<Rect>> {
-        rects
-            .iter()
-            .map(|rect| if ratio == 1.0 { Some(*rect) } else { rect.scaled(ratio) })
-            .collect()
-    };
-    let Some(a) = scaled(a) else { return Ok(None) };
-    let b = match b.map(scaled) {
-        Some(None) => return Ok(None),
-        Some(Some(b)) => Some(b),
-        None => None,
+    let edges = |rect: &Rect, kind: Kind| {
+        let rect = if ratio == 1.0 { *rect } else { rect.scaled(ratio)? };
+        rect.as_kind(kind)?.edges()
     };
     let mut found = Vec::new();
     for kind in [Kind::Int, Kind::Float] {
-        let some = a.iter().filter(|rect| rect.kind == kind).count();
-        if some == 0 {
+        let count = a.iter().filter(|rect| rect.kind() == kind).count();
+        if count == 0 {
             continue;
         }
-        let own = |rect: &Rect| if rect.kind == kind { rect.edges() } else { Some(None) };
-        let taken = |rect: &Rect| rect.as_kind(kind)?.edges();
-        let (lefts, rights): (Option<Vec<_>>, Option<Vec<_>>) = match &b {
-            None if some == a.len() => (a.iter().map(own).collect(), Some(Vec::new())),
-            other => {
-                let b = other.as_ref().unwrap_or(&a);
-                (a.iter().map(own).collect(), b.iter().map(taken).collect())
-            }
-        };
-        let (Some(lefts), Some(rights)) = (lefts, rights) else { return Ok(None) };
-        let itself = b.is_none() && some == a.len();
-        let mut pairs = boxes(&lefts, (!itself).then_some(&rights))?;
+        let own = |rect: &Rect| if rect.kind() == kind { edges(rect, kind) } else { Some(None) };
+        let taken = |rect: &Rect| edges(rect, kind);
+        let left = Side { rects: a, edges: &own };
+        let right = Side { rects: b.unwrap_or(a), edges: &taken };
+        let itself = b.is_none() && count == a.len();
+        let Some(mut pairs) = boxes(&left, (!itself).then_some(&right))? else { return Ok(None) };
         if b.is_none() {
             pairs.retain(|[i, j]| i < j);
         }
@@ -67,11 +57,11 @@ pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>
 /// pixels, so they may be up to one apart.
 pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     let grown = |rect: &Rect| {
-        let [x, y, w, h] = rect.sides;
-        Some(Edges { min: [x - 1.0, y - 1.0], max: [x + w + 1.0, y + h + 1.0] })
+        let [x, y, w, h] = rect.sides();
+        Some(Some(Edges { min: [x - 1.0, y - 1.0], max: [x + w + 1.0, y + h + 1.0] }))
     };
-    let all = |rects: &[Rect]| rects.iter().map(grown).collect::<Vec<_>>();
-    let mut pairs = boxes(&all(a), b.map(all).as_ref())?;
+    let side = |rects| Side { rects, edges: &grown };
+    let Some(mut pairs) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
     pairs.sort_unstable();
     let sure = vec![false; pairs.len()];
     Ok(Some(Found { pairs, sure: Some(sure) }))
@@ -104,49 +94,80 @@ fn reach(circle: &Circle) -> f64 {
     circle.radius.abs() * (1.0 + slack) + 1e-3
 }
 
-/// Pairs of boxes that overlap; None is no box.
-fn boxes(a: &[Option<Edges>], b: Option<&Vec<Option<Edges>>>) -> Result<Vec<[u32; 2]>> {
-    let (rows, covers) = cover(a)?;
-    let other = b.map(|b| cover(b)).transpose()?;
+/// Rectangles and what they are compared by: None where only pygame can tell, and
+/// None within for what meets nothing.
+struct Side<'a> {
+    rects: &'a [Rect],
+    edges: &'a (dyn Fn(&Rect) -> Option<Option<Edges>> + Sync),
+}
+
+impl Side<'_> {
+    /// Whether all are small whole numbers; None where only pygame can tell.
+    fn are_small(&self) -> Option<bool> {
+        let small = |side: f64| side.abs() <= SMALL && side == side.trunc();
+        let mut all = true;
+        for rect in self.rects {
+            if let Some(Edges { min, max }) = (self.edges)(rect)? {
+                all &= min.into_iter().chain(max).all(small);
+            }
+        }
+        Some(all)
+    }
+
+    /// The rows that may meet something, and shapes that cover them.
+    fn cover<T: Scalar>(&self, hair: f64) -> Result<(Vec<u32>, Shapes<T>)> {
+        let len = self.rects.len();
+        let mut rows = Vec::with_capacity(len);
+        let mut centers = Vec::with_capacity(len);
+        let mut half_sizes = Vec::with_capacity(len);
+        for (row, rect) in self.rects.iter().enumerate() {
+            let Some(Some(Edges { min, max })) = (self.edges)(rect) else { continue };
+            let slack = |k: usize| hair * (min[k].abs() + max[k].abs() + f64::MIN_POSITIVE);
+            rows.push(row as u32);
+            centers.push([0, 1].map(|k| T::from_f64((min[k] + max[k]) / 2.0)));
+            half_sizes.push([0, 1].map(|k| T::from_f64((max[k] - min[k]) / 2.0 + slack(k))));
+        }
+        let half_sizes = Some(Each::Rows(half_sizes));
+        Ok((rows, Shapes::new(centers, Each::One(T::ZERO), half_sizes, None)?))
+    }
+
+    fn meet(&self, own: u32, other: &Self, row: u32) -> bool {
+        let own = (self.edges)(&self.rects[own as usize]);
+        let edges = (other.edges)(&other.rects[row as usize]);
+        matches!((own, edges), (Some(Some(a)), Some(Some(b))) if a.overlap(&b))
+    }
+}
+
+/// Pairs of rectangles that overlap, in any order; None where only pygame can tell.
+fn boxes(a: &Side<'_>, b: Option<&Side<'_>>) -> Result<Option<Vec<[u32; 2]>>> {
+    let Some(small_a) = a.are_small() else { return Ok(None) };
+    let Some(small_b) = b.map_or(Some(true), Side::are_small) else { return Ok(None) };
+    let found =
+        if small_a && small_b { boxes_in::<f32>(a, b, 0.0) } else { boxes_in::<f64>(a, b, HAIR) };
+    Ok(Some(found?))
+}
+
+fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, hair: f64) -> Result<Vec<[u32; 2]>> {
+    let (rows, covers) = a.cover::<T>(hair)?;
+    let other = b.map(|b| b.cover::<T>(hair)).transpose()?;
     let mut found = candidates(&covers, other.as_ref().map(|(_, covers)| covers))?;
-    let (b, other_rows) = match (b, &other) {
-        (Some(b), Some((rows, _))) => (b.as_slice(), rows),
-        _ => (a, &rows),
-    };
+    let other_rows = other.as_ref().map_or(&rows, |(rows, _)| rows);
     found.retain_mut(|pair| {
         *pair = [rows[pair[0] as usize], other_rows[pair[1] as usize]];
-        match (&a[pair[0] as usize], &b[pair[1] as usize]) {
-            (Some(a), Some(b)) => a.overlap(b),
-            _ => false,
-        }
+        a.meet(pair[0], b.unwrap_or(a), pair[1])
     });
     Ok(found)
 }
 
-/// The rows that are boxes, and shapes that cover them.
-fn cover(boxes: &[Option<Edges>]) -> Result<(Vec<u32>, Shapes<f64>)> {
-    let mut rows = Vec::with_capacity(boxes.len());
-    let mut centers = Vec::with_capacity(boxes.len());
-    let mut half_sizes = Vec::with_capacity(boxes.len());
-    for (row, edges) in boxes.iter().enumerate() {
-        let Some(Edges { min, max }) = edges else { continue };
-        let slack = |k: usize| HAIR * (min[k].abs() + max[k].abs()) + f64::MIN_POSITIVE;
-        rows.push(row as u32);
-        centers.push([0, 1].map(|k| (min[k] + max[k]) / 2.0));
-        half_sizes.push([0, 1].map(|k| (max[k] - min[k]) / 2.0 + slack(k)));
-    }
-    Ok((rows, Shapes::new(centers, Each::One(0.0), Some(Each::Rows(half_sizes)), None)?))
-}
-
 /// Pairs of shapes that overlap, i < j within one set, in any order.
-fn candidates(a: &Shapes<f64>, b: Option<&Shapes<f64>>) -> Result<Vec<[u32; 2]>> {
+fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u32; 2]>> {
     let Some(b) = b else {
         return Ok(pairs::find(a, None, None, DEFAULT_MAX_PAIRS)?.pairs);
     };
     let few = a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len());
     if few {
         let (a, b) = (Columns::of(a), Columns::of(b));
-        return Ok(pairs::brute_between(&a, &b, [0.0; 2], DEFAULT_MAX_PAIRS)?.pairs);
+        return Ok(pairs::brute_between(&a, &b, [T::ZERO; 2], DEFAULT_MAX_PAIRS)?.pairs);
     }
     let settings = Settings::default();
     let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
