@@ -17,10 +17,9 @@ There is no index to keep: each call reads the rects as they are. Needs pygame-c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from itertools import combinations, groupby
-from operator import itemgetter
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable, Collection, Iterable
+from itertools import combinations
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import pygame
@@ -36,6 +35,7 @@ from pygame.sprite import (
 )
 
 from jostle._core import sprite_lists, sprite_pairs
+from jostle.sprites import Collided, Near, Radii
 
 __all__ = [
     "Group",
@@ -52,9 +52,13 @@ __all__ = [
     "spritecollideany",
 ]
 
-Collided: TypeAlias = Callable[[Any, Any], object]
+Rule: TypeAlias = Literal["rect", "circle", "mask"]
 
 _TYPES = (pygame.Rect, pygame.FRect)
+# They take any collection of sprites; their annotations speak of groups alone.
+_their_groupcollide: Callable[..., dict[Any, list[Any]]] = pygame.sprite.groupcollide
+_their_spritecollide: Callable[..., list[Any]] = pygame.sprite.spritecollide
+_their_spritecollideany: Callable[..., Any] = pygame.sprite.spritecollideany
 _LARGEST_RATIO = 1e6
 
 
@@ -113,7 +117,7 @@ def groupcollide(
     """
     left = list(groupa)
     if not (broad_phase and isinstance(groupb, Collection) and _can_be_asked(collided)):
-        return pygame.sprite.groupcollide(left, groupb, dokilla, dokillb, collided)  # type: ignore[type-var, arg-type]
+        return _their_groupcollide(left, groupb, dokilla, dokillb, collided)
     found = _met_and_killed(left, groupb, collided) if dokillb else _met(left, groupb, collided)
     if dokilla:
         for sprite in found:
@@ -167,12 +171,12 @@ def spritecollide(
     """
     sprites = list(group)
     if collided is None or not (broad_phase and sprites and _can_be_asked(collided)):
-        return pygame.sprite.spritecollide(sprite, sprites, dokill, collided)  # type: ignore[type-var, arg-type]
+        return _their_spritecollide(sprite, sprites, dokill, collided)
     if collided is collide_rect:  # by which pygame would take thrice as long
-        return pygame.sprite.spritecollide(sprite, sprites, dokill)  # type: ignore[type-var, arg-type]
+        return _their_spritecollide(sprite, sprites, dokill)
     near = _near([sprite], sprites, collided)
     if near is None:
-        return pygame.sprite.spritecollide(sprite, sprites, dokill, collided)  # type: ignore[type-var, arg-type]
+        return _their_spritecollide(sprite, sprites, dokill, collided)
     near.radii.store([sprite, *sprites])
     hits = [sprites[row] for row in near.decided([sprite], sprites, collided)[:, 1].tolist()]
     if dokill:
@@ -220,10 +224,14 @@ def spritecollideany(
     >>> spritecollideany(ship, pygame.sprite.Group(mine)) is mine
     True
     """
-    own = broad_phase and _can_be_asked(collided) and collided is not None
-    if own and collided is not None and _rule_of(collided) is None and hasattr(sprite, "rect"):
-        return _first(sprite, group, collided)
-    return pygame.sprite.spritecollideany(sprite, group, collided)  # type: ignore[type-var, arg-type]
+    sprites = list(group)
+    near = None
+    if broad_phase and collided is not None and sprites and _is_of_ones_own(collided):
+        near = _near([sprite], sprites, collided)
+    if near is not None and collided is not None:
+        candidates = (sprites[row] for row in near.pairs[:, 1].tolist())
+        return next((other for other in candidates if collided(sprite, other)), None)
+    return _their_spritecollideany(sprite, sprites, collided)
 
 
 def selfcollide(
@@ -330,14 +338,15 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
     --------
     >>> from pygame import Rect
     >>> from jostle.pygame import collide_rect_lists
-    >>> collide_rect_lists([Rect(0, 0, 5, 5), Rect(9, 9, 1, 1)], [Rect(3, 3, 9, 9), Rect(4, 4, 1, 1)])
+    >>> others = [Rect(3, 3, 9, 9), Rect(4, 4, 1, 1)]
+    >>> collide_rect_lists([Rect(0, 0, 5, 5), Rect(9, 9, 1, 1)], others)
     [[0, 1], [0]]
     """
     taken = list(others)
     return collide_rect_objects(rects, range(len(taken)), key=taken.__getitem__)
 
 
-class Group(pygame.sprite.Group):
+class Group(pygame.sprite.Group):  # type: ignore[type-arg]
     """A group that answers questions about places, always for the rects as they are now.
 
     It does whatever `pygame.sprite.Group` does. Nothing has to be told when sprites move.
@@ -397,7 +406,7 @@ def _met(left: list[Any], groupb: Collection[Any], collided: Collided | None) ->
     right = list(groupb)
     near = _near(left, right, collided) if left and right else None
     if near is None:
-        return pygame.sprite.groupcollide(left, right, False, False, collided)  # type: ignore[type-var, arg-type]
+        return _their_groupcollide(left, right, False, False, collided)
     near.radii.store(left)
     near.radii.store(right)
     pairs = near.decided(left, right, collided)
@@ -415,7 +424,7 @@ def _met_and_killed(
         near = _near(left[done:], right, collided) if right else None
         if near is None:
             for sprite in left[done:]:
-                if hits := pygame.sprite.spritecollide(sprite, groupb, True, collided):  # type: ignore[type-var, arg-type]
+                if hits := _their_spritecollide(sprite, groupb, True, collided):
                     found[sprite] = hits
             break
         near.radii.store(right)
@@ -426,7 +435,7 @@ def _met_and_killed(
 
 
 def _kill_along(
-    near: _Near,
+    near: Near,
     left: list[Any],
     right: list[Any],
     groupb: Collection[Any],
@@ -482,70 +491,21 @@ def _is_pygames(method: Any) -> bool:
 # ---- who is near whom ----------------------------------------------------------------------------
 
 
-class _Radii:
-    """Radii of sprites that had none, to be stored in them when pygame would."""
-
-    def __init__(self) -> None:
-        self._made: dict[int, tuple[Any, float]] = {}
-
-    def __call__(self, sprite: Any) -> float:
-        """Return the radius that pygame makes of a rect."""
-        rect = sprite.rect
-        radius: float = 0.5 * ((rect.width**2 + rect.height**2) ** 0.5)
-        self._made[id(sprite)] = (sprite, radius)
-        return radius
-
-    def store(self, sprites: Iterable[Any]) -> None:
-        """Give these sprites their radius."""
-        if not self._made:
-            return
-        for sprite in sprites:
-            if made := self._made.pop(id(sprite), None):
-                sprite.radius = made[1]
-
-
-class _Near(NamedTuple):
-    """Pairs of rows, sorted, that meet or that have to be asked."""
-
-    pairs: NDArray[np.uint32]
-    sure: NDArray[np.bool_] | None
-    radii: _Radii
-
-    def decided(
-        self, left: Sequence[Any], right: Sequence[Any], collided: Collided | None
-    ) -> NDArray[np.uint32]:
-        """Return the pairs that meet; asks where that is not sure."""
-        if self.sure is None or collided is None:
-            return self.pairs
-        meet = self.sure.copy()
-        doubtful = np.flatnonzero(~meet)
-        for place, (i, j) in zip(doubtful.tolist(), self.pairs[doubtful].tolist(), strict=True):
-            meet[place] = bool(collided(left[i], right[j]))
-        return self.pairs[meet]
-
-    def by_left(self) -> Iterator[tuple[int, Iterator[tuple[int, int, bool]]]]:
-        """Yield each row of the left with its (row, other row, whether that is sure)."""
-        rows = self.pairs.tolist()
-        sure = [True] * len(rows) if self.sure is None else self.sure.tolist()
-        triples = ((i, j, is_sure) for (i, j), is_sure in zip(rows, sure, strict=True))
-        return groupby(triples, key=itemgetter(0))
-
-
-def _near(left: list[Any], right: list[Any] | None, collided: Collided | None) -> _Near | None:
+def _near(left: list[Any], right: list[Any] | None, collided: Collided | None) -> Near | None:
     """Find who may meet whom; None where only pygame can tell."""
     rule = _rule_of(collided)
-    radii = _Radii()
-    name, ratio = ("rect", 1.0) if rule is None else rule
+    radii = Radii()
+    name, ratio = rule or ("rect", 1.0)
     found = sprite_pairs(left, right, name, ratio, _TYPES, radii)
     if found is None:
         return None
     pairs, sure = found
     if rule is None:
         sure = np.zeros(len(pairs), np.bool_)
-    return _Near(pairs, sure, radii)
+    return Near(pairs, sure, radii)
 
 
-def _rule_of(collided: Collided | None) -> tuple[str, float] | None:
+def _rule_of(collided: Collided | None) -> tuple[Rule, float] | None:
     """Return the rule and the ratio of what pygame brings along, None for anything else."""
     if collided is None or collided is collide_rect:
         return "rect", 1.0
@@ -553,10 +513,16 @@ def _rule_of(collided: Collided | None) -> tuple[str, float] | None:
         return "circle", 1.0
     if collided is collide_mask:
         return "mask", 1.0
-    for scaled, rule in ((collide_rect_ratio, "rect"), (collide_circle_ratio, "circle")):
-        if type(collided) is scaled:
-            return rule, float(collided.ratio)
+    if type(collided) is collide_rect_ratio:
+        return "rect", float(collided.ratio)
+    if type(collided) is collide_circle_ratio:
+        return "circle", float(collided.ratio)
     return None
+
+
+def _is_of_ones_own(collided: Collided) -> bool:
+    """Whether it is a function that pygame did not bring along."""
+    return _can_be_asked(collided) and _rule_of(collided) is None
 
 
 def _can_be_asked(collided: Collided | None) -> bool:
@@ -566,15 +532,6 @@ def _can_be_asked(collided: Collided | None) -> bool:
         plain = type(ratio) in (int, float) and math.isfinite(ratio)
         return plain and abs(ratio) <= _LARGEST_RATIO
     return collided is None or callable(collided)
-
-
-def _first(sprite: Any, group: Iterable[Any], collided: Collided) -> Any | None:
-    """Do `spritecollideany` with a function of somebody else."""
-    overlaps = sprite.rect.colliderect
-    for other in group:
-        if overlaps(other.rect) and collided(sprite, other):
-            return other
-    return None
 
 
 def _pairs_of_rects(asked: list[Any], things: list[Any]) -> NDArray[np.uint32] | None:
