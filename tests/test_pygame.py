@@ -6,6 +6,7 @@ answers on the first, jostle on the second, and all that is left behind is compa
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations, product
@@ -654,3 +655,79 @@ def test_query_rect(rects: list[Any], asked: Any) -> None:
     want = sprites if asked.colliderect((0, 0, 3, 3)) else []
     assert group.query_rect(asked) == want
     assert isinstance(group, theirs.Group) and isinstance(group.copy(), ours.Group)
+
+
+def gap_to(point: tuple[float, float], rect: Any) -> float:
+    """Return how far a rect is from a point."""
+    away = [
+        max(min(side, side + size) - at, at - max(side, side + size), 0)
+        for at, side, size in zip(point, rect[:2], rect[2:], strict=True)
+    ]
+    return math.hypot(*away)
+
+
+places = st.tuples(quarters, quarters)
+
+
+@given(st.lists(ints | halves, max_size=9), places, st.integers(1, 5), st.sampled_from([2.0, 1e9]))
+def test_nearest(rects: list[Any], point: Any, k: int, reach: float) -> None:
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
+    group = ours.Group(sprites)
+    order = sorted(sprites, key=lambda sprite: gap_to(point, sprite.rect))
+    want = [sprite for sprite in order if gap_to(point, sprite.rect) <= reach][:k]
+    assert group.nearest(point, k, max_distance=reach) == want
+    assert group.nearest(pygame.Vector2(point), k, max_distance=reach) == want
+
+
+@given(st.lists(ints | halves, max_size=9), places)
+def test_raycast_along_an_axis(rects: list[Any], origin: Any) -> None:
+    """A rect is hit where the ray runs through its inside."""
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
+    sprites = [sprite for sprite in sprites if all(sprite.rect.size)]
+    crossed = []
+    for sprite in sprites:
+        rect = sprite.rect.copy()
+        rect.normalize()
+        if rect.top < origin[1] < rect.bottom and rect.right > origin[0]:
+            crossed.append((max(rect.left - origin[0], 0), sprite))
+    hit, distance = ours.Group(sprites).raycast(origin, (2, 0))
+    want = min((gap for gap, _ in crossed), default=math.inf)
+    if hit is not None and (want, hit) not in crossed:
+        return  # along an edge, which is the tree's own affair
+    assert (distance, hit is None) == (want, not crossed)
+
+
+def test_a_group_is_asked_about_the_present() -> None:
+    group = ours.Group()
+    assert group.nearest((0, 0)) == []
+    assert group.raycast((0, 0), (1, 0)) == (None, math.inf)
+    first, second, third = (Named(f"s{x}", Rect(x, 0, 2, 2)) for x in (0, 10, 20))
+    group.add(first, second)
+    assert group.nearest((30, 1)) == [second]
+    first.rect.x = 25
+    assert group.nearest((30, 1)) == [first]
+    group.add(third)
+    assert group.nearest((22.5, 1)) == [third]
+    third.kill()
+    assert group.nearest((22.5, 1)) == [first]
+    first.rect, second.rect = second.rect, first.rect
+    assert group.nearest((22.5, 1)) == [second]
+    # The same rects, the other way round: the tree may stay, the answer may not.
+    group.empty()
+    group.add(second, first)
+    assert group.nearest((22.5, 1)) == [second]
+    assert group.raycast((0, 1), (5, 0)) == (first, 10)
+    assert group.raycast((0, 1), (5, 0), max_distance=9) == (None, math.inf)
+    second.rect = Never(1, 0, 2, 2)
+    assert group.nearest((0, 0), k=5) == [second, first]
+    first.rect = None
+    with pytest.raises(AttributeError):
+        group.nearest((0, 0))
+
+
+def test_a_tree_is_kept_while_nothing_moves() -> None:
+    group = ours.Group(one_place(3))
+    group.nearest((0, 0))
+    tree = group._kept.tree
+    group.raycast((0, 0), (1, 0))
+    assert group._kept.tree is tree

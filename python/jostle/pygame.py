@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable
 from itertools import combinations
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import pygame
@@ -34,7 +34,7 @@ from pygame.sprite import (
     collide_rect_ratio,
 )
 
-from jostle._core import sprite_lists, sprite_pairs
+from jostle._core import Quadtree, sprite_dict, sprite_pairs, sprite_sides
 from jostle.sprites import Collided, Near, Radii
 
 __all__ = [
@@ -311,12 +311,11 @@ def collide_rect_objects(
     taken = things if key is None else [key(thing) for thing in things]
     pairs = _pairs_of_rects(asked, taken)
     if pairs is None:
-        rows = [rect.collidelistall(taken) for rect in asked]
-        return [[things[row] for row in own] for own in rows]
-    answers: list[list[Any]] = [[] for _ in asked]
-    for row, hits in sprite_lists(pairs, things):
-        answers[row] = hits
-    return answers
+        each = [rect.collidelistall(taken) for rect in asked]
+        return [[things[row] for row in hits] for hits in each]
+    rows = list(range(len(asked)))
+    found = sprite_dict(pairs, rows, things)
+    return [found.get(row, []) for row in rows]
 
 
 def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list[int]]:
@@ -349,7 +348,8 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
 class Group(pygame.sprite.Group):  # type: ignore[type-arg]
     """A group that answers questions about places, always for the rects as they are now.
 
-    It does whatever `pygame.sprite.Group` does. Nothing has to be told when sprites move.
+    It does whatever `pygame.sprite.Group` does. Nothing has to be told when sprites move:
+    each question reads the rects, and builds a tree of them if one has changed.
 
     Parameters
     ----------
@@ -370,32 +370,102 @@ class Group(pygame.sprite.Group):  # type: ignore[type-arg]
     >>> bird.rect.x = 90
     >>> [bird.rect.x for bird in birds.query_rect(camera)]
     [0, 40, 90]
+    >>> [bird.rect.x for bird in birds.nearest((70, 5), k=2)]
+    [40, 90]
+    >>> hit, distance = birds.raycast((70, 5), (-1, 0))
+    >>> hit.rect.x, distance
+    (40, 20.0)
     """
+
+    _kept: _Kept | None = None
 
     def query_rect(self, rect: Any) -> list[Any]:
         """Find the sprites whose rects overlap a rect.
 
         Parameters
         ----------
-        rect : pygame.Rect, pygame.FRect or what they can be made of
+        rect : pygame.Rect, pygame.FRect or what an FRect can be made of
             Where to look. `collide_rect_objects` takes many at once.
 
         Returns
         -------
         list of sprite
-            In the order of the group.
-
-        Examples
-        --------
-        >>> import pygame
-        >>> from jostle.pygame import Group
-        >>> birds = Group()
-        >>> birds.query_rect((0, 0, 5, 5))
-        []
+            In the order of the group. Touching is not overlapping, and a rect without
+            area overlaps nothing.
         """
         asked = rect if isinstance(rect, _TYPES) else pygame.FRect(rect)
         sprites = self.sprites()
         return [sprites[row] for row in asked.collidelistall([s.rect for s in sprites])]
+
+    def nearest(self, point: Any, k: int = 1, *, max_distance: float = math.inf) -> list[Any]:
+        """Find the sprites whose rects are nearest to a point.
+
+        Parameters
+        ----------
+        point : pair of float
+            Where to measure from.
+        k : int, default 1
+            How many to find.
+        max_distance : float, default inf
+            Find nothing farther than this.
+
+        Returns
+        -------
+        list of sprite
+            At most k, the nearest first, of two as near the first in the group. Inside a
+            rect the distance is 0.
+        """
+        sprites, tree = self._index()
+        ids = tree.nearest(tuple(point), k, max_distance=max_distance).ids
+        return [sprites[row] for row in ids.tolist() if row >= 0]
+
+    def raycast(
+        self, origin: Any, direction: Any, *, max_distance: float = math.inf
+    ) -> tuple[Any | None, float]:
+        """Find the first sprite that a ray hits.
+
+        Parameters
+        ----------
+        origin, direction : pair of float
+            Where the ray begins and where it goes; the direction may have any length but 0.
+        max_distance : float, default inf
+            How far it goes.
+
+        Returns
+        -------
+        tuple of sprite and float
+            The sprite and how far its rect is along the ray; None and infinity where the
+            ray hits nothing.
+        """
+        sprites, tree = self._index()
+        hit = tree.raycast(tuple(origin), tuple(direction), max_distance=max_distance)
+        return (sprites[hit.id] if hit.id >= 0 else None), hit.distance
+
+    def _index(self) -> tuple[list[Any], Quadtree]:
+        """Return the sprites and a tree of their rects, the last one if it still holds."""
+        sprites, kept = self.sprites(), self._kept
+        sides = _sides(sprites)
+        if kept is None or not np.array_equal(kept.sides, sides):
+            half_sizes = sides[:, 2:] / 2
+            tree = Quadtree(sides[:, :2] + half_sizes, half_sizes=np.abs(half_sizes))
+            self._kept = kept = _Kept(sides, tree)
+        return sprites, kept.tree
+
+
+class _Kept(NamedTuple):
+    """A tree and what it was built from."""
+
+    sides: NDArray[np.float64]
+    tree: Quadtree
+
+
+def _sides(sprites: list[Any]) -> NDArray[np.float64]:
+    """Return x, y, width and height of each rect."""
+    sides = sprite_sides(sprites, _TYPES)
+    if sides is None:
+        rects = (sprite.rect for sprite in sprites)
+        sides = np.array([(r.x, r.y, r.w, r.h) for r in rects], np.float64)
+    return sides
 
 
 # ---- what meets, and what is killed --------------------------------------------------------------
@@ -410,7 +480,7 @@ def _met(left: list[Any], groupb: Collection[Any], collided: Collided | None) ->
     near.radii.store(left)
     near.radii.store(right)
     pairs = near.decided(left, right, collided)
-    return {left[row]: hits for row, hits in sprite_lists(pairs, right)}
+    return sprite_dict(pairs, left, right)
 
 
 def _met_and_killed(

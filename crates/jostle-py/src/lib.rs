@@ -6,6 +6,7 @@ mod arrays;
 mod settings;
 mod shapes;
 mod results;
+mod queries;
 mod find_pairs;
 mod quadtree;
 mod sprites;
@@ -29,7 +30,7 @@ mod _core {
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]
-    use super::sprites::{sprite_lists, sprite_pairs};
+    use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
     use super::world::PyWorld;
 

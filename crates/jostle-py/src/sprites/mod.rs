@@ -11,7 +11,7 @@ mod search;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyType};
+use pyo3::types::{PyDict, PyList, PyType};
 
 use crate::arrays::{column, table};
 use crate::error::{refused, value_error};
@@ -91,30 +91,56 @@ fn unless_an_exception<R>(py: Python<'_>, read: PyResult<Option<R>>) -> PyResult
     }
 }
 
+/// Read the rects of sprites.
+///
+/// Parameters
+/// ----------
+/// sprites : list
+///     Sprites.
+/// types : tuple of type
+///     `pygame.Rect` and `pygame.FRect`.
+///
+/// Returns
+/// -------
+/// ndarray of float64, shape (n, 4)
+///     x, y, width and height as they are; None where a rect is something of its own.
+#[pyfunction]
+pub fn sprite_sides<'py>(
+    py: Python<'py>,
+    sprites: &Bound<'py, PyList>,
+    types: (Bound<'py, PyType>, Bound<'py, PyType>),
+) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+    let rects = Reader::new(types, 1.0, None).both(sprites, None, Reader::rect);
+    let Some((rects, _)) = unless_an_exception(py, rects)? else { return Ok(None) };
+    table(py, rects.iter().map(rules::Rect::sides).collect()).map(Some)
+}
+
 /// Put together what belongs to each first row of some sorted pairs.
 ///
 /// Parameters
 /// ----------
 /// pairs : ndarray of uint32, shape (m, 2)
 ///     Sorted by first.
-/// objects : list
-///     What the second rows stand for.
+/// keys, values : list
+///     What the first and the second rows stand for.
 ///
 /// Returns
 /// -------
-/// list of tuple of int and list
-///     Each first row that there is, and the objects of its second rows.
+/// dict of key to list of value
+///     What `groupcollide` answers for these pairs.
 #[pyfunction]
-pub fn sprite_lists<'py>(
+pub fn sprite_dict<'py>(
     py: Python<'py>,
     pairs: PyReadonlyArray2<'py, u32>,
-    objects: &Bound<'py, PyList>,
-) -> PyResult<Vec<(u32, Bound<'py, PyList>)>> {
-    let rows: Vec<(u32, u32)> = pairs.as_array().rows().into_iter().map(|r| (r[0], r[1])).collect();
-    rows.chunk_by(|a, b| a.0 == b.0)
-        .map(|run| {
-            let hits = run.iter().map(|&(_, second)| objects.get_item(second as usize));
-            Ok((run[0].0, PyList::new(py, hits.collect::<PyResult<Vec<_>>>()?)?))
-        })
-        .collect()
+    keys: &Bound<'py, PyList>,
+    values: &Bound<'py, PyList>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let rows: Vec<[u32; 2]> = pairs.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect();
+    let found = PyDict::new(py);
+    for run in rows.chunk_by(|a, b| a[0] == b[0]) {
+        let hits = run.iter().map(|row| values.get_item(row[1] as usize));
+        let hits = PyList::new(py, hits.collect::<PyResult<Vec<_>>>()?)?;
+        found.set_item(keys.get_item(run[0][0] as usize)?, hits)?;
+    }
+    Ok(found)
 }
