@@ -28,7 +28,7 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 WIDTH, HEIGHT, SIDE = 1280, 720, 6
 COUNTS = (100, 1_000, 5_000, 10_000)
 CAPACITIES = (8, 16, 32, 64)
-PATIENCE = 8.0
+PATIENCE = 4.0
 """Seconds; what would take longer for one answer is left out."""
 
 Answer = dict[Any, list[Any]]

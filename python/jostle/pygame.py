@@ -37,6 +37,9 @@ from pygame.sprite import (
 from jostle._core import Quadtree, sprite_dict, sprite_pairs, sprite_sides
 from jostle.sprites import Collided, Near, Radii
 
+if not hasattr(pygame, "FRect"):
+    raise ImportError("jostle.pygame needs pygame-ce; what is installed here is pygame")
+
 __all__ = [
     "Group",
     "collide_circle",

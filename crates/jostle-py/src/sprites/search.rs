@@ -159,17 +159,21 @@ fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, hair: f64) -> Result<
     Ok(found)
 }
 
+/// Reading the sprites takes longer than the search, and a frame cannot wait for a second
+/// thread to wake.
+const THREADS: Option<usize> = Some(1);
+
 /// Pairs of shapes that overlap, i < j within one set, in any order.
 fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u32; 2]>> {
     let Some(b) = b else {
-        return Ok(pairs::find(a, None, None, DEFAULT_MAX_PAIRS)?.pairs);
+        return Ok(pairs::find(a, None, THREADS, DEFAULT_MAX_PAIRS)?.pairs);
     };
     let few = a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len());
     if few {
         let (a, b) = (Columns::of(a), Columns::of(b));
         return Ok(pairs::brute_between(&a, &b, [T::ZERO; 2], DEFAULT_MAX_PAIRS)?.pairs);
     }
-    let settings = Settings::default();
+    let settings = Settings { threads: THREADS, ..Settings::default() };
     let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
     Ok(pairs::between(&a, &b, DEFAULT_MAX_PAIRS)?.pairs)
 }
