@@ -252,6 +252,16 @@ def test_many_rects_at_once(rects: list[Any], others: list[Any]) -> None:
     assert found == [rect.collideobjectsall(list(keys), key=keys.get) for rect in rects]
 
 
+def test_a_sequence_with_a_rect_is_read_as_pygame_does() -> None:
+    class Strange(list):
+        rect = Rect(0, 0, 9, 9)
+
+    things = [Strange([50, 50, 9, 9]), Named("s", Rect(50, 0, 9, 9))]
+    asked = [Rect(0, 0, 5, 5), Rect(52, 52, 5, 5), FRect(50.5, 0, 1, 1)]
+    assert ours.collide_rect_lists(asked, things) == [rect.collidelistall(things) for rect in asked]
+    assert ours.collide_rect_lists(asked, things) == [[], [0], [1]]
+
+
 # ---- masks and functions of one's own ------------------------------------------------------------
 
 
@@ -438,7 +448,7 @@ def test_groups_of_ones_own_may_do_anything() -> None:
         def remove_internal(self, sprite: Any) -> None:
             super().remove_internal(sprite)
             for other in self:
-                other.rect.x += 2
+                other.rect.x -= 2
 
     class Half(theirs.Group):
         """Shows every second sprite."""
@@ -449,8 +459,8 @@ def test_groups_of_ones_own_may_do_anything() -> None:
     def run(library: Any, group: type) -> Any:
         a, b = theirs.Group(), group()
         one_place(4, a)
-        for row, sprite in enumerate(one_place(6, b)):
-            sprite.rect.x = 2 * row
+        for row, sprite in enumerate(one_place(9, b)):
+            sprite.rect.x = 4 * row
         return named(library.groupcollide(a, b, False, True)), names(b)
 
     for group in (Restless, Half):
@@ -684,8 +694,9 @@ def test_raycast_along_an_axis(rects: list[Any], origin: Any) -> None:
     """A rect is hit where the ray runs through its inside."""
     sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
     sprites = [sprite for sprite in sprites if all(sprite.rect.size)]
-    edges = {edge for sprite in sprites for edge in (sprite.rect.top, sprite.rect.bottom)}
-    assume(origin[1] not in edges)  # along an edge is the tree's own affair
+    for rect in (sprite.rect for sprite in sprites):  # edges are the tree's own affair
+        assume(origin[1] not in (rect.top, rect.bottom))
+        assume(origin[0] not in (rect.left, rect.right))
     crossed = []
     for sprite in sprites:
         rect = sprite.rect.copy()
