@@ -21,6 +21,7 @@ import hard_cases
 import plot
 import share
 import small
+import sprites
 import tables
 
 from jostle.bench import held, pairs, steps
@@ -77,6 +78,7 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "growth": lambda options: growth.race(options.rounds, 10 * options.largest, told),
     "share": lambda options: share.race(options.rounds, options.largest),
     "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),
+    "sprites": lambda options: sprites.race(options.rounds, options.largest),
 }
 
 

@@ -162,6 +162,20 @@ def hard_cases(rows: list[Row]) -> str:
     return table(["scene", "ms", "", "beside"], lines)
 
 
+def sprites(rows: list[Row]) -> str:
+    """Return one line for each question and library, one column for each size of a group."""
+    counts = sorted({int(row["count"]) for row in rows})
+    lines: dict[tuple[str, str], dict[int, str]] = {}
+    for row in rows:
+        times = "" if row["name"] == "jostle" else f" (× {row['times_jostle']})"
+        cells = lines.setdefault((row["task"], row["name"]), {})
+        cells[int(row["count"])] = figure(frame(row)) + times
+    return table(
+        ["", "", *(f"{count:,}" for count in counts)],
+        ([*names, *(cells.get(count, "–") for count in counts)] for names, cells in lines.items()),
+    ).replace("| --- | ---:", "| --- | ---", 1)
+
+
 def scene(name: str) -> Callable[[list[Row]], list[Row]]:
     """Return a choice of the rows of one scene."""
     return lambda rows: [row for row in rows if row["scene"] == name]
@@ -182,6 +196,7 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "growth": ("growth", growth),
     "share": ("share", share),
     "hard-cases": ("hard-cases", hard_cases),
+    "sprites": ("sprites", sprites),
 }
 
 

@@ -4,6 +4,8 @@ import doctest
 import inspect
 import re
 from collections.abc import Iterator
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from types import GetSetDescriptorType, MemberDescriptorType, ModuleType
 from typing import Any
@@ -18,7 +20,12 @@ import jostle.scenes
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-MODULES = [jostle, jostle.scenes, jostle.article]
+# Adapters are there where the library is that they adapt to.
+ADAPTERS = {"jostle.pygame": "pygame"}
+MODULES = [
+    *(jostle, jostle.scenes, jostle.article),
+    *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),
+]
 
 
 def public_things(module: ModuleType) -> Iterator[tuple[str, Any]]:
@@ -90,6 +97,8 @@ def test_python_of_a_document_runs(
     text = document.read_text(encoding="utf-8")
     blocks = list(re.finditer(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
     assert blocks or document.name != "README.md"
+    if any("import pygame" in block[1] for block in blocks):
+        pytest.importorskip("pygame")
     names: dict[str, Any] = {}
     for block in blocks:
         title = f"{document.name}:{text.count(chr(10), 0, block.start(1)) + 1}"

@@ -1,7 +1,8 @@
 """The compiled part of jostle; `help` on each name tells more."""
 
 import math
-from typing import Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final, overload
+from collections.abc import Callable
+from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,9 @@ __all__ = [
     "find_pairs",
     "scene_names",
     "scene_view",
+    "sprite_dict",
+    "sprite_pairs",
+    "sprite_sides",
 ]
 
 __version__: Final[str]
@@ -43,6 +47,18 @@ def find_pairs(
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> NDArray[np.uint32]: ...
+def sprite_pairs(
+    left: list[Any],
+    right: list[Any] | None,
+    rule: Literal["rect", "rects", "circle", "mask"],
+    ratio: float,
+    types: tuple[type, type],
+    radius_of: Callable[[Any], float] | None = None,
+) -> tuple[NDArray[np.uint32], NDArray[np.bool_] | None] | None: ...
+def sprite_sides(sprites: list[Any], types: tuple[type, type]) -> NDArray[np.float64] | None: ...
+def sprite_dict(
+    pairs: NDArray[np.uint32], keys: list[Any], values: list[Any]
+) -> dict[Any, list[Any]]: ...
 
 @final
 class Quadtree:

@@ -9,6 +9,7 @@ mod results;
 mod queries;
 mod find_pairs;
 mod quadtree;
+mod sprites;
 mod containers;
 mod particles;
 mod world;
@@ -28,6 +29,8 @@ mod _core {
     use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
+    #[pymodule_export]
+    use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
     use super::world::PyWorld;
 

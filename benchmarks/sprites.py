@@ -1,0 +1,218 @@
+"""Two groups of sprites that all move: `jostle.pygame` beside pygame-ce and fastquadtree.
+
+    python benchmarks/sprites.py           this part alone, about two minutes
+    python benchmarks/run.py sprites       the same, into the folder of the results
+
+Sprites of 6 by 6 pixels wander over a window of 1280 by 720. Before every call all of them move,
+outside the clock. Whatever a library has to learn about that is inside: jostle reads the rects,
+fastquadtree brings its own group up to date, in the better of its two ways and with the best of
+some capacities. Both groups hold the same sprites for all. Answers are compared first: ours with
+pygame's as they are, order included; fastquadtree's without the order, which it does not promise.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jostle.bench.machine import Results, Row, describe, slug, version_of
+from jostle.bench.timing import Timing, clock
+
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+
+WIDTH, HEIGHT, SIDE = 1280, 720, 6
+COUNTS = (100, 1_000, 5_000, 10_000)
+CAPACITIES = (8, 16, 32, 64)
+PATIENCE = 6.0
+"""Seconds; what would take longer for one answer is left out."""
+
+LEAST_SECONDS = 0.05
+"""Quicker calls are repeated within a round, so that who shares the machine slows all alike."""
+
+Call = Callable[[], Any]
+
+
+class Crowd:
+    """Two groups of sprites that move."""
+
+    def __init__(self, count: int, seed: int = 1) -> None:
+        import pygame
+
+        draw = random.Random(seed)
+        self.a, self.b = pygame.sprite.Group(), pygame.sprite.Group()
+        self.speeds: list[list[Any]] = []
+        for group in (self.a, self.b):
+            for _ in range(count):
+                sprite: Any = pygame.sprite.Sprite(group)
+                place = draw.randrange(WIDTH - SIDE), draw.randrange(HEIGHT - SIDE)
+                sprite.rect = pygame.Rect(*place, SIDE, SIDE)
+                speed = [draw.choice([-2, -1, 1, 2]), draw.choice([-2, -1, 1, 2])]
+                self.speeds.append([sprite.rect, *speed])
+
+    def move(self) -> None:
+        """Let all go on by a frame; the walls turn them back."""
+        for mover in self.speeds:
+            rect, dx, dy = mover
+            rect.x += dx
+            rect.y += dy
+            if not 0 <= rect.x <= WIDTH - SIDE:
+                mover[1] = -dx
+            if not 0 <= rect.y <= HEIGHT - SIDE:
+                mover[2] = -dy
+
+
+@dataclass
+class Way:
+    """One way to answer."""
+
+    name: str
+    package: str
+    manner: str
+    call: Call
+    ordered: bool = True
+
+
+def groupcollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
+    """Yield the ways to answer `groupcollide`."""
+    import pygame
+
+    import jostle.pygame
+
+    a, b = crowd.a, crowd.b
+    ours, theirs = jostle.pygame.groupcollide, pygame.sprite.groupcollide
+    yield Way("jostle", "jostle", "", lambda: ours(a, b, False, False, rule))
+    yield Way("pygame-ce", "pygame-ce", "", lambda: theirs(a, b, False, False, rule))
+    if rule is None and version_of("fastquadtree"):
+        yield fastquadtree(crowd)
+
+
+def fastquadtree(crowd: Crowd) -> Way:
+    """Return the quickest of fastquadtree's ways, by three frames of each."""
+    import fastquadtree.pygame as fast
+
+    def ways(capacity: int) -> Iterator[Way]:
+        group = fast.Group(crowd.b.sprites(), bounds=(-9, -9, 1300, 740), capacity=capacity)
+
+        def rebuilt() -> Any:
+            group.rebuild()
+            return fast.groupcollide(crowd.a, group, False, False, sync=False)
+
+        def synced() -> Any:
+            return fast.groupcollide(crowd.a, group, False, False)
+
+        for manner, call in (("rebuilt", rebuilt), ("synced", synced)):
+            yield Way("fastquadtree", "fastquadtree", f"{manner}, capacity {capacity}", call, False)
+
+    every = [way for capacity in CAPACITIES for way in ways(capacity)]
+    return min(every, key=lambda way: min(moved_and_timed(crowd, way.call) for _ in range(3)))
+
+
+def spritecollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
+    """Yield the ways to ask for one sprite."""
+    import pygame
+
+    import jostle.pygame
+
+    one, b = crowd.a.sprites()[0], crowd.b
+    ours, theirs = jostle.pygame.spritecollide, pygame.sprite.spritecollide
+    yield Way("jostle", "jostle", "", lambda: {one: ours(one, b, False, rule)})
+    yield Way("pygame-ce", "pygame-ce", "", lambda: {one: theirs(one, b, False, rule)})
+
+
+def tasks() -> dict[str, tuple[Callable[[Crowd, Any], Iterator[Way]], Any]]:
+    """Return what is asked."""
+    from pygame.sprite import collide_circle, collide_rect_ratio
+
+    return {
+        "groupcollide": (groupcollides, None),
+        "groupcollide, rects × 1.5": (groupcollides, collide_rect_ratio(1.5)),
+        "groupcollide, circles": (groupcollides, collide_circle),
+        "spritecollide": (spritecollides, None),
+        "spritecollide, circles": (spritecollides, collide_circle),
+    }
+
+
+def moved_and_timed(crowd: Crowd, call: Call) -> float:
+    """Time one call after a frame."""
+    crowd.move()
+    return clock(call)
+
+
+def compare(ways: list[Way]) -> None:
+    """Stop where two answers differ."""
+    ours = ways[0].call()
+    for way in ways[1:]:
+        found = way.call()
+        same = found == ours and list(found) == list(ours)
+        if not way.ordered:
+            same = {s: set(hits) for s, hits in found.items()} == {
+                s: set(hits) for s, hits in ours.items()
+            }
+        if not same:
+            raise SystemExit(f"{way.name} finds other sprites than jostle")
+
+
+def race(rounds: int, largest: int) -> Iterator[list[Row]]:
+    """Yield the rows of each task and size; what took too long at a size is not asked for more."""
+    for task, (ways_of, rule) in tasks().items():
+        slow: dict[str, float] = {}
+        for count in (count for count in COUNTS if count <= largest):
+            crowd = Crowd(count)
+            growth = 2 if ways_of is groupcollides else 1
+            ways = list(ways_of(crowd, rule))
+            ways = [w for w in ways if slow.get(w.name, 0) * count**growth <= PATIENCE]
+            compare(ways)
+            once = [moved_and_timed(crowd, way.call) for way in ways]
+            repeats = [min(200, math.ceil(LEAST_SECONDS / seconds)) for seconds in once]
+            times: list[list[float]] = [[] for _ in ways]
+            for _ in range(rounds):
+                for own, way, count_of in zip(times, ways, repeats, strict=True):
+                    calls = [moved_and_timed(crowd, way.call) for _ in range(count_of)]
+                    own.append(sum(calls) / count_of)
+            timings = [Timing(tuple(own)) for own in times]
+            for way, timing in zip(ways, timings, strict=True):
+                slow[way.name] = timing.median / count**growth
+            yield [
+                row(task, count, way, timing, timings[0])
+                for way, timing in zip(ways, timings, strict=True)
+            ]
+
+
+def row(task: str, count: int, way: Way, timing: Timing, ours: Timing) -> Row:
+    """Return a row of the results."""
+    return {
+        "task": task,
+        "count": count,
+        "name": way.name,
+        "version": version_of(way.package),
+        "manner": way.manner,
+        **timing.columns(),
+        "times_jostle": f"{timing.median / ours.median:.3g}",
+    }
+
+
+def main() -> None:
+    """Run this part."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--largest", type=int, default=COUNTS[-1], help="sprites in each group")
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results")
+    options = parser.parse_args()
+    print(describe())
+    results = Results(options.out / f"sprites-{slug()}.csv")
+    for rows in race(options.rounds, options.largest):
+        results.add(rows)
+        for each in rows:
+            print("  " + "  ".join(str(value) for value in each.values() if value != ""))
+
+
+if __name__ == "__main__":
+    main()

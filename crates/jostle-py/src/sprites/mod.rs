@@ -1,0 +1,146 @@
+//! Behind `jostle.pygame`: which sprites of two lists collide by the rules of pygame-ce.
+//!
+//! `read` takes rectangles and radii out of sprites, `rules` is pygame's arithmetic on
+//! them, `search` finds who meets whom. Nothing here imports pygame: its two types of
+//! rectangle are handed in.
+
+mod read;
+mod rules;
+mod search;
+
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyType};
+
+use crate::arrays::{column, table};
+use crate::error::{refused, value_error};
+use read::Reader;
+use search::Found;
+
+/// Pairs (m, 2), sorted; and which of them are sure, None where all are.
+type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>>);
+
+/// Find which sprites collide.
+///
+/// Parameters
+/// ----------
+/// left, right : list
+///     Sprites. None for `right` asks for the pairs i < j within `left`.
+/// rule : {"rect", "rects", "circle", "mask"}
+///     "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
+///     "mask" only says which masks are near enough to be asked; "rects" is "rect" for
+///     lists of rectangles instead of sprites.
+/// ratio : float
+///     By how much rectangles or radii are scaled; 1.0 leaves them as they are.
+/// types : tuple of type
+///     `pygame.Rect` and `pygame.FRect`.
+/// radius_of : callable, optional
+///     Is asked for the radius of a sprite that has none.
+///
+/// Returns
+/// -------
+/// tuple of ndarray of uint32, shape (m, 2), and ndarray of bool, shape (m,), or None
+///     Rows of `left` and of `right`, sorted, and whether each pair is sure; None where
+///     all are. None altogether where only pygame itself can tell.
+#[pyfunction]
+#[pyo3(signature = (left, right, rule, ratio, types, radius_of=None))]
+pub fn sprite_pairs<'py>(
+    py: Python<'py>,
+    left: &Bound<'py, PyList>,
+    right: Option<&Bound<'py, PyList>>,
+    rule: &str,
+    ratio: f64,
+    types: (Bound<'py, PyType>, Bound<'py, PyType>),
+    radius_of: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Option<Answer<'py>>> {
+    let mut reader = Reader::new(types, ratio, radius_of);
+    let found = match rule {
+        "rect" | "rects" => {
+            let read = if rule == "rect" { Reader::rect } else { Reader::itself };
+            let sides = reader.both(left, right, read);
+            let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
+            py.detach(|| search::rects(&a, b.as_deref(), ratio))
+        }
+        "circle" => {
+            let sides = reader.both(left, right, Reader::circle);
+            let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
+            py.detach(|| search::circles(&a, b.as_deref()))
+        }
+        "mask" => {
+            let sides = reader.both(left, right, Reader::mask);
+            let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
+            py.detach(|| search::masks(&a, b.as_deref()))
+        }
+        other => return Err(value_error("rule", other, "'rect', 'rects', 'circle' or 'mask'")),
+    };
+    match found.map_err(refused)? {
+        None => Ok(None),
+        Some(Found { pairs, sure }) => {
+            Ok(Some((table(py, pairs)?, sure.map(|sure| column(py, sure)))))
+        }
+    }
+}
+
+/// What reading gave. None where something in a sprite raised: pygame's own function
+/// then raises it again, when and how it always did. What ends a program ends this.
+fn unless_an_exception<R>(py: Python<'_>, read: PyResult<Option<R>>) -> PyResult<Option<R>> {
+    match read {
+        Err(error) if error.is_instance_of::<PyException>(py) => Ok(None),
+        other => other,
+    }
+}
+
+/// Read the rects of sprites.
+///
+/// Parameters
+/// ----------
+/// sprites : list
+///     Sprites.
+/// types : tuple of type
+///     `pygame.Rect` and `pygame.FRect`.
+///
+/// Returns
+/// -------
+/// ndarray of float64, shape (n, 4)
+///     x, y, width and height as they are; None where a rect is something of its own.
+#[pyfunction]
+pub fn sprite_sides<'py>(
+    py: Python<'py>,
+    sprites: &Bound<'py, PyList>,
+    types: (Bound<'py, PyType>, Bound<'py, PyType>),
+) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+    let rects = Reader::new(types, 1.0, None).both(sprites, None, Reader::rect);
+    let Some((rects, _)) = unless_an_exception(py, rects)? else { return Ok(None) };
+    table(py, rects.iter().map(rules::Rect::sides).collect()).map(Some)
+}
+
+/// Put together what belongs to each first row of some sorted pairs.
+///
+/// Parameters
+/// ----------
+/// pairs : ndarray of uint32, shape (m, 2)
+///     Sorted by first.
+/// keys, values : list
+///     What the first and the second rows stand for.
+///
+/// Returns
+/// -------
+/// dict of key to list of value
+///     What `groupcollide` answers for these pairs.
+#[pyfunction]
+pub fn sprite_dict<'py>(
+    py: Python<'py>,
+    pairs: PyReadonlyArray2<'py, u32>,
+    keys: &Bound<'py, PyList>,
+    values: &Bound<'py, PyList>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let rows: Vec<[u32; 2]> = pairs.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect();
+    let found = PyDict::new(py);
+    for run in rows.chunk_by(|a, b| a[0] == b[0]) {
+        let hits = run.iter().map(|row| values.get_item(row[1] as usize));
+        let hits = PyList::new(py, hits.collect::<PyResult<Vec<_>>>()?)?;
+        found.set_item(keys.get_item(run[0][0] as usize)?, hits)?;
+    }
+    Ok(found)
+}

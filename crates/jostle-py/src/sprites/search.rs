@@ -1,0 +1,179 @@
+//! Who meets whom. The core finds candidates from covers a hair too large; pygame's own
+//! comparison, repeated here on exact numbers, has the last word.
+
+use jostle::settings::DEFAULT_MAX_PAIRS;
+use jostle::{Columns, Each, Quadtree, Result, Scalar, Settings, Shapes, pairs};
+
+use super::rules::{Circle, Edges, Kind, Rect, circles_meet};
+
+/// Pairs of rows, sorted, and which of them are sure; None where all are.
+pub struct Found {
+    pub pairs: Vec<[u32; 2]>,
+    pub sure: Option<Vec<bool>>,
+}
+
+/// By how much a cover is larger than what it stands for: far more than all the rounding
+/// on the way, and too little to matter.
+const HAIR: f64 = 1e-9;
+
+/// Whole numbers up to here, their halves and what the core makes of them are exact as
+/// float32, which is the quicker arithmetic.
+const SMALL: f64 = 1e6;
+
+/// How large an inexact radius may be beside its float64, as a part of it.
+const INEXACT: f64 = 1e-3;
+
+/// Comparisons by brute force that take as long as putting one shape into a tree.
+const TESTS_FOR_A_SHAPE: usize = 64;
+
+/// Rectangles, scaled by `ratio`. The left one's kind says how both are compared.
+pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>> {
+    let edges = |rect: &Rect, kind: Kind| {
+        let rect = if ratio == 1.0 { *rect } else { rect.scaled(ratio)? };
+        rect.as_kind(kind)?.edges()
+    };
+    let mut found = Vec::new();
+    for kind in [Kind::Int, Kind::Float] {
+        let count = a.iter().filter(|rect| rect.kind() == kind).count();
+        if count == 0 {
+            continue;
+        }
+        let own = |rect: &Rect| if rect.kind() == kind { edges(rect, kind) } else { Some(None) };
+        let taken = |rect: &Rect| edges(rect, kind);
+        let left = Side { rects: a, edges: &own };
+        let right = Side { rects: b.unwrap_or(a), edges: &taken };
+        let itself = b.is_none() && count == a.len();
+        let Some(mut pairs) = boxes(&left, (!itself).then_some(&right))? else { return Ok(None) };
+        if b.is_none() {
+            pairs.retain(|[i, j]| i < j);
+        }
+        found.append(&mut pairs);
+    }
+    found.sort_unstable();
+    Ok(Some(Found { pairs: found, sure: None }))
+}
+
+/// Masks that are near enough to be asked: pygame cuts the distance of two off to whole
+/// pixels, so they may be up to one apart.
+pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
+    let grown = |rect: &Rect| {
+        let [x, y, w, h] = rect.sides();
+        Some(Some(Edges { min: [x - 1.0, y - 1.0], max: [x + w + 1.0, y + h + 1.0] }))
+    };
+    let side = |rects| Side { rects, edges: &grown };
+    let Some(mut pairs) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
+    pairs.sort_unstable();
+    let sure = vec![false; pairs.len()];
+    Ok(Some(Found { pairs, sure: Some(sure) }))
+}
+
+/// Circles; touching is meeting.
+pub fn circles(a: &[Circle], b: Option<&[Circle]>) -> Result<Option<Found>> {
+    let covers = |circles: &[Circle]| {
+        let centers = circles.iter().map(|circle| circle.center).collect();
+        Shapes::circles(centers, Each::Rows(circles.iter().map(reach).collect()))
+    };
+    let b_covers = b.map(covers).transpose()?;
+    let mut judged = Vec::new();
+    for pair in candidates(&covers(a)?, b_covers.as_ref())? {
+        let [i, j] = pair.map(|row| row as usize);
+        match circles_meet(&a[i], &b.unwrap_or(a)[j]) {
+            Some(false) => {}
+            meet => judged.push((pair, meet.is_some())),
+        }
+    }
+    judged.sort_unstable();
+    let (pairs, sure): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
+    let doubts = sure.contains(&false);
+    Ok(Some(Found { pairs, sure: doubts.then_some(sure) }))
+}
+
+/// How far a circle may reach, whatever rounding does.
+fn reach(circle: &Circle) -> f64 {
+    let slack = if circle.exact { HAIR } else { INEXACT };
+    circle.radius.abs() * (1.0 + slack) + 1e-3
+}
+
+/// Rectangles and what they are compared by: None where only pygame can tell, and
+/// None within for what meets nothing.
+struct Side<'a> {
+    rects: &'a [Rect],
+    edges: &'a (dyn Fn(&Rect) -> Option<Option<Edges>> + Sync),
+}
+
+impl Side<'_> {
+    /// Whether all are small whole numbers; None where only pygame can tell.
+    fn are_small(&self) -> Option<bool> {
+        let small = |side: f64| side.abs() <= SMALL && side == side.trunc();
+        let mut all = true;
+        for rect in self.rects {
+            if let Some(Edges { min, max }) = (self.edges)(rect)? {
+                all &= min.into_iter().chain(max).all(small);
+            }
+        }
+        Some(all)
+    }
+
+    /// The rows that may meet something, and shapes that cover them.
+    fn cover<T: Scalar>(&self, hair: f64) -> Result<(Vec<u32>, Shapes<T>)> {
+        let len = self.rects.len();
+        let mut rows = Vec::with_capacity(len);
+        let mut centers = Vec::with_capacity(len);
+        let mut half_sizes = Vec::with_capacity(len);
+        for (row, rect) in self.rects.iter().enumerate() {
+            let Some(Some(Edges { min, max })) = (self.edges)(rect) else { continue };
+            let slack = |k: usize| hair * (min[k].abs() + max[k].abs() + f64::MIN_POSITIVE);
+            rows.push(row as u32);
+            centers.push([0, 1].map(|k| T::from_f64((min[k] + max[k]) / 2.0)));
+            half_sizes.push([0, 1].map(|k| T::from_f64((max[k] - min[k]) / 2.0 + slack(k))));
+        }
+        let half_sizes = Some(Each::Rows(half_sizes));
+        Ok((rows, Shapes::new(centers, Each::One(T::ZERO), half_sizes, None)?))
+    }
+
+    fn meet(&self, own: u32, other: &Self, row: u32) -> bool {
+        let own = (self.edges)(&self.rects[own as usize]);
+        let edges = (other.edges)(&other.rects[row as usize]);
+        matches!((own, edges), (Some(Some(a)), Some(Some(b))) if a.overlap(&b))
+    }
+}
+
+/// Pairs of rectangles that overlap, in any order; None where only pygame can tell.
+fn boxes(a: &Side<'_>, b: Option<&Side<'_>>) -> Result<Option<Vec<[u32; 2]>>> {
+    let Some(small_a) = a.are_small() else { return Ok(None) };
+    let Some(small_b) = b.map_or(Some(true), Side::are_small) else { return Ok(None) };
+    let found =
+        if small_a && small_b { boxes_in::<f32>(a, b, 0.0) } else { boxes_in::<f64>(a, b, HAIR) };
+    Ok(Some(found?))
+}
+
+fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, hair: f64) -> Result<Vec<[u32; 2]>> {
+    let (rows, covers) = a.cover::<T>(hair)?;
+    let other = b.map(|b| b.cover::<T>(hair)).transpose()?;
+    let mut found = candidates(&covers, other.as_ref().map(|(_, covers)| covers))?;
+    let other_rows = other.as_ref().map_or(&rows, |(rows, _)| rows);
+    found.retain_mut(|pair| {
+        *pair = [rows[pair[0] as usize], other_rows[pair[1] as usize]];
+        a.meet(pair[0], b.unwrap_or(a), pair[1])
+    });
+    Ok(found)
+}
+
+/// Reading the sprites takes longer than the search, and a frame cannot wait for a second
+/// thread to wake.
+const THREADS: Option<usize> = Some(1);
+
+/// Pairs of shapes that overlap, i < j within one set, in any order.
+fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u32; 2]>> {
+    let Some(b) = b else {
+        return Ok(pairs::find(a, None, THREADS, DEFAULT_MAX_PAIRS)?.pairs);
+    };
+    let few = a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len());
+    if few {
+        let (a, b) = (Columns::of(a), Columns::of(b));
+        return Ok(pairs::brute_between(&a, &b, [T::ZERO; 2], DEFAULT_MAX_PAIRS)?.pairs);
+    }
+    let settings = Settings { threads: THREADS, ..Settings::default() };
+    let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
+    Ok(pairs::between(&a, &b, DEFAULT_MAX_PAIRS)?.pairs)
+}

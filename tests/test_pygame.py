@@ -1,0 +1,745 @@
+"""`jostle.pygame` beside pygame's own functions: the same answers, in the same order.
+
+Every scene is made twice from one seed, because kills and stored radii change it: pygame
+answers on the first, jostle on the second, and all that is left behind is compared too.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterable, Iterator
+from itertools import combinations, product
+from typing import Any
+
+import pytest
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
+
+pygame = pytest.importorskip("pygame")
+if not getattr(pygame, "IS_CE", False):
+    pytest.skip("pygame is not pygame-ce", allow_module_level=True)
+
+from pygame import FRect, Rect  # noqa: E402
+from pygame.sprite import (  # noqa: E402
+    AbstractGroup,
+    GroupSingle,
+    LayeredUpdates,
+    Sprite,
+    collide_circle,
+    collide_circle_ratio,
+    collide_mask,
+    collide_rect,
+    collide_rect_ratio,
+)
+
+import jostle.pygame as ours  # noqa: E402
+from jostle._core import sprite_pairs  # noqa: E402
+
+theirs = pygame.sprite
+
+# ---- scenes --------------------------------------------------------------------------------------
+
+RECTS = ["ints", "floats", "mixed"]
+
+
+class Named(Sprite):
+    """A sprite that says who it is in a failing test."""
+
+    def __init__(self, name: str, rect: Any) -> None:
+        super().__init__()
+        self.name = name
+        self.rect = rect
+
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.rect!r}"
+
+
+class Scene:
+    """Two groups that may share sprites, made from a seed."""
+
+    def __init__(self, seed: int, kind: str, *, largest: int = 12, radii: bool = False) -> None:
+        draw = random.Random(seed)
+        self.spread = draw.choice([4, 12, 60])
+        self.every = [
+            Named(f"s{row}", some_rect(draw, kind, self.spread))
+            for row in range(draw.randint(0, 2 * largest))
+        ]
+        for sprite in self.every:
+            if radii and draw.random() < 0.7:
+                sprite.radius = draw.choice([0, 1, 5, 2.5, 7.0, -3, draw.uniform(0, 9), True])
+        self.a = theirs.Group(s for s in self.every if draw.random() < 0.6)
+        self.b = theirs.Group(s for s in self.every if draw.random() < 0.6)
+
+    def state(self) -> Any:
+        """Return whatever a call may have changed."""
+        radii = [(type(r), r) for r in (getattr(s, "radius", None) for s in self.every)]
+        return names(self.a), names(self.b), radii, [repr(s.rect) for s in self.every]
+
+
+def some_rect(draw: random.Random, kind: str, spread: int) -> Any:
+    """Return a rect that often touches, has no area or runs backwards."""
+    if kind == "mixed":
+        kind = draw.choice(RECTS[:2])
+    if kind == "ints":
+        side = draw.choice([0, 1, 2, 3, 5, 8, -1, -4])
+        other = draw.choice([side, 0, 1, 4, 7, -2])
+        return Rect(draw.randint(-spread, spread), draw.randint(-spread, spread), side, other)
+    if draw.random() < 0.5:  # quarters touch exactly
+        place = [draw.randint(-4 * spread, 4 * spread) / 4 for _ in range(2)]
+        return FRect(*place, draw.choice([0, 0.25, 1, 2.5, -1.5]), draw.choice([0.5, 3, -2, 0]))
+    place = [draw.uniform(-spread, spread) for _ in range(2)]
+    return FRect(*place, draw.choice([0.1, 0.3, draw.uniform(-4, 4)]), draw.uniform(-4, 4))
+
+
+def names(sprites: Iterable[Any]) -> list[str]:
+    return [sprite.name for sprite in sprites]
+
+
+def named(answer: dict[Any, list[Any]]) -> list[tuple[str, list[str]]]:
+    """Return an answer of `groupcollide` in its order."""
+    return [(sprite.name, names(hits)) for sprite, hits in answer.items()]
+
+
+Collided = Callable[[Any, Any], Any] | None
+BUILT_IN: dict[str, Collided] = {
+    "none": None,
+    "rect": collide_rect,
+    "rect ratio": collide_rect_ratio(1.5),
+    "rect ratio down": collide_rect_ratio(0.3),
+    "rect ratio 2": collide_rect_ratio(2),
+    "rect ratio 0": collide_rect_ratio(0),
+    "rect ratio -1": collide_rect_ratio(-1.0),
+    "circle": collide_circle,
+    "circle ratio": collide_circle_ratio(0.8),
+    "circle ratio 2": collide_circle_ratio(2),
+    "circle ratio -1": collide_circle_ratio(-1),
+}
+
+# ---- beside pygame -------------------------------------------------------------------------------
+
+
+def same_groupcollide(
+    make: Callable[[], Scene], kill_a: bool, kill_b: bool, collided: Collided
+) -> None:
+    expected, found = make(), make()
+    want = theirs.groupcollide(expected.a, expected.b, kill_a, kill_b, collided)
+    got = ours.groupcollide(found.a, found.b, kill_a, kill_b, collided)
+    assert named(got) == named(want)
+    assert found.state() == expected.state()
+
+
+def same_others(make: Callable[[], Scene], kill: bool, collided: Collided) -> None:
+    """Compare `spritecollide`, `spritecollideany` and `selfcollide`."""
+    expected, found = make(), make()
+    for mine, own in zip(expected.every[:3], found.every[:3], strict=True):
+        want_any = theirs.spritecollideany(mine, expected.b, collided)
+        got_any = ours.spritecollideany(own, found.b, collided)
+        assert getattr(got_any, "name", None) == getattr(want_any, "name", None)
+        assert found.state() == expected.state()
+        want = theirs.spritecollide(mine, expected.b, kill, collided)
+        assert names(ours.spritecollide(own, found.b, kill, collided)) == names(want)
+        assert found.state() == expected.state()
+    meet = collided or collide_rect
+    want_pairs = [names(pair) for pair in combinations(expected.a, 2) if meet(*pair)]
+    assert [names(pair) for pair in ours.selfcollide(found.a, collided)] == want_pairs
+    assert found.state() == expected.state()
+
+
+@pytest.mark.parametrize("kind", RECTS)
+@pytest.mark.parametrize("rule", BUILT_IN)
+def test_ten_thousand_random_scenes(rule: str, kind: str) -> None:
+    """About 310 scenes of two groups for each of 33 cases."""
+    for seed in range(310):
+        kill_a, kill_b = bool(seed & 1), bool(seed & 2)
+
+        def make(seed: int = seed) -> Scene:
+            return Scene(seed, kind, radii=bool(seed & 4))
+
+        same_groupcollide(make, kill_a, kill_b, BUILT_IN[rule])
+        if seed % 5 == 0:
+            same_others(make, kill_a, BUILT_IN[rule])
+
+
+@pytest.mark.parametrize("kind", RECTS)
+@pytest.mark.parametrize("rule", BUILT_IN)
+@pytest.mark.parametrize("kill", [False, True])
+def test_groups_of_hundreds(rule: str, kind: str, kill: bool) -> None:
+    """Enough sprites for trees; small groups are compared by brute force."""
+    same_groupcollide(lambda: Scene(3, kind, largest=400), kill, kill, BUILT_IN[rule])
+    same_others(lambda: Scene(4, kind, largest=150), kill, BUILT_IN[rule])
+
+
+@pytest.mark.parametrize("kind", RECTS)
+@pytest.mark.parametrize("rule", [rule for rule in BUILT_IN if rule != "rect"])
+def test_pygame_has_nothing_to_do(rule: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Equal answers prove little if pygame itself gives them."""
+    for scene in (Scene(3, kind, largest=400), Scene(5, kind)):
+        collided = BUILT_IN[rule]
+        want = named(theirs.groupcollide(scene.a, scene.b, False, False, collided))
+        with monkeypatch.context() as patch:
+            patch.setattr(ours, "_their_groupcollide", None)
+            patch.setattr(ours, "_their_spritecollide", against_nobody)
+            assert named(ours.groupcollide(scene.a, scene.b, False, False, collided)) == want
+            ours.groupcollide(scene.a, scene.b, False, True, collided)
+
+
+def against_nobody(sprite: Any, group: Any, *more: Any) -> list[Any]:
+    """Stand in for pygame's function where a group has died out."""
+    assert len(group) == 0
+    return []
+
+
+small = st.integers(-6, 6)
+ints = st.builds(Rect, small, small, small, small)
+quarters = st.integers(-24, 24).map(lambda k: k / 4)
+halves = st.builds(FRect, quarters, quarters, quarters, quarters)
+floats = st.floats(-1e6, 1e6, width=32)
+anything = st.builds(FRect, floats, floats, floats, floats)
+extreme = st.sampled_from([2**31 - 1, -(2**31), 2**30, -(2**30), 2**24 + 1, 0, 1, -1])
+far = st.builds(Rect, extreme, extreme, extreme, extreme)
+wild = st.sampled_from([1e38, -1e38, 3e38, 1e-40, float("inf"), float("nan"), 0.0, -0.0, 1.0])
+beyond = st.builds(FRect, wild, wild, wild, wild)
+some_rects = st.lists(ints | halves | anything | far | beyond, max_size=8)
+ratios = st.sampled_from([0, 1, 2, 1.5, 0.1, -1, -0.5, 1e5, 1e30, float("nan"), float("inf")])
+rules = st.one_of(
+    st.sampled_from([None, collide_rect, collide_circle]),
+    ratios.map(collide_rect_ratio),
+    ratios.map(collide_circle_ratio),
+)
+radii = st.none() | st.integers(-3, 9) | st.floats(-3, 9) | st.sampled_from([10**17, 1e200, -1e200])
+
+
+@given(some_rects, some_rects, st.lists(radii, max_size=16), rules, st.booleans(), st.booleans())
+@example([FRect(0, 0, 0.1, 1)], [FRect(0.1, 0, 1, 1)], [], None, False, False)
+@example([Rect(0, 0, 3, 4)], [Rect(3, 4, 3, 4)], [], collide_circle, False, False)
+@example([Rect(2**31 - 2, 0, 10, 10)], [Rect(0, 0, 5, 5)], [], None, False, False)
+def test_any_rects_at_all(
+    left: list[Any],
+    right: list[Any],
+    sizes: list[Any],
+    collided: Collided,
+    kill_a: bool,
+    kill_b: bool,
+) -> None:
+    """What pygame answers, or the kind of error that it raises."""
+
+    def run(library: Any) -> Any:
+        every = [Named(f"s{row}", rect) for row, rect in enumerate([*left, *right])]
+        for sprite, radius in zip(every, sizes, strict=False):
+            if radius is not None:
+                sprite.radius = radius
+        a, b = theirs.Group(every[: len(left)]), theirs.Group(every[len(left) :])
+        try:
+            found: Any = named(library.groupcollide(a, b, kill_a, kill_b, collided))
+        except Exception as error:
+            found = type(error)
+        return found, names(a), names(b)
+
+    assert run(ours) == run(theirs)
+
+
+@given(st.lists(ints | halves | anything, max_size=9), st.lists(ints | halves, max_size=9))
+def test_many_rects_at_once(rects: list[Any], others: list[Any]) -> None:
+    want = [rect.collidelistall(others) for rect in rects]
+    assert ours.collide_rect_lists(rects, others) == want
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(others)]
+    assert ours.collide_rect_lists(rects, sprites) == want
+    for found, rect in zip(ours.collide_rect_objects(rects, sprites), rects, strict=True):
+        assert found == rect.collideobjectsall(sprites)
+    keys = {sprite.name: sprite.rect for sprite in sprites}
+    found = ours.collide_rect_objects(rects, keys, key=keys.get)
+    assert found == [rect.collideobjectsall(list(keys), key=keys.get) for rect in rects]
+
+
+def test_a_sequence_with_a_rect_is_read_as_pygame_does() -> None:
+    class Strange(list):
+        rect = Rect(0, 0, 9, 9)
+
+    things = [Strange([50, 50, 9, 9]), Named("s", Rect(50, 0, 9, 9))]
+    asked = [Rect(0, 0, 5, 5), Rect(52, 52, 5, 5), FRect(50.5, 0, 1, 1)]
+    assert ours.collide_rect_lists(asked, things) == [rect.collidelistall(things) for rect in asked]
+    assert ours.collide_rect_lists(asked, things) == [[], [0], [1]]
+
+
+# ---- masks and functions of one's own ------------------------------------------------------------
+
+
+def with_masks(seed: int, kind: str) -> Scene:
+    """Return a scene whose masks may be larger or smaller than their rects."""
+    scene, draw = Scene(seed, kind, largest=8), random.Random(seed)
+    for sprite in scene.every:
+        size = draw.randint(0, 12), draw.randint(0, 12)
+        if draw.random() < 0.5:
+            sprite.mask = pygame.Mask(size, fill=draw.random() < 0.5)
+            for _ in range(8):
+                if all(size):
+                    sprite.mask.set_at((draw.randrange(size[0]), draw.randrange(size[1])))
+        else:
+            sprite.image = pygame.Surface(size, pygame.SRCALPHA)
+            sprite.image.fill((0, 0, 0, 255), (0, 0, 5, 5))
+    return scene
+
+
+@pytest.mark.parametrize("kind", RECTS)
+def test_masks(kind: str) -> None:
+    for seed in range(150):
+        kills = bool(seed & 1), bool(seed & 2)
+        same_groupcollide(lambda seed=seed: with_masks(seed, kind), *kills, collide_mask)
+        same_others(lambda seed=seed: with_masks(seed, kind), kills[0], collide_mask)
+
+
+def test_masks_are_asked_only_where_they_may_meet() -> None:
+    asked = []
+
+    class Mask(pygame.Mask):
+        def overlap(self, *arguments: Any) -> Any:
+            asked.append(arguments)
+            return super().overlap(*arguments)
+
+    sprites = [Named(f"s{x}", Rect(x, 0, 1, 1)) for x in range(0, 1000, 10)]
+    for sprite in sprites:
+        sprite.mask = Mask((8, 8), fill=True)
+    assert ours.selfcollide(sprites, collide_mask) == []
+    assert asked == []
+
+
+def odd(left: Any, right: Any) -> bool:
+    """A function of one's own."""
+    return (left.rect.x + right.rect.y) % 2 >= 1
+
+
+@pytest.mark.parametrize("kind", RECTS)
+def test_a_function_of_ones_own_is_asked_where_rects_overlap(kind: str) -> None:
+    """In pygame's order, and with what `dokillb` has killed no more."""
+
+    def both(left: Any, right: Any) -> bool:
+        return left.rect.colliderect(right.rect) and odd(left, right)
+
+    for seed in range(300):
+        kills = bool(seed & 1), bool(seed & 2)
+        calls: dict[str, list[Any]] = {"want": [], "got": []}
+
+        def told(which: str, calls: Any = calls) -> Callable[[Any, Any], bool]:
+            def collided(left: Any, right: Any) -> bool:
+                if left.rect.colliderect(right.rect):
+                    calls[which].append((left.name, right.name))
+                return both(left, right)
+
+            return collided
+
+        expected, found = Scene(seed, kind), Scene(seed, kind)
+        want = theirs.groupcollide(expected.a, expected.b, *kills, told("want"))
+        got = ours.groupcollide(found.a, found.b, *kills, told("got"))
+        assert named(got) == named(want)
+        assert found.state() == expected.state()
+        assert calls["got"] == calls["want"]
+        same_others(lambda seed=seed: Scene(seed, kind), kills[0], both)
+
+
+def test_broad_phase_can_be_turned_off() -> None:
+    """Then a function sees every pair, and pygame's answer is reached beyond the rects."""
+
+    def within_100(left: Any, right: Any) -> bool:
+        return abs(left.rect.x - right.rect.x) < 100
+
+    a = theirs.Group(Named(f"a{x}", Rect(x, 0, 5, 5)) for x in (0, 300))
+    b = theirs.Group(Named(f"b{x}", Rect(x, 0, 5, 5)) for x in (50, 60, 390))
+    ship = Named("ship", Rect(0, 0, 5, 5))
+    assert ours.groupcollide(a, b, False, False, within_100) == {}
+    everything = {"broad_phase": False}
+    found = ours.groupcollide(a, b, False, False, within_100, **everything)
+    assert named(found) == [("a0", ["b50", "b60"]), ("a300", ["b390"])]
+    assert names(ours.spritecollide(ship, b, False, within_100, **everything)) == ["b50", "b60"]
+    assert ours.spritecollideany(ship, b, within_100, **everything).name == "b50"
+    assert len(ours.selfcollide(b, within_100, **everything)) == 1
+    assert ours.spritecollide(ship, b, False, within_100) == []
+    assert ours.spritecollideany(ship, b, within_100) is None
+    assert ours.selfcollide(b, within_100) == []
+
+
+def test_sprites_without_rects_are_for_a_function_that_needs_none() -> None:
+    def shorter(left: Any, right: Any) -> bool:
+        return len(left.name) < len(right.name)
+
+    def groups() -> tuple[Any, Any]:
+        a, b = theirs.Group(), theirs.Group()
+        for name, group in (("x", a), ("xyz", a), ("xy", b), ("xyzz", b)):
+            sprite = Sprite(group)
+            sprite.name = name
+        return a, b
+
+    for kill_b in (False, True):
+        want = theirs.groupcollide(*groups(), False, kill_b, shorter)
+        assert named(ours.groupcollide(*groups(), False, kill_b, shorter)) == named(want)
+    a, b = groups()
+    first = next(iter(a))
+    assert names(ours.spritecollide(first, b, False, shorter)) == ["xy", "xyzz"]
+    assert ours.spritecollideany(first, b, shorter).name == "xy"
+    assert len(ours.selfcollide(b, shorter)) == 1
+
+
+# ---- what is killed ------------------------------------------------------------------------------
+
+
+def one_place(count: int, *groups: Any, kind: type = Named) -> list[Any]:
+    """Return sprites that all overlap."""
+    sprites = [kind(f"s{row}", Rect(0, 0, 5, 5)) for row in range(count)]
+    for sprite in sprites:
+        sprite.add(*groups)
+    return sprites
+
+
+@pytest.mark.parametrize("library", [theirs, ours], ids=["pygame", "jostle"])
+def test_who_is_killed(library: Any) -> None:
+    a, b, others = theirs.Group(), theirs.Group(), theirs.Group()
+    hunter, hunted = one_place(1, a, others)[0], one_place(3, b, others)
+    assert library.groupcollide(a, b, False, True) == {hunter: hunted}
+    assert (len(a), len(b), others.sprites()) == (1, 0, [hunter])
+    b.add(hunted)
+    assert library.groupcollide(a, b, True, False) == {hunter: hunted}
+    assert (len(a), len(b)) == (0, 3)
+    assert library.groupcollide(b, b, False, False) == dict.fromkeys(hunted, hunted)
+    # The first kills all, itself included; nothing is left for the others.
+    assert library.groupcollide(b, b, True, True) == {hunted[0]: hunted}
+    assert len(b) == 0
+
+
+@pytest.mark.parametrize("collided", [None, collide_circle, collide_mask, odd])
+@pytest.mark.parametrize("kill_b", [False, True])
+def test_a_kill_of_ones_own_may_do_anything(collided: Collided, kill_b: bool) -> None:
+    """Here it moves others, lets some of them into the group, and may refuse to die."""
+
+    class Bomb(Named):
+        group: Any
+        reserve: Any
+
+        def kill(self) -> None:
+            for sprite in self.group:
+                sprite.rect.x += 1
+            if self.reserve:
+                self.group.add(self.reserve.pop())
+            if self.name != "s2":
+                super().kill()
+
+    def run(library: Any) -> Any:
+        Bomb.group = b = theirs.Group()
+        a = theirs.Group()
+        Bomb.reserve = [Bomb(f"r{row}", Rect(row, 0, 5, 6)) for row in range(4)]
+        made = [*one_place(6, a), *one_place(5, b, kind=Bomb), *Bomb.reserve]
+        for row, sprite in enumerate(made):
+            sprite.rect.y = row % 3
+            sprite.mask = pygame.Mask((4, 4), fill=True)
+        found = named(library.groupcollide(a, b, True, kill_b, collided))
+        return found, names(a), names(b), [repr(sprite) for sprite in made]
+
+    def overlapping(left: Any, right: Any) -> bool:
+        return bool(left.rect.colliderect(right.rect) and odd(left, right))
+
+    if collided is odd:
+        collided = overlapping
+    assert run(ours) == run(theirs)
+
+
+def test_groups_of_ones_own_may_do_anything() -> None:
+    class Restless(theirs.Group):
+        """Moves all when one leaves."""
+
+        def remove_internal(self, sprite: Any) -> None:
+            super().remove_internal(sprite)
+            for other in self:
+                other.rect.x -= 2
+
+    class Half(theirs.Group):
+        """Shows every second sprite."""
+
+        def sprites(self) -> list[Any]:
+            return super().sprites()[::2]
+
+    def run(library: Any, group: type) -> Any:
+        a, b = theirs.Group(), group()
+        one_place(4, a)
+        for row, sprite in enumerate(one_place(9, b)):
+            sprite.rect.x = 4 * row
+        return named(library.groupcollide(a, b, False, True)), names(b)
+
+    for group in (Restless, Half):
+        assert run(ours, group) == run(theirs, group)
+
+
+@pytest.mark.parametrize("kind", [theirs.Group, LayeredUpdates, GroupSingle, ours.Group, list, set])
+def test_kinds_of_groups(kind: Any) -> None:
+    """Whatever can be gone through twice; what cannot is pygame's."""
+    for library, kill in product((theirs, ours), (False, True)):
+        hunters, hunted = one_place(3), one_place(3)
+        grouped = issubclass(kind, AbstractGroup)
+        b = kind() if grouped else kind(hunted)
+        if grouped:
+            b.add(*hunted)
+        want = list(b)
+        found = library.groupcollide(hunters, b, False, kill)
+        assert found[hunters[0]] == want
+        assert len(found) == (1 if kill and grouped else 3)
+        assert library.spritecollide(hunters[0], iter(want), kill) == want
+        assert library.groupcollide(iter(hunters), iter(want), False, kill) == {hunters[0]: want}
+
+
+def test_duplicates_in_lists() -> None:
+    x, y = one_place(2)
+    assert ours.groupcollide([x, x], [y, x, y], False, False) == {x: [y, x, y]}
+    assert ours.selfcollide([x, y, x]) == [(x, y), (x, x), (y, x)]
+
+
+# ---- rects of all sorts --------------------------------------------------------------------------
+
+
+class Plain(Rect):
+    """A subclass that changes nothing."""
+
+    note = "mine"
+
+
+class Never(Rect):
+    """A subclass with an opinion."""
+
+    def colliderect(self, *arguments: Any) -> bool:
+        return False
+
+
+class Wide(FRect):
+    """A subclass that says other sizes than it has."""
+
+    width = property(lambda self: 50.0)
+
+
+class Elsewhere(Rect):
+    """A subclass that pygame sees elsewhere."""
+
+    def __getitem__(self, index: Any) -> Any:
+        return 1000
+
+
+@pytest.mark.parametrize("kind", [Plain, Never, Wide, Elsewhere, tuple, list])
+@pytest.mark.parametrize("rule", BUILT_IN)
+def test_subclasses_and_what_is_like_a_rect(kind: Any, rule: str) -> None:
+    def run(library: Any, swap: bool) -> Any:
+        numbers = [(x, x % 7, 6, 5) for x in range(0, 60, 3)]
+        make = kind if issubclass(kind, (tuple, list)) else lambda four: kind(*four)
+        sprites = [Named(f"s{row}", make(four)) for row, four in enumerate(numbers)]
+        others = [Named(f"o{row}", Rect(four)) for row, four in enumerate(numbers[::2])]
+        a, b = (others, sprites) if swap else (sprites, others)
+        try:
+            return named(library.groupcollide(a, b, False, False, BUILT_IN[rule]))
+        except (TypeError, AttributeError) as error:
+            return type(error)
+
+    assert run(ours, True) == run(theirs, True)
+    assert run(ours, False) == run(theirs, False)
+
+
+def test_a_subclass_that_changes_nothing_is_searched_quickly() -> None:
+    sprites = [Named("s", Plain(0, 0, 1, 1))]
+    assert sprite_pairs(sprites, sprites, "rect", 1.0, (Rect, FRect)) is not None
+    sprites[0].rect.colliderect = lambda other: False
+    assert sprite_pairs(sprites, sprites, "rect", 1.0, (Rect, FRect)) is None
+    assert ours.groupcollide(sprites, sprites, False, False) == {}
+
+
+def test_a_rect_may_be_a_property() -> None:
+    class Body(Sprite):
+        def __init__(self, x: float) -> None:
+            super().__init__()
+            self.x = x
+
+        @property
+        def rect(self) -> Any:
+            return FRect(self.x, 0, 2, 2)
+
+        @property
+        def radius(self) -> float:
+            return 0.5
+
+    near, far = Body(0), Body(1.5)
+    assert ours.groupcollide([near], [far], False, False) == {near: [far]}
+    assert ours.groupcollide([near], [far], False, False, collide_circle) == {}
+    far.x = 1.0  # 0.5 + 0.5: circles that touch collide
+    assert ours.groupcollide([near], [far], False, False, collide_circle) == {near: [far]}
+
+
+@pytest.mark.parametrize("rule", [*BUILT_IN, "mask"])
+@pytest.mark.parametrize("broken", ["left", "right"])
+@pytest.mark.parametrize("kind", [Sprite, type("Bare", (), {})])
+def test_a_sprite_without_a_rect_is_refused_as_pygame_does(
+    rule: str, broken: str, kind: type
+) -> None:
+    collided = BUILT_IN.get(rule, collide_mask)
+    good, bad = Named("good", Rect(0, 0, 1, 1)), kind()
+    good.mask = bad.mask = pygame.Mask((1, 1), fill=True)
+    left, right = ([bad], [good]) if broken == "left" else ([good], [bad])
+
+    def refusals(library: Any) -> Iterator[str]:
+        calls = [
+            lambda: library.groupcollide(left, right, False, False, collided),
+            lambda: library.groupcollide(left, right, True, True, collided),
+            lambda: library.spritecollide(left[0], right, False, collided),
+            lambda: library.spritecollideany(left[0], right, collided),
+        ]
+        for call in calls:
+            with pytest.raises((AttributeError, TypeError)) as refusal:
+                call()
+            yield repr(refusal.value)
+
+    assert list(refusals(ours)) == list(refusals(theirs))
+
+
+@pytest.mark.parametrize("collided", [None, collide_rect, collide_circle, odd])
+def test_nothing_collides_with_nothing(collided: Collided) -> None:
+    sprites = one_place(2)
+    for library in (theirs, ours):
+        for kill in (False, True):
+            assert library.groupcollide(sprites, [], kill, kill, collided) == {}
+            assert library.groupcollide([], sprites, kill, kill, collided) == {}
+            assert library.spritecollide(sprites[0], [], kill, collided) == []
+            assert library.spritecollideany(sprites[0], [], collided) is None
+    assert ours.selfcollide([], collided) == ours.selfcollide(sprites[:1], collided) == []
+    assert not any(hasattr(sprite, "radius") for sprite in sprites)
+
+
+def test_a_keyboard_interrupt_gets_through() -> None:
+    class Stop(Sprite):
+        @property
+        def rect(self) -> Any:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ours.groupcollide([Stop()], [Stop()], False, False)
+
+
+@pytest.mark.parametrize("collided", [3, "rect", collide_rect_ratio("x"), collide_rect_ratio(None)])
+def test_what_pygame_refuses_is_refused(collided: Any) -> None:
+    left, right = one_place(1), one_place(1)
+    for library in (theirs, ours):
+        with pytest.raises(TypeError):
+            library.groupcollide(left, right, False, False, collided)
+        with pytest.raises(TypeError):
+            library.spritecollide(left[0], right, False, collided)
+    with pytest.raises(TypeError):
+        ours.selfcollide([*left, *right], collided)
+
+
+@pytest.mark.parametrize("radius", ["x", None, 10**400, float("nan"), float("inf"), 1e160])
+def test_strange_radii(radius: Any) -> None:
+    def run(library: Any) -> Any:
+        left, right = one_place(2), one_place(2)
+        left[1].radius = radius
+        try:
+            return named(library.groupcollide(left, right, False, False, collide_circle))
+        except Exception as error:
+            return type(error), str(error)
+
+    assert run(ours) == run(theirs)
+
+
+def test_radii_of_numpy_are_computed_as_numpy_does() -> None:
+    np = pytest.importorskip("numpy")
+    for kind in (np.float32, np.float64, np.int64, np.float16):
+        for gap in range(1, 40):
+            left, right = one_place(1)[0], one_place(1)[0]
+            right.rect.x = gap
+            left.radius, right.radius = kind(gap) * kind(0.3), kind(gap) * kind(0.7)
+            want = theirs.spritecollide(left, [right], False, collide_circle)
+            assert ours.spritecollide(left, [right], False, collide_circle) == want
+
+
+# ---- Group ---------------------------------------------------------------------------------------
+
+
+@given(some_rects, ints | halves | anything)
+def test_query_rect(rects: list[Any], asked: Any) -> None:
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
+    group = ours.Group(sprites)
+    want = [sprite for sprite in sprites if asked.colliderect(sprite.rect)]
+    assert group.query_rect(asked) == want
+    for sprite in sprites:
+        sprite.rect = Rect(0, 0, 3, 3)
+    want = sprites if asked.colliderect((0, 0, 3, 3)) else []
+    assert group.query_rect(asked) == want
+    assert isinstance(group, theirs.Group) and isinstance(group.copy(), ours.Group)
+
+
+def gap_to(point: tuple[float, float], rect: Any) -> float:
+    """Return how far a rect is from a point."""
+    away = [
+        max(min(side, side + size) - at, at - max(side, side + size), 0)
+        for at, side, size in zip(point, rect[:2], rect[2:], strict=True)
+    ]
+    return math.hypot(*away)
+
+
+places = st.tuples(quarters, quarters)
+
+
+@given(st.lists(ints | halves, max_size=9), places, st.integers(1, 5), st.sampled_from([2.0, 1e9]))
+def test_nearest(rects: list[Any], point: Any, k: int, reach: float) -> None:
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
+    group = ours.Group(sprites)
+    order = sorted(sprites, key=lambda sprite: gap_to(point, sprite.rect))
+    want = [sprite for sprite in order if gap_to(point, sprite.rect) <= reach][:k]
+    assert group.nearest(point, k, max_distance=reach) == want
+    assert group.nearest(pygame.Vector2(point), k, max_distance=reach) == want
+
+
+@given(st.lists(ints | halves, max_size=9), places)
+def test_raycast_along_an_axis(rects: list[Any], origin: Any) -> None:
+    """A rect is hit where the ray runs through its inside."""
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
+    sprites = [sprite for sprite in sprites if all(sprite.rect.size)]
+    for rect in (sprite.rect for sprite in sprites):  # edges are the tree's own affair
+        assume(origin[1] not in (rect.top, rect.bottom))
+        assume(origin[0] not in (rect.left, rect.right))
+    crossed = []
+    for sprite in sprites:
+        rect = sprite.rect.copy()
+        rect.normalize()
+        if rect.top < origin[1] < rect.bottom and rect.right > origin[0]:
+            crossed.append((max(rect.left - origin[0], 0), sprite))
+    hit, distance = ours.Group(sprites).raycast(origin, (2, 0))
+    want = min((gap for gap, _ in crossed), default=math.inf)
+    assert distance == want
+    assert (want, hit) in crossed if crossed else hit is None
+
+
+def test_a_group_is_asked_about_the_present() -> None:
+    group = ours.Group()
+    assert group.nearest((0, 0)) == []
+    assert group.raycast((0, 0), (1, 0)) == (None, math.inf)
+    first, second, third = (Named(f"s{x}", Rect(x, 0, 2, 2)) for x in (0, 10, 20))
+    group.add(first, second)
+    assert group.nearest((30, 1)) == [second]
+    first.rect.x = 25
+    assert group.nearest((30, 1)) == [first]
+    group.add(third)
+    assert group.nearest((22.5, 1)) == [third]
+    third.kill()
+    assert group.nearest((22.5, 1)) == [first]
+    first.rect, second.rect = second.rect, first.rect
+    assert group.nearest((22.5, 1)) == [second]
+    # The same rects, the other way round: the tree may stay, the answer may not.
+    group.empty()
+    group.add(second, first)
+    assert group.nearest((22.5, 1)) == [second]
+    assert group.raycast((0, 1), (5, 0)) == (first, 10)
+    assert group.raycast((0, 1), (5, 0), max_distance=9) == (None, math.inf)
+    second.rect = Never(1, 0, 2, 2)
+    assert group.nearest((0, 0), k=5) == [second, first]
+    first.rect = None
+    with pytest.raises(AttributeError):
+        group.nearest((0, 0))
+
+
+def test_a_tree_is_kept_while_nothing_moves() -> None:
+    group = ours.Group(one_place(3))
+    group.nearest((0, 0))
+    tree = group._kept.tree
+    group.raycast((0, 0), (1, 0))
+    assert group._kept.tree is tree
