@@ -31,6 +31,11 @@ const MOST_ALIKE: usize = 4;
 /// 64 layers in all.
 const RATIO: usize = 4;
 
+/// Leaves of a layer hold as many shapes, of the capacity that was asked for, as the layer has
+/// of all shapes: so they are about as wide as those of a large layer, and one of each meets few
+/// of the other. They hold no fewer than this.
+const FEWEST: usize = 2;
+
 /// A tree over some slots.
 #[derive(Clone, Debug)]
 pub(super) struct Layer<T> {
@@ -202,7 +207,9 @@ impl<T: Scalar> Layers<T> {
         let fits = old.slots.len() <= 2 * RATIO * rows.len();
         let mut layer = if fits { old } else { Layer::default() };
         slots.gather(rows, &mut self.shapes);
-        layer.fill(&self.shapes, rows, settings);
+        let share = settings.leaf_capacity * rows.len() / slots.len();
+        let fitting = Settings { leaf_capacity: share.max(FEWEST), ..settings };
+        layer.fill(&self.shapes, rows, fitting);
         if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
             self.shapes = Shapes::default();
         }
