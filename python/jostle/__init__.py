@@ -7,7 +7,7 @@
 `World`
     Particles that move, collide and bounce off a `Box`, a `Circle` or the seams of
     a `Torus`; `jostle.scenes` has some ready.
-`Contacts`, `Nodes`, `Stats`
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     What some of these answer.
 `article`
     The two programs of 2015 that it began with, in plain Python, faults and all.
@@ -15,14 +15,18 @@
 
 from jostle import article, scenes
 from jostle._core import Box, Circle, Quadtree, Torus, World, __version__, find_pairs
-from jostle.results import Contacts, Nodes, Stats
+from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
 
 __all__ = [
     "Box",
     "Circle",
     "Contacts",
+    "Hits",
+    "Neighbors",
     "Nodes",
     "Quadtree",
+    "RayHit",
+    "RayHits",
     "Stats",
     "Torus",
     "World",

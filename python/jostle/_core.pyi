@@ -1,12 +1,13 @@
 """The compiled part of jostle; `help` on each name tells more."""
 
-from typing import Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final
+import math
+from typing import Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import Contacts, Nodes, Stats
+from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
 
 __all__ = [
     "Box",
@@ -26,6 +27,9 @@ __all__ = [
 __version__: Final[str]
 
 _Number: TypeAlias = SupportsFloat | SupportsIndex
+_Point: TypeAlias = tuple[_Number, _Number]
+_Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
+_Ids: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
 
 def abandon_threads() -> None: ...
@@ -62,6 +66,73 @@ class Quadtree:
         max_pairs: SupportsIndex = 134217728,
     ) -> NDArray[np.uint32]: ...
     def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts: ...
+    @overload
+    def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> _Ids | Hits: ...
+    @overload
+    def query_circle(
+        self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits: ...
+    @overload
+    def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_point(
+        self, point: ArrayLike, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits: ...
+    def query_polygon(
+        self, vertices: ArrayLike, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits: ...
+    def nearest(
+        self,
+        point: ArrayLike,
+        k: SupportsIndex = 1,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> Neighbors: ...
+    @overload
+    def raycast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        radius: _Number,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        radius: ArrayLike,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits: ...
     def nodes(self) -> Nodes: ...
     @property
     def stats(self) -> Stats: ...

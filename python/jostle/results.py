@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Contacts", "Nodes", "Stats"]
+__all__ = ["Contacts", "Hits", "Neighbors", "Nodes", "RayHit", "RayHits", "Stats"]
 
 
 class Contacts(NamedTuple):
@@ -26,6 +26,70 @@ class Contacts(NamedTuple):
     pairs: NDArray[np.uint32]
     normals: NDArray[np.floating[Any]]
     depths: NDArray[np.floating[Any]]
+
+
+class Hits(NamedTuple):
+    """Ids for each of many questions, one list behind the other.
+
+    The ids of question q are ``ids[offsets[q]:offsets[q + 1]]``, ascending;
+    ``np.diff(offsets)`` counts them.
+
+    Attributes
+    ----------
+    offsets : ndarray of int64, shape (k + 1,)
+        Where the ids of each question begin; the last is the number of all.
+    ids : ndarray of int64, shape (m,)
+        Ids of shapes.
+    """
+
+    offsets: NDArray[np.int64]
+    ids: NDArray[np.int64]
+
+
+class Neighbors(NamedTuple):
+    """The shapes nearest to a point, or to each of many.
+
+    Attributes
+    ----------
+    distances : ndarray of float32 or float64, shape (k,) or (points, k)
+        How far it is to each shape, nearest first; 0 inside, infinity where there are
+        fewer than k.
+    ids : ndarray of int64, shape (k,) or (points, k)
+        Ids of the shapes; -1 where there are fewer than k.
+    """
+
+    distances: NDArray[np.floating[Any]]
+    ids: NDArray[np.int64]
+
+
+class RayHit(NamedTuple):
+    """What a ray hits first.
+
+    Attributes
+    ----------
+    id : int
+        Id of the shape; -1 if nothing is hit.
+    distance : float
+        How far it is to its surface, in units of length; infinity if nothing is hit.
+    """
+
+    id: int
+    distance: float
+
+
+class RayHits(NamedTuple):
+    """What each of many rays hits first.
+
+    Attributes
+    ----------
+    ids : ndarray of int64, shape (k,)
+        Ids of the shapes; -1 where nothing is hit.
+    distances : ndarray of float32 or float64, shape (k,)
+        How far it is to their surfaces; infinity where nothing is hit.
+    """
+
+    ids: NDArray[np.int64]
+    distances: NDArray[np.floating[Any]]
 
 
 class Nodes(NamedTuple):

@@ -154,6 +154,35 @@ impl<'py> Argument<'py> {
         }
     }
 
+    /// One row of `W` numbers, or many.
+    pub fn one_or_rows<T: Scalar + Element, const W: usize>(&self) -> PyResult<Each<[T; W]>> {
+        match self.array.shape() {
+            [width] if *width == W => Ok(Each::One(self.real_rows()?[0])),
+            [_, width] if *width == W => Ok(Each::Rows(self.real_rows()?)),
+            [0] if !self.was_array => Ok(Each::Rows(Vec::new())),
+            _ => Err(self.wrong_shape(&format!("({W},) or (k, {W})"))),
+        }
+    }
+
+    /// One list of points, or many of equal length.
+    pub fn one_or_more_lists<T: Scalar + Element>(&self) -> PyResult<Each<Vec<[T; 2]>>> {
+        match *self.array.shape() {
+            [_, 2] => Ok(Each::One(self.real_pairs()?)),
+            [0] if !self.was_array => Ok(Each::Rows(Vec::new())),
+            [lists, 0, 2] => Ok(Each::Rows(vec![Vec::new(); lists])),
+            [_, len, 2] => {
+                let points = self.real_pairs()?;
+                Ok(Each::Rows(points.chunks(len).map(<[_]>::to_vec).collect()))
+            }
+            _ => Err(self.wrong_shape("(v, 2) or (k, v, 2)")),
+        }
+    }
+
+    /// Number of rows, unless it is a single number.
+    pub fn rows_if_any(&self) -> PyResult<Option<usize>> {
+        if self.is_scalar() { Ok(None) } else { self.len().map(Some) }
+    }
+
     /// A number for all or one for each of `len` rows.
     pub fn real_each<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<T>> {
         self.each(len, "a number", Self::real)
@@ -210,13 +239,21 @@ impl<'py> Argument<'py> {
 
     /// All numbers as pairs of `T`.
     fn real_pairs<T: Scalar + Element>(&self) -> PyResult<Vec<[T; 2]>> {
-        fn pairs<V: Copy, T>(values: &[V], number: impl Fn(V) -> T) -> Vec<[T; 2]> {
-            values.as_chunks().0.iter().map(|&[x, y]| [number(x), number(y)]).collect()
+        self.real_rows()
+    }
+
+    /// All numbers as rows of `W` of `T`.
+    fn real_rows<T: Scalar + Element, const W: usize>(&self) -> PyResult<Vec<[T; W]>> {
+        fn rows<V: Copy, T, const W: usize>(
+            values: &[V],
+            number: impl Fn(V) -> T + Copy,
+        ) -> Vec<[T; W]> {
+            values.as_chunks().0.iter().map(|row: &[V; W]| row.map(number)).collect()
         }
         if self.is_single() {
-            self.read(|values: &[f32]| pairs(values, |v| T::from_f64(v.into())))
+            self.read(|values: &[f32]| rows(values, |v| T::from_f64(v.into())))
         } else {
-            self.read(|values: &[f64]| pairs(values, T::from_f64))
+            self.read(|values: &[f64]| rows(values, T::from_f64))
         }
     }
 
@@ -262,7 +299,8 @@ impl<'py> Argument<'py> {
         Ok(take(&copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.to_vec()?))
     }
 
-    fn wrong_shape(&self, expected: &str) -> PyErr {
+    /// Refuses the shape.
+    pub fn wrong_shape(&self, expected: &str) -> PyErr {
         let found = match self.array.shape() {
             [] => "()".to_string(),
             [rows] => format!("({rows},)"),
@@ -369,8 +407,17 @@ pub fn table<V: Element, const N: usize>(
     rows: Vec<[V; N]>,
 ) -> PyResult<Bound<'_, PyArray2<V>>> {
     let shape = (rows.len(), N);
-    let table = Array2::from_shape_vec(shape, rows.into_flattened());
-    Ok(table.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
+    matrix(py, rows.into_flattened(), shape)
+}
+
+/// Numbers as a two-dimensional array, without a copy.
+pub fn matrix<V: Element>(
+    py: Python<'_>,
+    values: Vec<V>,
+    shape: (usize, usize),
+) -> PyResult<Bound<'_, PyArray2<V>>> {
+    let matrix = Array2::from_shape_vec(shape, values);
+    Ok(matrix.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
 }
 
 /// A float32 as the float64 with the same shortest decimals: 0.1 stays 0.1.

@@ -6,6 +6,7 @@ mod arrays;
 mod settings;
 mod shapes;
 mod results;
+mod queries;
 mod find_pairs;
 mod quadtree;
 mod containers;

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use jostle::pairs::{self, Found};
+use jostle::query::{self, Hits};
 use jostle::{Scalar, Settings, Stats};
 use numpy::{Element, PyArray2};
 use pyo3::exceptions::PyTypeError;
@@ -10,9 +11,9 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Given, table, truth};
 use crate::error::{refused, type_error};
-use crate::results;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
+use crate::{queries, results};
 
 /// A quadtree over shapes that do not change.
 ///
@@ -69,9 +70,12 @@ use crate::shapes::{Rows, Shapes};
 #[pyclass(module = "jostle", name = "Quadtree", frozen)]
 pub struct PyQuadtree {
     tree: Tree,
-    /// Pairs tested by the last call.
+    /// Shapes tested by the last question.
     tests: AtomicU64,
 }
+
+/// An argument of a question.
+type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// The core's tree, in the precision of its shapes.
 enum Tree {
@@ -243,6 +247,333 @@ impl PyQuadtree {
         })
     }
 
+    /// Find the shapes that overlap a rectangle, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// rect : array_like, shape (4,) or (k, 4)
+    ///     min_x, min_y, max_x, max_y.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Row numbers, ascending. For many rectangles a `Hits` of all of them. What only
+    ///     touches a rectangle does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a minimum is above its maximum, or there are more
+    ///     than 134217728 ids.
+    ///
+    /// Notes
+    /// -----
+    /// Every question is read in the tree's dtype and answered as brute force would, in
+    /// that arithmetic. Many questions are answered on all threads of the tree.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> tree.query_rect((2.5, -1, 9, 1))
+    /// array([1, 2])
+    /// >>> hits = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
+    /// >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
+    /// array([1, 2])
+    #[pyo3(signature = (rect, *, mask=None))]
+    fn query_rect<'py>(
+        &self,
+        py: Python<'py>,
+        rect: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_tree!(&self.tree, tree => queries::rect(py, rect, |rects| {
+            self.counted(query::search(tree, rects, mask))
+        }))
+    }
+
+    /// Find the shapes that overlap a disc, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// center : array_like, shape (2,) or (k, 2)
+    ///     Centres.
+    /// radius : array_like, a number or shape (k,)
+    ///     Radii. With one centre and many radii, all discs have that centre.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Row numbers, ascending. For many discs a `Hits` of all of them. What only
+    ///     touches a disc does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a radius is negative, or there are more than
+    ///     134217728 ids.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> tree.query_circle((1, 0), 1.5)
+    /// array([0, 1])
+    #[pyo3(signature = (center, radius, *, mask=None))]
+    fn query_circle<'py>(
+        &self,
+        py: Python<'py>,
+        center: &Bound<'py, PyAny>,
+        radius: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_tree!(&self.tree, tree => queries::circle(py, center, radius, |circles| {
+            self.counted(query::search(tree, circles, mask))
+        }))
+    }
+
+    /// Find the shapes that a point is in, or each of many points.
+    ///
+    /// A point is in a circle, or in a rounded box, up to and with its edge. It is in a
+    /// rectangle as pygame has it: the left and the upper edge are in, the right and the
+    /// lower are not, so tiles side by side share no point.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : array_like, shape (2,) or (k, 2)
+    ///     Points.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Row numbers, ascending. For many points a `Hits` of all of them.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a coordinate is not finite, or there are more than 134217728 ids.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tiles = jostle.Quadtree([(0.5, 0.5), (1.5, 0.5)], half_sizes=0.5)
+    /// >>> tiles.query_point((1.0, 0.2))
+    /// array([1])
+    #[pyo3(signature = (point, *, mask=None))]
+    fn query_point<'py>(
+        &self,
+        py: Python<'py>,
+        point: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_tree!(&self.tree, tree => queries::point(py, point, |points| {
+            self.counted(query::search(tree, points, mask))
+        }))
+    }
+
+    /// Find the shapes that overlap a convex polygon, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// vertices : array_like, shape (v, 2) or (k, v, 2)
+    ///     Corners in their order, in either direction of turning.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Row numbers, ascending. For many polygons a `Hits` of all of them. What only
+    ///     touches a polygon does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a polygon has less than three corners, is not convex or has no area, if a
+    ///     coordinate is not finite, or there are more than 134217728 ids.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
+    /// array([2])
+    #[pyo3(signature = (vertices, *, mask=None))]
+    fn query_polygon<'py>(
+        &self,
+        py: Python<'py>,
+        vertices: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_tree!(&self.tree, tree => queries::polygon(py, vertices, |polygons| {
+            self.counted(query::search(tree, polygons, mask))
+        }))
+    }
+
+    /// Find the shapes nearest to a point, or to each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : array_like, shape (2,) or (n, 2)
+    ///     Points.
+    /// k : int, default 1
+    ///     How many shapes to find.
+    /// max_distance : float, default inf
+    ///     Find nothing farther than this.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// Neighbors
+    ///     distances : ndarray of the tree's dtype, shape (k,) or (n, k)
+    ///         How far it is to the surface of each shape, nearest first; 0 inside,
+    ///         infinity where there are fewer than k.
+    ///     ids : ndarray of int64, shape (k,) or (n, k)
+    ///         Row numbers, of shapes as near the smaller first; -1 where there are
+    ///         fewer than k.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a coordinate is not finite, k is less than 1, or `max_distance` is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+    /// >>> distances, ids = tree.nearest((2, 0), k=2)
+    /// >>> distances, ids
+    /// (array([0., 1.]), array([1, 0]))
+    #[pyo3(
+        signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None),
+        text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None)"
+    )]
+    fn nearest<'py>(
+        &self,
+        py: Python<'py>,
+        point: &Bound<'py, PyAny>,
+        k: Given<'py>,
+        max_distance: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_tree!(&self.tree, tree => {
+            queries::nearest(py, point, &k, &max_distance, |points, wanted| {
+                let found = query::nearest(tree, points, wanted, mask)?;
+                self.tests.store(found.tests, Ordering::Relaxed);
+                Ok(found)
+            })
+        })
+    }
+
+    /// Find what a ray hits first, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// origin : array_like, shape (2,) or (k, 2)
+    ///     Where each ray begins.
+    /// direction : array_like, shape (2,) or (k, 2)
+    ///     Where each ray goes; the length does not matter. One origin may have many
+    ///     directions, and many origins one.
+    /// max_distance : float, default inf
+    ///     How far the rays reach, in units of length.
+    /// mask : int, optional
+    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///
+    /// Returns
+    /// -------
+    /// RayHit or RayHits
+    ///     Row number and distance, of shapes as far the smaller row; -1 and infinity
+    ///     where nothing is hit. The distance is that to the surface, 0 where a ray begins
+    ///     in a shape. Arrays of them for many rays. A ray that touches an edge hits it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+    /// >>> tree.raycast((-4, 0), (1, 0))
+    /// RayHit(id=0, distance=3.0)
+    /// >>> tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
+    /// RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
+    #[pyo3(
+        signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
+        text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
+    )]
+    fn raycast<'py>(
+        &self,
+        py: Python<'py>,
+        origin: &Bound<'py, PyAny>,
+        direction: &Bound<'py, PyAny>,
+        max_distance: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.cast(py, (origin, direction, None), &max_distance, mask)
+    }
+
+    /// Find what a disc that is thrown hits first, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// origin : array_like, shape (2,) or (k, 2)
+    ///     Where the centre of each disc begins.
+    /// direction : array_like, shape (2,) or (k, 2)
+    ///     Where it goes; the length does not matter.
+    /// radius : array_like, a number or shape (k,)
+    ///     Radii of the discs.
+    /// max_distance : float, default inf
+    ///     How far the discs fly, in units of length.
+    /// mask : int, optional
+    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///
+    /// Returns
+    /// -------
+    /// RayHit or RayHits
+    ///     Row number and how far the disc gets, as :meth:`raycast` gives them.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a direction is (0, 0), or a radius or
+    ///     `max_distance` is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+    /// >>> tree.circle_cast((-4, 0.5), (1, 0), radius=0.5)
+    /// RayHit(id=0, distance=2.585786437626905)
+    #[pyo3(
+        signature = (origin, direction, radius, *, max_distance=Given::NOTHING, mask=None),
+        text_signature = "($self, origin, direction, radius, *, max_distance=math.inf, mask=None)"
+    )]
+    fn circle_cast<'py>(
+        &self,
+        py: Python<'py>,
+        origin: &Bound<'py, PyAny>,
+        direction: &Bound<'py, PyAny>,
+        radius: &Bound<'py, PyAny>,
+        max_distance: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
+    }
+
     /// Look at the boxes of the tree.
     ///
     /// Returns
@@ -277,8 +608,9 @@ impl PyQuadtree {
     /// What the tree looks like and how much work its last answer was.
     ///
     /// A `Stats` of four integers: `nodes` (boxes), `leaves` (boxes that did not
-    /// split), `depth` (subdivisions above the deepest box) and `tests` (pairs of
-    /// shapes tested by the last call of `pairs` or `contacts`; 0 before the first).
+    /// split), `depth` (subdivisions above the deepest box) and `tests` (how often
+    /// the last question tested a shape, against another or against what was asked
+    /// for; 0 before the first).
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tests = self.tests.load(Ordering::Relaxed);
@@ -301,6 +633,30 @@ impl PyQuadtree {
 }
 
 impl PyQuadtree {
+    /// Remembers how many tests an answer took.
+    fn counted<I>(&self, hits: jostle::Result<Hits<I>>) -> jostle::Result<Hits<I>> {
+        self.tests.store(hits.as_ref().map_or(0, |hits| hits.tests), Ordering::Relaxed);
+        hits
+    }
+
+    /// Rays, or discs along them.
+    fn cast<'py>(
+        &self,
+        py: Python<'py>,
+        (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Option<Asked<'_, 'py>>),
+        max_distance: &Given<'py>,
+        mask: Option<Asked<'_, 'py>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_tree!(&self.tree, tree => {
+            queries::cast(py, origin, direction, radius, max_distance, |rays| {
+                let hits = query::first_hits(tree, rays, mask);
+                self.tests.store(hits.tests, Ordering::Relaxed);
+                hits
+            })
+        })
+    }
+
     /// The other tree of a pair, if it computes as this one does.
     fn partner(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<Self>> {
         let Ok(tree) = other.cast::<Self>() else {

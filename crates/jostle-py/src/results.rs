@@ -2,11 +2,12 @@
 
 use jostle::Scalar;
 use jostle::pairs::Overlaps;
-use numpy::Element;
+use jostle::query::{Hits, Neighbors, RayHits};
+use numpy::{Element, PyArray1};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::arrays::{column, table};
+use crate::arrays::{column, matrix, table};
 
 /// `jostle.Contacts`.
 pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
@@ -36,4 +37,47 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (all.nodes, all.leaves, all.depth, all.tests);
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
+}
+
+/// Ids, as NumPy counts.
+pub fn ids<I: Into<i64>>(py: Python<'_>, ids: Vec<I>) -> Bound<'_, PyArray1<i64>> {
+    column(py, ids.into_iter().map(Into::into).collect())
+}
+
+/// `jostle.Hits`.
+pub fn hits<I: Into<i64>>(py: Python<'_>, all: Hits<I>) -> PyResult<Bound<'_, PyAny>> {
+    static HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
+    let fields = (column(py, offsets), ids(py, all.ids));
+    HITS.import(py, "jostle.results", "Hits")?.call1(fields)
+}
+
+/// `jostle.Neighbors`; many points have a shape.
+pub fn neighbors<T: Element>(
+    py: Python<'_>,
+    all: Neighbors<T>,
+    shape: Option<(usize, usize)>,
+) -> PyResult<Bound<'_, PyAny>> {
+    static NEIGHBORS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let class = NEIGHBORS.import(py, "jostle.results", "Neighbors")?;
+    match shape {
+        None => class.call1((column(py, all.distances), column(py, all.ids))),
+        Some(shape) => {
+            class.call1((matrix(py, all.distances, shape)?, matrix(py, all.ids, shape)?))
+        }
+    }
+}
+
+/// `jostle.RayHit`.
+pub fn ray_hit<'py, T: Scalar>(py: Python<'py>, all: &RayHits<T>) -> PyResult<Bound<'py, PyAny>> {
+    static RAY_HIT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (all.ids[0], all.distances[0].to_f64());
+    RAY_HIT.import(py, "jostle.results", "RayHit")?.call1(fields)
+}
+
+/// `jostle.RayHits`.
+pub fn ray_hits<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
+    static RAY_HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (column(py, all.ids), column(py, all.distances));
+    RAY_HITS.import(py, "jostle.results", "RayHits")?.call1(fields)
 }

@@ -33,6 +33,11 @@ pub enum Error {
         /// The limit that was passed.
         most: usize,
     },
+    /// Questions have more answers than memory is set aside for.
+    TooManyIds {
+        /// The limit that was passed.
+        most: usize,
+    },
     /// More pairs overlap than the caller is ready to receive.
     TooManyPairs {
         /// The limit that was passed.
@@ -77,6 +82,9 @@ impl fmt::Display for Error {
                 "more than {most} pairs of particles may touch in one step; \
                  spread the particles out, or take smaller steps"
             ),
+            Self::TooManyIds { most } => {
+                write!(f, "the answer has more than {most} ids; ask for fewer regions at a time")
+            }
             Self::TooManyPairs { max_pairs } => write!(
                 f,
                 "more than max_pairs = {max_pairs} pairs overlap; \

@@ -23,6 +23,10 @@ pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
     /// The largest radius or half size: sums of four stay finite, so that the
     /// formula never subtracts infinity from infinity.
     const MAX_SIZE: Self;
+    /// The distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// The smallest square with all its digits.
+    const SMALLEST_SQUARE: Self;
     /// The absolute value.
     fn abs(self) -> Self;
     /// The square root, correctly rounded.
@@ -35,6 +39,8 @@ pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
     fn from_f64(value: f64) -> Self;
     /// One divided by the value.
     fn recip(self) -> Self;
+    /// The value divided by another.
+    fn over(self, other: Self) -> Self;
     /// Which comes first; tells −0 from 0.
     fn total_order(&self, other: &Self) -> Ordering;
     /// The smaller of two numbers.
@@ -56,6 +62,8 @@ macro_rules! scalar {
             const ONE: Self = 1.0;
             const INFINITY: Self = <$t>::INFINITY;
             const MAX_SIZE: Self = <$t>::MAX / 8.0;
+            const EPSILON: Self = <$t>::EPSILON;
+            const SMALLEST_SQUARE: Self = <$t>::MIN_POSITIVE;
             #[inline(always)]
             fn abs(self) -> Self {
                 <$t>::abs(self)
@@ -83,6 +91,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn recip(self) -> Self {
                 1.0 / self
+            }
+            #[inline(always)]
+            fn over(self, other: Self) -> Self {
+                self / other
             }
         }
     };

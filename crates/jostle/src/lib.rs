@@ -12,6 +12,7 @@ pub mod parallel;
 pub mod columns;
 pub mod quadtree;
 pub mod pairs;
+pub mod query;
 pub mod space;
 pub mod particles;
 pub mod container;

@@ -27,6 +27,17 @@ impl<V> Default for Each<V> {
     }
 }
 
+impl<V> Each<V> {
+    /// Number of rows, where there are any.
+    #[allow(clippy::len_without_is_empty, reason = "a value for all is not a number of rows")]
+    pub fn len(&self) -> Option<usize> {
+        match self {
+            Self::Rows(values) => Some(values.len()),
+            Self::One(_) => None,
+        }
+    }
+}
+
 impl<V: Copy> Each<V> {
     /// The value of `row`.
     #[inline(always)]

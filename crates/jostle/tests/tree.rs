@@ -1,93 +1,13 @@
 //! The tree against brute force, on shapes made to break it.
 
-use jostle::settings::{DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
+mod common;
+
+use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
 use jostle::{Columns, Each, Error, Quadtree, Scalar, Settings, Shapes, pairs};
 use proptest::prelude::*;
 
-/// Raw shapes, to be read in either type.
-#[derive(Clone, Debug)]
-struct Raw {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    radius: Vec<f64>,
-    half: Option<[Vec<f64>; 2]>,
-    filter: Option<[Vec<u32>; 2]>,
-}
-
-impl Raw {
-    fn typed<T: Scalar>(&self) -> Shapes<T> {
-        let pairs = |a: &[f64], b: &[f64]| {
-            a.iter().zip(b).map(|(&a, &b)| [T::from_f64(a), T::from_f64(b)]).collect()
-        };
-        let radii = self.radius.iter().map(|&v| T::from_f64(v)).collect();
-        let half_sizes = self.half.as_ref().map(|[x, y]| Each::Rows(pairs(x, y)));
-        let filters = self.filter.clone().map(|filter| filter.map(Each::Rows));
-        Shapes::new(pairs(&self.x, &self.y), Each::Rows(radii), half_sizes, filters)
-            .expect("the generated shapes are valid")
-    }
-}
-
-/// Coordinates of every kind: ordinary, on the borders of cells, coincident,
-/// nearly coincident, huge, tiny.
-fn coordinate() -> impl Strategy<Value = f64> + Clone {
-    prop_oneof![
-        6 => -100.0..100.0f64,
-        3 => (-16i32..16).prop_map(f64::from),
-        2 => Just(0.0),
-        1 => (-8i32..8).prop_map(|k| 7.0 + f64::from(k) * 1e-6),
-        1 => prop_oneof![Just(1e30), Just(-1e30), Just(1e-30), Just(-1e-30), Just(1e7), Just(-1e7)],
-    ]
-}
-
-fn size() -> impl Strategy<Value = f64> + Clone {
-    prop_oneof![
-        6 => 0.0..10.0f64,
-        3 => (0i32..4).prop_map(f64::from),
-        2 => Just(0.0),
-        1 => prop_oneof![Just(1e-6), Just(1e6), Just(1e3)],
-    ]
-}
-
-fn bits() -> impl Strategy<Value = u32> + Clone {
-    prop_oneof![Just(0u32), Just(1), Just(2), Just(3), Just(u32::MAX), any::<u32>()]
-}
-
-/// x, y, radius, half width, half height, category, mask.
-type Row = (f64, f64, f64, f64, f64, u32, u32);
-
-fn shapes() -> impl Strategy<Value = Raw> {
-    let one = (coordinate(), coordinate(), size(), size(), size(), bits(), bits());
-    let count = prop_oneof![0usize..4, 4usize..40, 40usize..250];
-    let rows = count.prop_flat_map(move |count| prop::collection::vec(one.clone(), count));
-    (rows, any::<bool>(), any::<bool>(), any::<bool>()).prop_map(|(rows, boxes, filters, line)| {
-        let column = |pick: fn(&Row) -> f64| rows.iter().map(pick).collect::<Vec<f64>>();
-        Raw {
-            x: column(|row| row.0),
-            y: if line { vec![3.0; rows.len()] } else { column(|row| row.1) },
-            radius: column(|row| row.2),
-            half: boxes.then(|| [column(|row| row.3), column(|row| row.4)]),
-            filter: filters.then(|| {
-                [rows.iter().map(|row| row.5).collect(), rows.iter().map(|row| row.6).collect()]
-            }),
-        }
-    })
-}
-
-fn settings() -> impl Strategy<Value = Settings> {
-    let depth = prop_oneof![Just(0usize), Just(1), Just(2), Just(5), Just(DEFAULT_MAX_DEPTH)];
-    (1usize..40, depth, 1usize..4).prop_map(|(leaf_capacity, max_depth, threads)| Settings {
-        leaf_capacity,
-        max_depth,
-        threads: Some(threads),
-    })
-}
-
-fn built<T: Scalar>(shapes: &Shapes<T>, settings: Settings) -> Quadtree<T> {
-    let tree = Quadtree::new(shapes, settings).expect("valid settings");
-    tree.check().expect("the tree's invariants hold");
-    tree
-}
+use common::{Raw, built, settings, shapes};
 
 /// The plainest oracle there is, with the formula of the contract written out.
 fn by_the_book<T: Scalar>(a: &Shapes<T>, b: &Shapes<T>, itself: bool) -> Vec<[u32; 2]> {

@@ -1,0 +1,193 @@
+//! Questions on their way to the core, and answers on their way back: for whatever
+//! can be asked, one question or many at once.
+
+use jostle::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
+use jostle::{Each, Error, Scalar};
+use numpy::Element;
+use pyo3::prelude::*;
+
+use crate::arrays::{Argument, Given, count, number};
+use crate::error::{refused, value_error};
+use crate::results;
+
+/// The categories that a question is about; None stands for all, and for what has none.
+pub fn mask(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<u32>> {
+    let Some(value) = value else { return Ok(None) };
+    match Argument::integers("mask", value)?.bits_each(0)? {
+        Each::One(mask) => Ok(Some(mask)),
+        Each::Rows(_) => Err(value_error("mask", "an array", "one integer")),
+    }
+}
+
+/// How far to look.
+fn reach<T: Scalar>(max_distance: &Given<'_>) -> PyResult<T> {
+    let read = |value| number("max_distance", value);
+    Ok(T::from_f64(max_distance.value().map_or(Ok(f64::INFINITY), read)?))
+}
+
+/// An error about the only question names no row.
+fn without_row(error: Error) -> Error {
+    match error {
+        Error::Value { argument, index: Some(_), value, rule } => Error::of(argument, value, &rule),
+        other => other,
+    }
+}
+
+/// Makes questions of rows, asks them, and gives the ids back.
+fn region<'py, V: Clone + Sync, R: Send, I: Send + Into<i64>>(
+    py: Python<'py>,
+    asked: &Each<V>,
+    regions: impl FnOnce(&[V]) -> jostle::Result<Vec<R>> + Send,
+    ask: impl FnOnce(&[R]) -> jostle::Result<Hits<I>> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let answer = |rows: &[V]| ask(&regions(rows)?);
+    match asked {
+        Each::One(one) => {
+            let one = std::slice::from_ref(one);
+            let hits = py.detach(|| answer(one)).map_err(without_row).map_err(refused)?;
+            Ok(results::ids(py, hits.ids).into_any())
+        }
+        Each::Rows(rows) => results::hits(py, py.detach(|| answer(rows)).map_err(refused)?),
+    }
+}
+
+/// `query_rect`.
+pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
+    py: Python<'py>,
+    rect: &Bound<'py, PyAny>,
+    ask: impl FnOnce(&[Rect<T>]) -> jostle::Result<Hits<I>> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let asked: Each<[T; 4]> = Argument::reals("rect", rect)?.one_or_rows()?;
+    region(py, &asked, Rect::all, ask)
+}
+
+/// `query_point`.
+pub fn point<'py, T: Scalar + Element, I: Send + Into<i64>>(
+    py: Python<'py>,
+    point: &Bound<'py, PyAny>,
+    ask: impl FnOnce(&[Point<T>]) -> jostle::Result<Hits<I>> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
+    region(py, &asked, Point::all, ask)
+}
+
+/// `query_circle`.
+pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
+    py: Python<'py>,
+    center: &Bound<'py, PyAny>,
+    radius: &Bound<'py, PyAny>,
+    ask: impl FnOnce(&[Circle<T>]) -> jostle::Result<Hits<I>> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let radius = Argument::reals("radius", radius)?;
+    let centers: Each<[T; 2]> = Argument::reals("center", center)?.one_or_rows()?;
+    let asked = side_by_side(centers, radius.rows_if_any()?);
+    let radii = radius.real_each(asked.len().unwrap_or(1))?;
+    region(py, &asked, |centers| Circle::all(centers, &radii), ask)
+}
+
+/// `query_polygon`.
+pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
+    py: Python<'py>,
+    vertices: &Bound<'py, PyAny>,
+    ask: impl FnOnce(&[Polygon<T>]) -> jostle::Result<Hits<I>> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let asked: Each<Vec<[T; 2]>> = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
+    let many = matches!(asked, Each::Rows(_));
+    let polygons = |all: &[Vec<[T; 2]>]| -> jostle::Result<Vec<Polygon<T>>> {
+        let polygon = |(index, vertices): (usize, &Vec<[T; 2]>)| {
+            let named = |error| if many { of_polygon(index, error) } else { error };
+            Polygon::new(vertices).map_err(named)
+        };
+        all.iter().enumerate().map(polygon).collect()
+    };
+    match &asked {
+        // Its error names a corner, which is not the number of a question.
+        Each::One(vertices) => {
+            let one = std::slice::from_ref(vertices);
+            let hits = py.detach(|| ask(&polygons(one)?[..])).map_err(refused)?;
+            Ok(results::ids(py, hits.ids).into_any())
+        }
+        Each::Rows(_) => region(py, &asked, polygons, ask),
+    }
+}
+
+/// Says which of many polygons an error is about.
+fn of_polygon(polygon: usize, error: Error) -> Error {
+    match error {
+        Error::Value { argument, index: Some(corner), value, rule } => {
+            let rule = format!("corner {corner} of the polygon: {rule}");
+            Error::at(argument, polygon, value, &rule)
+        }
+        Error::Value { argument, index: None, value, rule } => {
+            Error::at(argument, polygon, value, &rule)
+        }
+        other => other,
+    }
+}
+
+/// `nearest`.
+pub fn nearest<'py, T: Scalar + Element>(
+    py: Python<'py>,
+    point: &Bound<'py, PyAny>,
+    k: &Given<'py>,
+    max_distance: &Given<'py>,
+    ask: impl FnOnce(&[[T; 2]], (usize, T)) -> jostle::Result<Neighbors<T>> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let k = k.value().map_or(Ok(1), |k| count("k", k, 1))?;
+    let reach = reach(max_distance)?;
+    let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
+    match &asked {
+        Each::One(one) => {
+            let found = py.detach(|| ask(std::slice::from_ref(one), (k, reach)));
+            results::neighbors(py, found.map_err(without_row).map_err(refused)?, None)
+        }
+        Each::Rows(rows) => {
+            let found = py.detach(|| ask(rows, (k, reach))).map_err(refused)?;
+            results::neighbors(py, found, Some((rows.len(), k)))
+        }
+    }
+}
+
+/// `raycast`, and `circle_cast` where there is a radius.
+pub fn cast<'py, T: Scalar + Element>(
+    py: Python<'py>,
+    origin: &Bound<'py, PyAny>,
+    direction: &Bound<'py, PyAny>,
+    radius: Option<&Bound<'py, PyAny>>,
+    max_distance: &Given<'py>,
+    ask: impl FnOnce(&[Ray<T>]) -> RayHits<T> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let reach = reach(max_distance)?;
+    let radius = radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
+    let direction = Argument::reals("direction", direction)?;
+    let origins: Each<[T; 2]> = Argument::reals("origin", origin)?.one_or_rows()?;
+    let directions: Each<[T; 2]> = direction.one_or_rows()?;
+    let rows = match &directions {
+        Each::Rows(rows) => Some(rows.len()),
+        Each::One(_) => radius.as_ref().map_or(Ok(None), Argument::rows_if_any)?,
+    };
+    let origins = side_by_side(origins, rows);
+    let len = origins.len().unwrap_or(1);
+    if let Each::Rows(rows) = &directions
+        && rows.len() != len
+    {
+        return Err(direction.wrong_shape(&format!("(2,) or ({len}, 2)")));
+    }
+    let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len))?;
+    let hits = |origins: &[[T; 2]]| Ok(ask(&Ray::all(origins, &directions, &radii, reach)?));
+    match &origins {
+        Each::One(one) => {
+            let hits = py.detach(|| hits(std::slice::from_ref(one)));
+            results::ray_hit(py, &hits.map_err(without_row).map_err(refused)?)
+        }
+        Each::Rows(rows) => results::ray_hits(py, py.detach(|| hits(rows)).map_err(refused)?),
+    }
+}
+
+/// Repeats a single value where what belongs to it has rows.
+fn side_by_side<V: Clone>(values: Each<V>, rows: Option<usize>) -> Each<V> {
+    match (values, rows) {
+        (Each::One(value), Some(rows)) => Each::Rows(vec![value; rows]),
+        (values, _) => values,
+    }
+}

@@ -1,0 +1,292 @@
+//! The shapes nearest to a point.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+use super::region::{MOST_IDS, selects};
+use super::{QUESTIONS, check_reach, worthwhile};
+use crate::columns::Columns;
+use crate::error::{Error, Result};
+use crate::geometry::{Cover, Scalar, Shape};
+use crate::parallel;
+use crate::quadtree::Quadtree;
+use crate::shapes::{MOST_ROWS, check_finite};
+use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
+
+/// How far a point is from a shape; 0 inside.
+#[inline(always)]
+pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
+    let away = |axis: usize| {
+        ((shape.center[axis] - point[axis]).abs() - shape.half_size[axis]).most(T::ZERO)
+    };
+    let (x, y) = (away(0), away(1));
+    ((x * x + y * y).sqrt() - shape.radius).most(T::ZERO)
+}
+
+/// At most how near a shape of `cover` can be; monotone, so never too much.
+#[inline(always)]
+fn least_distance<T: Scalar>(point: [T; 2], cover: &Cover<T>) -> T {
+    let away = |axis: usize| {
+        let (below, above) = (cover.min[axis] - point[axis], point[axis] - cover.max[axis]);
+        (below.most(above) - cover.half_size[axis]).most(T::ZERO)
+    };
+    let (x, y) = (away(0), away(1));
+    ((x * x + y * y).sqrt() - cover.radius).most(T::ZERO)
+}
+
+/// A shape and how far it is. The nearer comes first, and of two as near the smaller id.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Neighbor<T> {
+    distance: T,
+    id: u64,
+}
+
+impl<T: Scalar> Eq for Neighbor<T> {}
+
+impl<T: Scalar> PartialOrd for Neighbor<T> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<T: Scalar> Ord for Neighbor<T> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.distance.total_order(&other.distance).then(self.id.cmp(&other.id))
+    }
+}
+
+/// The nearest shapes seen so far.
+#[derive(Clone, Debug)]
+pub struct Nearest<T> {
+    wanted: usize,
+    max_distance: T,
+    /// The farthest on top.
+    found: BinaryHeap<Neighbor<T>>,
+    /// Shapes tested.
+    pub tests: u64,
+}
+
+impl<T: Scalar> Nearest<T> {
+    /// Nothing seen yet of the `wanted` shapes within `max_distance`.
+    pub fn new(wanted: usize, max_distance: T) -> Self {
+        Self { wanted, max_distance, found: BinaryHeap::new(), tests: 0 }
+    }
+
+    /// What is farther is of no interest.
+    #[inline(always)]
+    fn limit(&self) -> T {
+        match self.found.peek() {
+            Some(last) if self.found.len() >= self.wanted => last.distance,
+            _ => self.max_distance,
+        }
+    }
+
+    /// Looks at one shape.
+    #[inline(always)]
+    pub fn offer(&mut self, distance: T, id: u64) {
+        let new = Neighbor { distance, id };
+        if self.found.len() < self.wanted {
+            if distance <= self.max_distance {
+                self.found.push(new);
+            }
+        } else if let Some(mut last) = self.found.peek_mut()
+            && new < *last
+        {
+            *last = new;
+        }
+    }
+
+    /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
+    pub fn look<F: Fn(u32) -> Option<u64>>(
+        &mut self,
+        tree: &Quadtree<T>,
+        point: [T; 2],
+        mask: Option<u32>,
+        id_of: &F,
+    ) {
+        let best = self;
+        let stack = &mut Vec::new();
+        T::with_widest(Look { tree, point, mask, id_of, best, stack });
+    }
+}
+
+/// One search through one tree.
+struct Look<'a, T, F> {
+    tree: &'a Quadtree<T>,
+    point: [T; 2],
+    mask: Option<u32>,
+    id_of: &'a F,
+    best: &'a mut Nearest<T>,
+    stack: &'a mut Vec<(T, u32)>,
+}
+
+impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
+    type Out = ();
+
+    /// Depth first, the nearer child first; what was put off may be too far by its turn.
+    #[inline(always)]
+    fn run<S: Simd<T>>(mut self, simd: S) {
+        let (nodes, covers) = (self.tree.nodes(), self.tree.covers());
+        let Some(root) = covers.first().filter(|root| selects(self.mask, root.category)) else {
+            return;
+        };
+        self.stack.clear();
+        self.stack.push((least_distance(self.point, root), 0));
+        while let Some((nearest, index)) = self.stack.pop() {
+            if nearest > self.best.limit() {
+                continue;
+            }
+            let node = &nodes[index as usize];
+            if node.is_leaf() {
+                self.leaf(simd, node.range());
+                continue;
+            }
+            let from = self.stack.len();
+            for child in node.children() {
+                let nearest = least_distance(self.point, &covers[child]);
+                if nearest <= self.best.limit() && selects(self.mask, covers[child].category) {
+                    self.stack.push((nearest, child as u32));
+                }
+            }
+            sort_farthest_first(&mut self.stack[from..]);
+        }
+    }
+}
+
+/// Sorts at most four nodes; the nearest ends on top of the stack.
+#[inline(always)]
+pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
+    for end in 1..nodes.len() {
+        for place in (1..=end).rev() {
+            if nodes[place].0 <= nodes[place - 1].0 {
+                break;
+            }
+            nodes.swap(place, place - 1);
+        }
+    }
+}
+
+impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
+    #[inline(always)]
+    fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>) {
+        let (shapes, rows) = (self.tree.columns(), self.tree.rows());
+        self.best.tests += places.len() as u64;
+        for first in places.clone().step_by(LANES) {
+            let limit = self.best.limit();
+            let near = within(simd, self.point, limit, shapes, first);
+            for_each_lane(near & first_lanes(places.end - first), |lane| {
+                let shape = shapes.shape(first + lane);
+                if selects(self.mask, shape.category)
+                    && let Some(id) = (self.id_of)(rows[first + lane])
+                {
+                    self.best.offer(distance(self.point, &shape), id);
+                }
+            });
+        }
+    }
+}
+
+/// A bit for each shape of a block that could be as near as `limit`: the squares are
+/// compared, and rounding is made up for.
+#[inline(always)]
+fn within<T: Scalar, S: Simd<T>>(
+    simd: S,
+    point: [T; 2],
+    limit: T,
+    shapes: &Columns<T>,
+    first: usize,
+) -> u32 {
+    let along = |axis: usize, centers: &[T], half: &[T]| {
+        let mut away = simd.distance(simd.load(block(centers, first)), simd.splat(point[axis]));
+        if !half.is_empty() {
+            let gap = simd.sub(away, simd.load(block(half, first)));
+            away = simd.most(gap, simd.splat(T::ZERO));
+        }
+        simd.mul(away, away)
+    };
+    let (x, y) = (along(0, &shapes.x, &shapes.half_x), along(1, &shapes.y, &shapes.half_y));
+    let reach = simd.add(simd.splat(limit), simd.load(block(&shapes.radius, first)));
+    let slack = T::ONE + T::from_f64(16.0) * T::EPSILON;
+    let reach = simd.mul(reach, simd.splat(slack));
+    // Where squares are too small for their last bits, nothing is ruled out.
+    let smallest = simd.splat(T::SMALLEST_SQUARE);
+    let reach = simd.add(simd.mul(reach, reach), smallest);
+    !simd.less(reach, simd.add(x, y))
+}
+
+/// Distances and ids of the nearest shapes, `k` for each point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Neighbors<T> {
+    /// Nearest first; infinity where there are fewer.
+    pub distances: Vec<T>,
+    /// Ids of the shapes; −1 where there are fewer.
+    pub ids: Vec<i64>,
+    /// Shapes tested.
+    pub tests: u64,
+}
+
+/// Refuses points, distances and counts that no search can follow.
+fn check<T: Scalar>(points: &[[T; 2]], k: usize, max_distance: T) -> Result<()> {
+    check_finite("point", points)?;
+    check_reach(max_distance)?;
+    if k > MOST_ROWS || k.saturating_mul(points.len()) > MOST_IDS {
+        let rule = format!("k for each point may be at most {MOST_IDS} ids");
+        return Err(Error::of("k", k, &rule));
+    }
+    Ok(())
+}
+
+/// The `k` shapes of a tree nearest to each point and not farther than `max_distance`, among
+/// what has a category in `mask`, if there is one.
+pub fn nearest<T: Scalar>(
+    tree: &Quadtree<T>,
+    points: &[[T; 2]],
+    (k, max_distance): (usize, T),
+    mask: Option<u32>,
+) -> Result<Neighbors<T>> {
+    nearest_by(points, (k, max_distance), tree.settings().threads, |point, best| {
+        best.look(tree, point, mask, &|row| Some(u64::from(row)));
+    })
+}
+
+/// As [`nearest`]; `look` lets a point see the shapes that there are.
+pub fn nearest_by<T: Scalar>(
+    points: &[[T; 2]],
+    (k, max_distance): (usize, T),
+    threads: Option<usize>,
+    look: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
+) -> Result<Neighbors<T>> {
+    check(points, k, max_distance)?;
+    let threads = worthwhile(threads, points.len());
+    let parts = parallel::map(threads, points.len().div_ceil(QUESTIONS), |part| {
+        let first = part * QUESTIONS;
+        let mut all = Neighbors::default();
+        for &point in &points[first..points.len().min(first + QUESTIONS)] {
+            let mut best = Nearest::new(k, max_distance);
+            look(point, &mut best);
+            all.push(best);
+        }
+        all
+    });
+    let mut all = Neighbors::default();
+    for part in parts {
+        all.distances.extend_from_slice(&part.distances);
+        all.ids.extend_from_slice(&part.ids);
+        all.tests += part.tests;
+    }
+    Ok(all)
+}
+
+impl<T: Scalar> Neighbors<T> {
+    fn push(&mut self, best: Nearest<T>) {
+        let full = self.ids.len() + best.wanted;
+        for Neighbor { distance, id } in best.found.into_sorted_vec() {
+            self.distances.push(distance);
+            self.ids.push(id as i64);
+        }
+        self.distances.resize(full, T::INFINITY);
+        self.ids.resize(full, -1);
+        self.tests += best.tests;
+    }
+}

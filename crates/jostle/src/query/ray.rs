@@ -1,0 +1,352 @@
+//! The shape that a ray hits first, or a disc that is thrown along it.
+
+use std::ops::Range;
+
+use super::nearest::sort_farthest_first;
+use super::region::selects;
+use super::{QUESTIONS, check_reach, worthwhile};
+use crate::columns::Columns;
+use crate::error::{Error, Result};
+use crate::geometry::{Cover, Scalar, Shape};
+use crate::parallel;
+use crate::quadtree::Quadtree;
+use crate::shapes::{Each, check_finite, check_sizes};
+use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
+
+/// A way from a point into a direction, for a disc of some radius; a ray has none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray<T> {
+    origin: [T; 2],
+    /// Of length 1, but for rounding.
+    direction: [T; 2],
+    radius: T,
+    max_distance: T,
+}
+
+impl<T: Scalar> Ray<T> {
+    /// A ray from each origin. Directions may have any length but 0; radii are those of
+    /// discs thrown along the rays.
+    pub fn all(
+        origins: &[[T; 2]],
+        directions: &Each<[T; 2]>,
+        radii: &Each<T>,
+        max_distance: T,
+    ) -> Result<Vec<Self>> {
+        check_finite("origin", origins)?;
+        directions.check(check_directions)?;
+        radii.check(|radii| check_sizes("radius", "a radius", radii))?;
+        check_reach(max_distance)?;
+        let ray = |(row, &origin)| Self {
+            origin,
+            direction: unit(directions.at(row)),
+            radius: radii.at(row),
+            max_distance,
+        };
+        Ok(origins.iter().enumerate().map(ray).collect())
+    }
+}
+
+fn check_directions<T: Scalar>(directions: &[[T; 2]]) -> Result<()> {
+    check_finite("direction", directions)?;
+    match directions.iter().position(|direction| *direction == [T::ZERO; 2]) {
+        Some(index) => Err(Error::at("direction", index, "(0, 0)", "a direction has a length")),
+        None => Ok(()),
+    }
+}
+
+/// The direction with length 1; scaled first, so that no square is too large or too small.
+fn unit<T: Scalar>(direction: [T; 2]) -> [T; 2] {
+    let largest = direction[0].abs().most(direction[1].abs());
+    let [x, y] = direction.map(|v| v.over(largest));
+    let length = (x * x + y * y).sqrt();
+    [x.over(length), y.over(length)]
+}
+
+/// How far along the ray it meets the shape, whose edge counts as part of it; 0 where it
+/// begins inside, `None` where it never does.
+///
+/// What the disc of the ray can touch is the shape grown by its radius: for a circle a
+/// larger circle; for a box a box as wide, a box as high, and a circle at each corner.
+pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
+    let m = [ray.origin[0] - shape.center[0], ray.origin[1] - shape.center[1]];
+    let [hx, hy] = shape.half_size;
+    let reach = shape.radius + ray.radius;
+    let (x, y) = ((m[0].abs() - hx).most(T::ZERO), (m[1].abs() - hy).most(T::ZERO));
+    if x * x + y * y <= reach * reach {
+        return Some(T::ZERO);
+    }
+    if hx == T::ZERO && hy == T::ZERO {
+        return into_circle(m, ray.direction, reach);
+    }
+    if reach == T::ZERO {
+        return into_box(m, ray.direction, [hx, hy]);
+    }
+    let corner = |x: T, y: T| into_circle([m[0] - x, m[1] - y], ray.direction, reach);
+    let ways = [
+        into_box(m, ray.direction, [hx + reach, hy]),
+        into_box(m, ray.direction, [hx, hy + reach]),
+        corner(-hx, -hy),
+        corner(hx, -hy),
+        corner(-hx, hy),
+        corner(hx, hy),
+    ];
+    ways.into_iter().flatten().reduce(T::least)
+}
+
+/// How far from `m` along `u` a circle around the origin is. For an `m` outside of it.
+fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
+    let along = m[0] * u[0] + m[1] * u[1];
+    let aside = m[0] * u[1] - m[1] * u[0];
+    let half_chord = radius * radius - aside * aside;
+    // Written so that what is not a number misses.
+    if !(along <= T::ZERO && half_chord >= T::ZERO) {
+        return None;
+    }
+    Some((-along - half_chord.sqrt()).most(T::ZERO))
+}
+
+/// How far from `m` along `u` a box around the origin is. For an `m` outside of it.
+fn into_box<T: Scalar>(m: [T; 2], u: [T; 2], half_size: [T; 2]) -> Option<T> {
+    let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
+    for axis in 0..2 {
+        if u[axis] == T::ZERO {
+            if m[axis].abs() > half_size[axis] {
+                return None;
+            }
+            continue;
+        }
+        let first = (-half_size[axis] - m[axis]).over(u[axis]);
+        let second = (half_size[axis] - m[axis]).over(u[axis]);
+        enter = enter.most(first.least(second));
+        leave = leave.least(first.most(second));
+    }
+    (enter <= leave).then_some(enter)
+}
+
+/// Roundings that may add up in [`hit`] and in what passes over nodes, in units of the
+/// last place of the numbers involved.
+const ROUNDINGS: f64 = 32.0;
+
+/// A ray as nodes see it.
+#[derive(Clone, Copy)]
+struct Beam<T> {
+    ray: Ray<T>,
+    /// One over the direction; infinite along an axis that it does not move on.
+    inverse: [T; 2],
+}
+
+impl<T: Scalar> Beam<T> {
+    fn of(ray: Ray<T>) -> Self {
+        Self { ray, inverse: ray.direction.map(T::recip) }
+    }
+
+    /// How much rounding could shift anything about shapes in `cover`.
+    #[inline(always)]
+    fn slack(&self, cover: &Cover<T>) -> T {
+        let size = |axis: usize| {
+            self.ray.origin[axis].abs()
+                + cover.min[axis].abs().most(cover.max[axis].abs())
+                + cover.half_size[axis]
+        };
+        let all = size(0) + size(1) + cover.radius + self.ray.radius;
+        all * T::EPSILON * T::from_f64(ROUNDINGS)
+    }
+
+    /// At most how far it is to a shape of `cover`; `None` if it passes by all of them.
+    #[inline(always)]
+    fn enters(&self, cover: &Cover<T>) -> Option<T> {
+        let reach = cover.radius + self.ray.radius + self.slack(cover);
+        let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
+        for axis in 0..2 {
+            let grown = cover.half_size[axis] + reach;
+            let first = ((cover.min[axis] - grown) - self.ray.origin[axis]) * self.inverse[axis];
+            let second = ((cover.max[axis] + grown) - self.ray.origin[axis]) * self.inverse[axis];
+            // What is not a number (0 · ∞) loses every comparison and says nothing.
+            let (near, far) =
+                if self.inverse[axis] < T::ZERO { (second, first) } else { (first, second) };
+            enter = enter.most(near);
+            leave = leave.least(far);
+        }
+        let less = T::ONE - T::EPSILON * T::from_f64(ROUNDINGS);
+        let enter = enter * less;
+        (enter <= leave).then_some(enter)
+    }
+
+    /// A bit for each shape of a block whose middle is as near to the line as it is large.
+    #[inline(always)]
+    fn lanes<S: Simd<T>>(&self, simd: S, slack: T, shapes: &Columns<T>, first: usize) -> u32 {
+        let from = |axis: usize, centers: &[T]| {
+            simd.sub(simd.splat(self.ray.origin[axis]), simd.load(block(centers, first)))
+        };
+        let (x, y) = (from(0, &shapes.x), from(1, &shapes.y));
+        let [ux, uy] = self.ray.direction.map(|v| simd.splat(v));
+        let aside = simd.sub(simd.mul(x, uy), simd.mul(y, ux));
+        let mut reach =
+            simd.add(simd.load(block(&shapes.radius, first)), simd.splat(self.ray.radius + slack));
+        if shapes.has_boxes() {
+            reach = simd.add(reach, simd.load(block(&shapes.half_x, first)));
+            reach = simd.add(reach, simd.load(block(&shapes.half_y, first)));
+        }
+        let smallest = simd.splat(T::SMALLEST_SQUARE);
+        let reach = simd.add(simd.mul(reach, reach), smallest);
+        !simd.less(reach, simd.mul(aside, aside))
+    }
+}
+
+/// The first shape that a ray was found to hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit<T> {
+    ray: Ray<T>,
+    /// How far it is, and which shape; of two as far the one with the smaller id.
+    pub found: Option<(T, u64)>,
+    /// Shapes tested.
+    pub tests: u64,
+}
+
+impl<T: Scalar> FirstHit<T> {
+    /// Nothing hit yet.
+    pub fn new(ray: Ray<T>) -> Self {
+        Self { ray, found: None, tests: 0 }
+    }
+
+    /// What is farther is of no interest.
+    #[inline(always)]
+    fn limit(&self) -> T {
+        self.found.map_or(self.ray.max_distance, |(distance, _)| distance)
+    }
+
+    /// Looks at one shape.
+    #[inline(always)]
+    pub fn offer(&mut self, shape: &Shape<T>, id: u64) {
+        let Some(distance) = hit(&self.ray, shape) else { return };
+        let nearer = match self.found {
+            Some((least, first)) => distance < least || (distance == least && id < first),
+            None => distance <= self.ray.max_distance,
+        };
+        if nearer {
+            self.found = Some((distance, id));
+        }
+    }
+
+    /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
+    pub fn look<F: Fn(u32) -> Option<u64>>(
+        &mut self,
+        tree: &Quadtree<T>,
+        mask: Option<u32>,
+        id_of: &F,
+    ) {
+        let beam = Beam::of(self.ray);
+        T::with_widest(Look { tree, beam, mask, id_of, best: self });
+    }
+}
+
+/// One ray through one tree.
+struct Look<'a, T, F> {
+    tree: &'a Quadtree<T>,
+    beam: Beam<T>,
+    mask: Option<u32>,
+    id_of: &'a F,
+    best: &'a mut FirstHit<T>,
+}
+
+impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
+    type Out = ();
+
+    /// Depth first, the nearer child first; what was put off may be too far by its turn.
+    #[inline(always)]
+    fn run<S: Simd<T>>(mut self, simd: S) {
+        let (nodes, covers) = (self.tree.nodes(), self.tree.covers());
+        let mut stack: Vec<(T, u32)> = Vec::with_capacity(64);
+        let (mask, beam) = (self.mask, self.beam);
+        let enters = |cover: &Cover<T>| {
+            if selects(mask, cover.category) { beam.enters(cover) } else { None }
+        };
+        let root = covers.first().and_then(enters);
+        stack.extend(root.map(|nearest| (nearest, 0)));
+        while let Some((nearest, index)) = stack.pop() {
+            if nearest > self.best.limit() {
+                continue;
+            }
+            let node = &nodes[index as usize];
+            if node.is_leaf() {
+                let slack = beam.slack(&covers[index as usize]);
+                self.leaf(simd, slack, node.range());
+                continue;
+            }
+            let from = stack.len();
+            for child in node.children() {
+                if let Some(nearest) = enters(&covers[child]) {
+                    stack.push((nearest, child as u32));
+                }
+            }
+            sort_farthest_first(&mut stack[from..]);
+        }
+    }
+}
+
+impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
+    #[inline(always)]
+    fn leaf<S: Simd<T>>(&mut self, simd: S, slack: T, places: Range<usize>) {
+        let (shapes, rows) = (self.tree.columns(), self.tree.rows());
+        self.best.tests += places.len() as u64;
+        for first in places.clone().step_by(LANES) {
+            let near = self.beam.lanes(simd, slack, shapes, first);
+            for_each_lane(near & first_lanes(places.end - first), |lane| {
+                let shape = shapes.shape(first + lane);
+                if selects(self.mask, shape.category)
+                    && let Some(id) = (self.id_of)(rows[first + lane])
+                {
+                    self.best.offer(&shape, id);
+                }
+            });
+        }
+    }
+}
+
+/// What each of many rays hits first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RayHits<T> {
+    /// Ids of the shapes; −1 where nothing is hit.
+    pub ids: Vec<i64>,
+    /// How far it is to them; infinity where nothing is hit.
+    pub distances: Vec<T>,
+    /// Shapes tested.
+    pub tests: u64,
+}
+
+/// What each ray hits first in a tree, among what has a category in `mask`, if there is one.
+pub fn first_hits<T: Scalar>(tree: &Quadtree<T>, rays: &[Ray<T>], mask: Option<u32>) -> RayHits<T> {
+    first_hits_by(rays, tree.settings().threads, |best| {
+        best.look(tree, mask, &|row| Some(u64::from(row)));
+    })
+}
+
+/// As [`first_hits`]; `look` lets a ray see the shapes that there are.
+pub fn first_hits_by<T: Scalar>(
+    rays: &[Ray<T>],
+    threads: Option<usize>,
+    look: impl Fn(&mut FirstHit<T>) + Sync + Send,
+) -> RayHits<T> {
+    let threads = worthwhile(threads, rays.len());
+    let parts = parallel::map(threads, rays.len().div_ceil(QUESTIONS), |part| {
+        let first = part * QUESTIONS;
+        let rays = &rays[first..rays.len().min(first + QUESTIONS)];
+        let mut all = RayHits::default();
+        for &ray in rays {
+            let mut best = FirstHit::new(ray);
+            look(&mut best);
+            let (distance, id) = best.found.unwrap_or((T::INFINITY, u64::MAX));
+            all.distances.push(distance);
+            all.ids.push(id as i64);
+            all.tests += best.tests;
+        }
+        all
+    });
+    let mut all = RayHits::default();
+    for part in parts {
+        all.distances.extend_from_slice(&part.distances);
+        all.ids.extend_from_slice(&part.ids);
+        all.tests += part.tests;
+    }
+    all
+}
