@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use jostle::geometry::{Shape, overlap};
+use jostle::query::{self, Circle, Point, Ray, Region};
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::space::{Events, Id};
 use jostle::{Each, Error, Scalar, Settings, Shapes, Space};
@@ -19,6 +20,8 @@ enum Call {
     RemoveAll,
     Update,
     Pairs,
+    /// Where, how large, for which categories.
+    Ask(f64, f64, f64, Option<u32>),
     BadIds(Id),
     BadValues(usize),
 }
@@ -55,6 +58,8 @@ fn call() -> impl Strategy<Value = Call> {
         1 => Just(Call::RemoveAll),
         6 => Just(Call::Update),
         2 => Just(Call::Pairs),
+        3 => (coordinate(), coordinate(), size(), prop::option::of(bits()))
+            .prop_map(|(x, y, size, mask)| Call::Ask(x, y, size, mask)),
         1 => any::<Id>().prop_map(Call::BadIds),
         1 => any::<usize>().prop_map(Call::BadValues),
     ]
@@ -177,6 +182,10 @@ impl<T: Scalar> Trial<T> {
                 found.sort_unstable();
                 assert_eq!(found, pairs(&self.shapes));
             }
+            Call::Ask(x, y, size, mask) => {
+                let of = T::from_f64;
+                self.ask([of(*x), of(*y)], of(*size), *mask);
+            }
             Call::BadIds(id) => self.refuse_ids(*id),
             Call::BadValues(which) => self.refuse_values(*which),
         }
@@ -217,6 +226,36 @@ impl<T: Scalar> Trial<T> {
             assert_eq!(self.space.stayed(&old), None);
         }
         self.touching = now;
+    }
+
+    fn ask(&mut self, at: [T; 2], size: T, mask: Option<u32>) {
+        let chosen = |shape: &Shape<T>| mask.is_none_or(|mask| mask & shape.category != 0);
+        let chosen: Vec<_> = self.shapes.iter().filter(|(_, shape)| chosen(shape)).collect();
+        let points = Point::all(&[at, [T::ZERO; 2]]).unwrap();
+        let found = self.space.search(&points, mask).unwrap();
+        for (question, point) in points.iter().enumerate() {
+            let touched = chosen.iter().filter(|(_, shape)| point.touches(shape));
+            assert!(touched.map(|(id, _)| **id).eq(found.of(question).iter().copied()));
+        }
+        let circles = Circle::all(&[at], &Each::One(size)).unwrap();
+        let touched = chosen.iter().filter(|(_, shape)| circles[0].touches(shape));
+        let found = self.space.search(&circles, mask).unwrap();
+        assert!(touched.map(|(id, _)| **id).eq(found.ids));
+
+        let mut near: Vec<_> =
+            chosen.iter().map(|(id, shape)| (query::distance(at, shape), **id)).collect();
+        near.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap().then(a.1.cmp(&b.1)));
+        near.resize(3, (T::INFINITY, -1));
+        let found = self.space.nearest(&[at], (3, T::INFINITY), mask).unwrap();
+        assert!(near.into_iter().eq(found.distances.into_iter().zip(found.ids)));
+
+        let (way, radii) = (Each::One([T::ONE, size]), Each::One(size));
+        let rays = Ray::all(&[at], &way, &radii, T::INFINITY).unwrap();
+        let hits =
+            chosen.iter().filter_map(|(id, shape)| Some((query::hit(&rays[0], shape)?, **id)));
+        let first = hits.min_by(|a, b| a.0.partial_cmp(&b.0).unwrap().then(a.1.cmp(&b.1)));
+        let found = self.space.first_hits(&rays, mask);
+        assert_eq!((found.distances[0], found.ids[0]), first.unwrap_or((T::INFINITY, -1)));
     }
 
     /// An id of a removed shape and one that was never given are refused, and nothing is done

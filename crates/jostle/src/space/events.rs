@@ -52,7 +52,10 @@ impl<T: Scalar> Space<T> {
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
         let present = self.changes.present(&self.layers);
         let front = self.layers.layer_of(&present).or_else(|| {
-            present.iter().for_each(|&slot| self.layers.freshen(slot));
+            // What is fresh has changed; so most often this is all that has.
+            if self.layers.fresh_len() < present.len() {
+                present.iter().for_each(|&slot| self.layers.freshen(slot));
+            }
             self.layers.fold(&self.slots, self.settings)
         });
         let found = self.pairs_with_changed(front, max_pairs).or_else(|_| {
@@ -157,17 +160,24 @@ impl Changes {
         difference: &mut Difference,
     ) {
         let mut own = std::mem::replace(&mut self.firsts[owner as usize], NONE);
+        let mut gone = 0;
         for (record, other) in touching.of(owner) {
             if self.owned([owner, other])[0] == owner {
                 self.records[other as usize] = record;
+                gone += 1;
             }
         }
         while own != NONE {
             let pair = self.owned(found[own as usize]);
             if std::mem::replace(&mut self.records[pair[1] as usize], NONE) == NONE {
                 difference.entered.push(pair);
+            } else {
+                gone -= 1;
             }
             own = nexts[own as usize];
+        }
+        if gone == 0 {
+            return;
         }
         for (record, other) in touching.of(owner) {
             if std::mem::replace(&mut self.records[other as usize], NONE) == record {

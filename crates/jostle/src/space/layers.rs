@@ -38,10 +38,10 @@ const FEWEST: usize = 2;
 
 /// A tree over some slots.
 #[derive(Clone, Debug)]
-pub(super) struct Layer<T> {
-    pub(super) tree: Quadtree<T>,
-    /// The slot of each place of the tree.
-    pub(super) slots: Vec<u32>,
+struct Layer<T> {
+    tree: Quadtree<T>,
+    /// The slot of each row of the tree.
+    slots: Vec<u32>,
     /// How many of them have their home here.
     alive: usize,
 }
@@ -63,6 +63,8 @@ pub(super) struct Layers<T> {
     fresh: Vec<u32>,
     /// Whether a slot is among them.
     listed: Vec<bool>,
+    /// How many of them are fresh.
+    fresh_len: usize,
     shapes: Shapes<T>,
 }
 
@@ -73,6 +75,7 @@ impl<T: Scalar> Default for Layers<T> {
             home: Vec::new(),
             fresh: Vec::new(),
             listed: Vec::new(),
+            fresh_len: 0,
             shapes: Shapes::default(),
         }
     }
@@ -89,6 +92,7 @@ impl<T: Scalar> Layers<T> {
     pub(super) fn freshen(&mut self, slot: u32) {
         self.leave(slot);
         self.home[slot as usize] = FRESH;
+        self.fresh_len += 1;
         if !mem::replace(&mut self.listed[slot as usize], true) {
             self.fresh.push(slot);
         }
@@ -101,7 +105,10 @@ impl<T: Scalar> Layers<T> {
     }
 
     fn leave(&mut self, slot: u32) {
-        if let Some(layer) = self.layers.get_mut(usize::from(self.home[slot as usize])) {
+        let home = self.home[slot as usize];
+        if home == FRESH {
+            self.fresh_len -= 1;
+        } else if let Some(layer) = self.layers.get_mut(usize::from(home)) {
             layer.alive -= 1;
         }
     }
@@ -112,8 +119,33 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Whether the shape in `slot` is fresh.
-    pub(super) fn is_fresh(&self, slot: u32) -> bool {
+    fn is_fresh(&self, slot: u32) -> bool {
         self.home[slot as usize] == FRESH
+    }
+
+    /// Number of fresh shapes.
+    pub(super) fn fresh_len(&self) -> usize {
+        self.fresh_len
+    }
+
+    /// As [`fresh_len`](Self::fresh_len), with slots that are no longer fresh.
+    pub(super) fn fresh_listed(&self) -> usize {
+        self.fresh.len()
+    }
+
+    /// The slots of the fresh shapes.
+    pub(super) fn fresh(&self) -> impl Iterator<Item = u32> {
+        self.fresh.iter().copied().filter(|&slot| self.is_fresh(slot))
+    }
+
+    /// The tree of a layer, and what tells the slot of a row of it; none where the shape is dead.
+    pub(super) fn layer(&self, index: usize) -> (&Quadtree<T>, impl Fn(u32) -> Option<u32> + Sync) {
+        let Layer { tree, slots, .. } = &self.layers[index];
+        let slot = move |row: u32| {
+            let slot = slots[row as usize];
+            self.is_home(slot, index).then_some(slot)
+        };
+        (tree, slot)
     }
 
     /// Indices of the layers with anything in them.
@@ -154,7 +186,7 @@ impl<T: Scalar> Layers<T> {
                 }
             }
         }
-        let built = self.build(old, &rows, slots, settings);
+        let built = self.build(old, rows, slots, settings);
         built.filter(|_| any)
     }
 
@@ -171,14 +203,16 @@ impl<T: Scalar> Layers<T> {
         chosen.iter().for_each(|&slot| rest[slot as usize] = false);
         let rest: Vec<u32> =
             (0..).zip(&rest).filter_map(|(slot, &rest)| rest.then_some(slot)).collect();
-        self.build(Layer::default(), &rest, slots, settings);
-        self.build(Layer::default(), chosen, slots, settings)
+        self.build(Layer::default(), rest, slots, settings);
+        self.build(Layer::default(), chosen.to_vec(), slots, settings)
     }
 
     fn take_fresh(&mut self) -> Vec<u32> {
         let mut rows = mem::take(&mut self.fresh);
         rows.iter().for_each(|&slot| self.listed[slot as usize] = false);
-        rows.retain(|&slot| self.is_fresh(slot));
+        if self.fresh_len < rows.len() {
+            rows.retain(|&slot| self.is_fresh(slot));
+        }
         rows
     }
 
@@ -192,11 +226,11 @@ impl<T: Scalar> Layers<T> {
         all().filter(|index| worn(index) || crowded && alike(index)).collect()
     }
 
-    /// Builds a layer in the memory of an old one.
+    /// Builds a layer of `rows` in the memory of an old one.
     fn build(
         &mut self,
-        old: Layer<T>,
-        rows: &[u32],
+        mut old: Layer<T>,
+        rows: Vec<u32>,
         slots: &Slots<T>,
         settings: Settings,
     ) -> Option<usize> {
@@ -204,12 +238,15 @@ impl<T: Scalar> Layers<T> {
             return None;
         }
         // Much more memory than is needed goes back.
-        let fits = old.slots.len() <= 2 * RATIO * rows.len();
-        let mut layer = if fits { old } else { Layer::default() };
-        slots.gather(rows, &mut self.shapes);
-        let share = settings.leaf_capacity * rows.len() / slots.len();
-        let fitting = Settings { leaf_capacity: share.max(FEWEST), ..settings };
-        layer.fill(&self.shapes, rows, fitting);
+        if old.slots.len() > RATIO * rows.len() {
+            old = Layer::default();
+        }
+        self.fresh = mem::take(&mut old.slots);
+        self.fresh.clear();
+        slots.gather(&rows, &mut self.shapes);
+        let fitting = settings.leaf_capacity * rows.len() / slots.len();
+        let settings = Settings { leaf_capacity: fitting.max(FEWEST), ..settings };
+        rebuild(&mut old.tree, &self.shapes, settings);
         if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
             self.shapes = Shapes::default();
         }
@@ -220,7 +257,8 @@ impl<T: Scalar> Layers<T> {
         });
         assert!(index < usize::from(FRESH), "there are {index} layers");
         rows.iter().for_each(|&slot| self.home[slot as usize] = index as u8);
-        self.layers[index] = layer;
+        self.fresh_len = 0;
+        self.layers[index] = Layer { tree: old.tree, alive: rows.len(), slots: rows };
         Some(index)
     }
 
@@ -235,16 +273,16 @@ impl<T: Scalar> Layers<T> {
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
-        let places = if a == b {
-            pairs::places_within(&first.tree, left)
+        let rows = if a == b {
+            pairs::within(&first.tree, left)
         } else {
-            pairs::places_between(&first.tree, &second.tree, [T::ZERO; 2], left)
+            pairs::between(&first.tree, &second.tree, left)
         };
-        let places = places.map_err(|error| match error {
+        let rows = rows.map_err(|error| match error {
             Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
             other => other,
         })?;
-        let slots = places
+        let slots = rows
             .pairs
             .into_iter()
             .map(|[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
@@ -267,10 +305,12 @@ impl<T: Scalar> Layers<T> {
         let mut seen = 0;
         for (index, layer) in self.layers.iter().enumerate() {
             layer.tree.check()?;
-            let alive =
-                layer.slots.iter().enumerate().filter(|(_, slot)| self.is_home(**slot, index));
             let mut count = 0;
-            for (place, &slot) in alive {
+            for (place, &row) in layer.tree.rows().iter().enumerate() {
+                let slot = layer.slots[row as usize];
+                if !self.is_home(slot, index) {
+                    continue;
+                }
                 count += 1;
                 if layer.tree.columns().shape(place) != slots.shape(slot) {
                     return Err(format!("layer {index} holds an old shape of slot {slot}"));
@@ -281,19 +321,16 @@ impl<T: Scalar> Layers<T> {
             }
             seen += count;
         }
-        seen += self.fresh.iter().filter(|slot| self.is_fresh(**slot)).count();
+        if self.fresh().count() != self.fresh_len {
+            return Err(format!("{} are said to be fresh", self.fresh_len));
+        }
+        seen += self.fresh_len;
         if seen == slots.len() { Ok(()) } else { Err(format!("{seen} of all shapes have a home")) }
     }
 }
 
-impl<T: Scalar> Layer<T> {
-    /// Replaces the contents by `shapes`, which are those of `slots`.
-    fn fill(&mut self, shapes: &Shapes<T>, slots: &[u32], settings: Settings) {
-        let threads = parallel::worthwhile(settings.threads, shapes.len());
-        parallel::among(threads, || {
-            self.tree.rebuild(shapes, settings, &|_, _| Ordering::Equal);
-            parallel::gather(threads, &mut self.slots, slots, self.tree.rows());
-        });
-        self.alive = slots.len();
-    }
+/// Builds a tree in its old memory; coincident shapes keep the order of their rows.
+fn rebuild<T: Scalar>(tree: &mut Quadtree<T>, shapes: &Shapes<T>, settings: Settings) {
+    let threads = parallel::worthwhile(settings.threads, shapes.len());
+    parallel::among(threads, || tree.rebuild(shapes, settings, &|_, _| Ordering::Equal));
 }

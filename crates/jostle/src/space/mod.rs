@@ -7,6 +7,7 @@
 
 mod events;
 mod layers;
+mod queries;
 mod slots;
 mod touching;
 
