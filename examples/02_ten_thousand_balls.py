@@ -1,4 +1,4 @@
-"""Ten thousand balls fall into a box and jostle; the mouse is a big ball that ploughs through."""
+"""Ten thousand balls fall into a box and jostle; a heavy one follows the mouse through them."""
 
 import numpy as np
 import pygame
@@ -6,32 +6,32 @@ import pygame
 import jostle
 import show
 
-rng = np.random.default_rng(2)
 n = 10_000
-radii = rng.uniform(1.5, 3.0, n)
+rng = np.random.default_rng(2)
+places = rng.uniform((4, 4), (796, 496), (n, 2))
 world = jostle.World(
-    rng.uniform((4, 4), (796, 496), (n, 2)),
-    rng.normal(0, 40, (n, 2)),
-    radii,
+    places,
+    np.zeros((n, 2)),
+    rng.uniform(2, 3, n),
     gravity=(0, 200),
-    restitution=0.6,
+    restitution=0.5,
     container=jostle.Box(0, 0, *show.SIZE),
 )
-plough = world.add([(-100, -100)], [(0, 0)], 45, movable=False)
+plough = world.add([(180, 158)], [(0, 0)], 36, masses=1e6)
 
-# Draw each colour once, and stamp it: much faster than ten thousand circles.
-stamps = []
-for color, radius in zip(show.RAMP, np.linspace(1.5, 3.0, len(show.RAMP))):
-    stamp = pygame.Surface((8, 8), pygame.SRCALPHA)
-    pygame.draw.aacircle(stamp, color, (4, 4), radius)
-    stamps.append(stamp)
-stamp_of = [stamps[k] for k in np.digitize(radii, np.linspace(1.5, 3.0, len(stamps) + 1)[1:-1])]
+# Draw a ball of each colour once and stamp it: far faster than ten thousand circles.
+stamps = [pygame.Surface((8, 8), pygame.SRCALPHA) for _ in show.RAMP]
+for stamp, color in zip(stamps, show.RAMP, strict=True):
+    pygame.draw.aacircle(stamp, color, (4, 4), 2.5)
+column = (places[:, 0] / show.WIDTH * len(stamps)).astype(int)  # coloured by where it began
+stamp_of = [stamps[k] for k in column]
 
-for screen in show.frames("Ten thousand balls", until=240):
-    mouse = pygame.mouse.get_pos()
-    world.set(plough, positions=[mouse])
+for screen in show.frames("Ten thousand balls", until=200):
+    center = world.positions[n]
+    world.set(plough, velocities=[10 * (pygame.mouse.get_pos() - center)])
     world.step(1 / 60)
+
     corners = (world.positions[:n] - 4).tolist()
-    screen.fblits(list(zip(stamp_of, corners)))
-    pygame.draw.aacircle(screen, show.TEXT, mouse, 45, 2)
+    screen.fblits(list(zip(stamp_of, corners, strict=True)))
+    pygame.draw.aacircle(screen, show.TEXT, center, 36)
     show.caption(screen, f"{n:,} balls, {len(world.contacts.pairs):,} contacts")

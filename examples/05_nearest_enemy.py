@@ -6,24 +6,25 @@ import pygame
 import jostle
 import show
 
-REACH = 70
+REACH = 64
 rng = np.random.default_rng(5)
-towers = np.array([(x, y) for x in range(80, 800, 128) for y in range(60, 480, 95)], float)
+towers = np.array([(x, y) for x in range(67, 800, 133) for y in range(70, 400, 110)], float)
 start = rng.uniform(0, 1000, 260)
 lane = rng.normal(0, 26, 260)
 
 for frame, screen in enumerate(show.frames("Nearest enemy")):
     x = (start + 1.2 * frame) % 1000 - 100
-    enemies = np.stack([x, 250 + 120 * np.sin(x / 110) + lane], axis=1)
+    enemies = np.stack([x, 235 + 130 * np.sin(x / 110) + lane], axis=1)
 
     tree = jostle.Quadtree(enemies, radii=5.0)
-    distances, ids = tree.nearest(towers, max_distance=REACH)  # each (towers, 1); id -1: none
+    distances, ids = tree.nearest(towers, max_distance=REACH)  # (towers, 1) each; none: inf and -1
     aims = ids[:, 0]
 
+    for tower in towers:
+        pygame.draw.aacircle(screen, show.DIM, tower, REACH, 1)
     for enemy in enemies:
         pygame.draw.aacircle(screen, show.BLUE, enemy, 5)
-    for tower, aim in zip(towers, aims):
-        pygame.draw.aacircle(screen, show.DIM, tower, REACH, 1)
+    for tower, aim in zip(towers, aims, strict=True):
         if aim >= 0:
             pygame.draw.aaline(screen, show.YELLOW, tower, enemies[aim], 2)
             pygame.draw.aacircle(screen, show.RED, enemies[aim], 5)

@@ -6,7 +6,7 @@ import pygame
 import jostle
 import show
 
-rng = np.random.default_rng(6)
+rng = np.random.default_rng(11)
 centers = rng.uniform((0, 0), show.SIZE, (400, 2))
 radii = rng.uniform(8, 22, 400)
 tree = jostle.Quadtree(centers, radii)

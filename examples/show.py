@@ -27,9 +27,8 @@ _parser.add_argument("--picture", metavar="FILE", help="draw without a display, 
 _parser.add_argument("--frames", metavar="N", type=int, help="frames before the picture is saved")
 _asked = _parser.parse_args()
 
-os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 if _asked.picture:
-    os.environ.update(SDL_VIDEODRIVER="dummy", MPLBACKEND="Agg")
+    os.environ["SDL_VIDEODRIVER"] = "dummy"
 
 
 # ---- pygame ----
@@ -70,8 +69,8 @@ def _move_hand(frame: int, last: int) -> None:
     """Press the button in the upper left, and go around the middle to the lower right."""
     import pygame
 
-    angle = math.pi * (1.25 - frame / max(last, 1))
-    place = (round(400 + 220 * math.cos(angle)), round(250 - 130 * math.sin(-angle)))
+    angle = math.pi * (0.75 - frame / max(last, 1))
+    place = (round(400 + 220 * math.cos(angle)), round(250 - 130 * math.sin(angle)))
     pygame.mouse.set_pos(place)
     if frame == 0:
         pygame.event.post(pygame.Event(pygame.MOUSEBUTTONDOWN, pos=place, button=1))
@@ -99,6 +98,8 @@ def axes(text: str) -> Iterator[Any]:
     """Give axes of 800 by 500 pixels, y downwards as in a window, to draw a still picture."""
     import matplotlib.pyplot as plt
 
+    if _asked.picture:
+        plt.switch_backend("Agg")
     figure = plt.figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, facecolor=GROUND)
     plot = figure.add_axes((0, 0, 1, 1))
     plot.axis("off")
