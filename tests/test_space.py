@@ -377,7 +377,7 @@ def test_stayed_asked_too_late_says_so() -> None:
     events = space.update()
     space.update()
     assert events.entered.tolist() == events.left.tolist() == []
-    with pytest.raises(RuntimeError, match="^stayed is worked out when it is first asked for, "):
+    with pytest.raises(RuntimeError, match=r"^stayed is worked out when it is first asked for, "):
         _ = events.stayed
 
 
@@ -515,7 +515,7 @@ def test_errors_name_argument_index_and_value(call: Any, message: str) -> None:
 def test_ids_are_integers(wrong: Any) -> None:
     space = jostle.Space()
     space.add([(0, 0), (1, 1)])
-    with pytest.raises(TypeError, match="^ids must hold integers"):
+    with pytest.raises(TypeError, match=r"^ids must hold integers"):
         space.remove(wrong)
 
 
