@@ -68,6 +68,7 @@ class Quadtree:
         *,
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
     ) -> NDArray[np.uint32]: ...
     def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts: ...
     @overload

@@ -156,6 +156,8 @@ impl PyQuadtree {
     ///     come in the order of this tree, the same for every number of threads.
     /// max_pairs : int, default 134217728
     ///     The most pairs to return; the default is a gibibyte of them.
+    /// mask : int, optional
+    ///     Find only pairs of which both have a category in this set of bits.
     ///
     /// Returns
     /// -------
@@ -178,8 +180,8 @@ impl PyQuadtree {
     /// >>> rocks.pairs(shots)
     /// array([[0, 0]], dtype=uint32)
     #[pyo3(
-        signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING),
-        text_signature = "($self, other=None, *, sort=False, max_pairs=134217728)"
+        signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None)"
     )]
     fn pairs<'py>(
         &self,
@@ -187,13 +189,18 @@ impl PyQuadtree {
         other: Option<&Bound<'py, PyAny>>,
         sort: Given<'py>,
         max_pairs: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let mask = queries::mask(mask)?;
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         let other = other.map(|other| self.partner(other)).transpose()?;
         let found = py.detach(|| {
             let mut found = match other {
-                None => with_tree!(&self.tree, tree => pairs::within(tree, max_pairs)),
-                Some(other) => between(&self.tree, &other.get().tree, max_pairs),
+                None => with_tree!(&self.tree, tree => match mask {
+                    None => pairs::within(tree, max_pairs),
+                    Some(mask) => pairs::within_mask(tree, mask, max_pairs),
+                }),
+                Some(other) => between(&self.tree, &other.get().tree, mask, max_pairs),
             }?;
             if sort {
                 found.sort();
@@ -671,11 +678,23 @@ impl PyQuadtree {
     }
 }
 
-fn between(a: &Tree, b: &Tree, max_pairs: usize) -> jostle::Result<Found> {
+fn between(a: &Tree, b: &Tree, mask: Option<u32>, max_pairs: usize) -> jostle::Result<Found> {
     match (a, b) {
-        (Tree::Single(a), Tree::Single(b)) => pairs::between(a, b, max_pairs),
-        (Tree::Double(a), Tree::Double(b)) => pairs::between(a, b, max_pairs),
+        (Tree::Single(a), Tree::Single(b)) => between_alike(a, b, mask, max_pairs),
+        (Tree::Double(a), Tree::Double(b)) => between_alike(a, b, mask, max_pairs),
         // Refused before.
         _ => Ok(Found::default()),
+    }
+}
+
+fn between_alike<T: Scalar>(
+    a: &jostle::Quadtree<T>,
+    b: &jostle::Quadtree<T>,
+    mask: Option<u32>,
+    max_pairs: usize,
+) -> jostle::Result<Found> {
+    match mask {
+        None => pairs::between(a, b, max_pairs),
+        Some(mask) => pairs::between_mask(a, b, mask, max_pairs),
     }
 }

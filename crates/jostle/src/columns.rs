@@ -103,6 +103,13 @@ impl<T: Scalar> Columns<T> {
     /// The shape in `row`.
     #[inline(always)]
     pub fn shape(&self, row: usize) -> Shape<T> {
+        self.shape_if(row, true)
+    }
+
+    /// The shape in `row`; its radius is known to be 0 if it is not `round`, and then
+    /// not fetched from memory.
+    #[inline(always)]
+    pub fn shape_if(&self, row: usize, round: bool) -> Shape<T> {
         let filtered = self.has_filters();
         Shape {
             center: [self.x[row], self.y[row]],
@@ -111,7 +118,7 @@ impl<T: Scalar> Columns<T> {
             } else {
                 [T::ZERO; 2]
             },
-            radius: self.radius[row],
+            radius: if round { self.radius[row] } else { T::ZERO },
             category: if filtered { self.category[row] } else { DEFAULT_CATEGORY },
             mask: if filtered { self.mask[row] } else { DEFAULT_MASK },
         }

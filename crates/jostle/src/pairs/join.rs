@@ -19,6 +19,9 @@ pub(super) struct Join<'a, T> {
     pub(super) b: &'a Quadtree<T>,
     pub(super) shift: [T; 2],
     pub(super) itself: bool,
+    /// Only what has a category in it is of interest, if it is there; what else is in the
+    /// same leaf comes along.
+    pub(super) mask: Option<u32>,
 }
 
 /// A node of `a` and a node of `b` whose shapes are to be tested.
@@ -106,7 +109,9 @@ impl<T: Scalar> Join<'_, T> {
     #[inline(always)]
     fn push(&self, task: Task, push: &mut impl FnMut(Task)) {
         let (a, b) = (&self.a.covers()[task.0 as usize], &self.b.covers()[task.1 as usize]);
-        if a.meets(b, self.shift) {
+        let selected =
+            self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
+        if selected && a.meets(b, self.shift) {
             push(task);
         }
     }

@@ -13,11 +13,11 @@ mod output;
 use std::ops::Range;
 
 use crate::columns::Columns;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{self, Scalar};
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::settings::{Method, Settings};
+use crate::settings::{DEFAULT_MAX_PAIRS, Method, Settings};
 use crate::shapes::Shapes;
 use crate::simd::{Simd, Work};
 use join::Join;
@@ -87,7 +87,7 @@ pub fn find_with<T: Scalar>(
 /// All overlapping pairs of rows of one tree, `i < j`, in an order that comes from the tree.
 pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let rows = tree.rows();
-    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true };
+    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
     join.run(max_pairs, |a, b| {
         let (i, j) = (rows[a as usize], rows[b as usize]);
         [i.min(j), i.max(j)]
@@ -97,8 +97,46 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
 /// All overlapping pairs, the first a row of `a`, the second a row of `b`, in an order
 /// that comes from the trees.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
-    let join = Join { a, b, shift: [T::ZERO; 2], itself: false };
+    let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: None };
     join.run(max_pairs, |i, j| [a.rows()[i as usize], b.rows()[j as usize]])
+}
+
+/// As [`within`], only pairs of which both have a category in `mask`.
+pub fn within_mask<T: Scalar>(tree: &Quadtree<T>, mask: u32, max_pairs: usize) -> Result<Found> {
+    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: Some(mask) };
+    let rows = tree.rows();
+    selected(&join, max_pairs, |a, b| {
+        let (i, j) = (rows[a as usize], rows[b as usize]);
+        [i.min(j), i.max(j)]
+    })
+}
+
+/// As [`between`], only pairs of which both have a category in `mask`.
+pub fn between_mask<T: Scalar>(
+    a: &Quadtree<T>,
+    b: &Quadtree<T>,
+    mask: u32,
+    max_pairs: usize,
+) -> Result<Found> {
+    let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: Some(mask) };
+    selected(&join, max_pairs, |i, j| [a.rows()[i as usize], b.rows()[j as usize]])
+}
+
+/// The pairs of a join of which both sides have a category in its mask.
+fn selected<T: Scalar>(
+    join: &Join<'_, T>,
+    max_pairs: usize,
+    finish: impl Fn(u32, u32) -> [u32; 2],
+) -> Result<Found> {
+    let mask = join.mask.unwrap_or(u32::MAX);
+    let mut found = join.run(max_pairs.max(DEFAULT_MAX_PAIRS), as_they_are)?;
+    let has = |columns: &Columns<T>, place: u32| columns.shape(place as usize).category & mask != 0;
+    found.pairs.retain(|&[a, b]| has(join.a.columns(), a) && has(join.b.columns(), b));
+    if found.pairs.len() > max_pairs {
+        return Err(Error::TooManyPairs { max_pairs });
+    }
+    found.pairs.iter_mut().for_each(|pair| *pair = finish(pair[0], pair[1]));
+    Ok(found)
 }
 
 /// The pairs of [`within`] with the geometry of their overlap.
@@ -132,7 +170,8 @@ pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overl
 
 /// As [`within`], in places of the tree's order instead of rows.
 pub fn places_within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
-    Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true }.run(max_pairs, as_they_are)
+    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
+    join.run(max_pairs, as_they_are)
 }
 
 /// As [`between`], in places, with every shape of `a` moved by `-shift`.
@@ -142,7 +181,7 @@ pub fn places_between<T: Scalar>(
     shift: [T; 2],
     max_pairs: usize,
 ) -> Result<Found> {
-    Join { a, b, shift, itself: false }.run(max_pairs, as_they_are)
+    Join { a, b, shift, itself: false, mask: None }.run(max_pairs, as_they_are)
 }
 
 /// All overlapping pairs of rows, `i < j`, in no promised order, every row tested

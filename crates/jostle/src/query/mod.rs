@@ -32,6 +32,39 @@ const QUESTIONS: usize = 64;
 /// Fewer questions than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 512;
 
+/// The order in which to take questions about these places: along a curve that keeps
+/// neighbours together, so that one finds in the cache what the one before it has seen.
+fn along_a_curve<T: Scalar>(places: impl ExactSizeIterator<Item = [T; 2]> + Clone) -> Vec<u32> {
+    let len = places.len();
+    let mut order: Vec<u32> = (0..len as u32).collect();
+    if len <= QUESTIONS {
+        return order;
+    }
+    let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for place in places.clone() {
+        for axis in 0..2 {
+            min[axis] = min[axis].min(place[axis].to_f64());
+            max[axis] = max[axis].max(place[axis].to_f64());
+        }
+    }
+    let scale = [0, 1].map(|axis| 65535.0 / (max[axis] - min[axis]));
+    let cell = |place: [T; 2], axis: usize| {
+        spread(((place[axis].to_f64() - min[axis]) * scale[axis]) as u16)
+    };
+    let keys: Vec<u32> = places.map(|place| cell(place, 0) | cell(place, 1) << 1).collect();
+    order.sort_unstable_by_key(|&question| keys[question as usize]);
+    order
+}
+
+/// The bits of a number, every second place left free.
+fn spread(number: u16) -> u32 {
+    let mut bits = u32::from(number);
+    for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
+        bits = (bits | bits << shift) & mask;
+    }
+    bits
+}
+
 /// The threads to use on `len` questions.
 fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     if len < WORTH_WAKING { Some(1) } else { threads }

@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::region::{MOST_IDS, selects};
-use super::{QUESTIONS, check_reach, worthwhile};
+use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
@@ -139,7 +139,8 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
             }
             let node = &nodes[index as usize];
             if node.is_leaf() {
-                self.leaf(simd, node.range());
+                let round = covers[index as usize].radius > T::ZERO;
+                self.leaf(simd, node.range(), round);
                 continue;
             }
             let from = self.stack.len();
@@ -169,14 +170,14 @@ pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
 
 impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
     #[inline(always)]
-    fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>) {
+    fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>, round: bool) {
         let (shapes, rows) = (self.tree.columns(), self.tree.rows());
         self.best.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
             let limit = self.best.limit();
-            let near = within(simd, self.point, limit, shapes, first);
+            let near = within(simd, self.point, limit, (shapes, round), first);
             for_each_lane(near & first_lanes(places.end - first), |lane| {
-                let shape = shapes.shape(first + lane);
+                let shape = shapes.shape_if(first + lane, round);
                 if selects(self.mask, shape.category)
                     && let Some(id) = (self.id_of)(rows[first + lane])
                 {
@@ -194,25 +195,37 @@ fn within<T: Scalar, S: Simd<T>>(
     simd: S,
     point: [T; 2],
     limit: T,
-    shapes: &Columns<T>,
+    (shapes, round): (&Columns<T>, bool),
     first: usize,
 ) -> u32 {
-    let along = |axis: usize, centers: &[T], half: &[T]| {
-        let mut away = simd.distance(simd.load(block(centers, first)), simd.splat(point[axis]));
-        if !half.is_empty() {
-            let gap = simd.sub(away, simd.load(block(half, first)));
-            away = simd.most(gap, simd.splat(T::ZERO));
-        }
-        simd.mul(away, away)
-    };
-    let (x, y) = (along(0, &shapes.x, &shapes.half_x), along(1, &shapes.y, &shapes.half_y));
-    let reach = simd.add(simd.splat(limit), simd.load(block(&shapes.radius, first)));
+    let x = away(simd, point[0], &shapes.x, &shapes.half_x, first);
+    let y = away(simd, point[1], &shapes.y, &shapes.half_y, first);
+    let mut reach = simd.splat(limit);
+    if round {
+        reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
+    }
     let slack = T::ONE + T::from_f64(16.0) * T::EPSILON;
     let reach = simd.mul(reach, simd.splat(slack));
     // Where squares are too small for their last bits, nothing is ruled out.
     let smallest = simd.splat(T::SMALLEST_SQUARE);
     let reach = simd.add(simd.mul(reach, reach), smallest);
-    !simd.less(reach, simd.add(x, y))
+    !simd.less(reach, simd.add(simd.mul(x, x), simd.mul(y, y)))
+}
+
+/// How far the shapes of a block are from a point along one axis.
+#[inline(always)]
+fn away<T: Scalar, S: Simd<T>>(
+    simd: S,
+    point: T,
+    centers: &[T],
+    half_sizes: &[T],
+    first: usize,
+) -> S::Block {
+    let away = simd.distance(simd.load(block(centers, first)), simd.splat(point));
+    if half_sizes.is_empty() {
+        return away;
+    }
+    simd.most(simd.sub(away, simd.load(block(half_sizes, first))), simd.splat(T::ZERO))
 }
 
 /// Distances and ids of the nearest shapes, `k` for each point.
@@ -259,21 +272,26 @@ pub fn nearest_by<T: Scalar>(
 ) -> Result<Neighbors<T>> {
     check(points, k, max_distance)?;
     let threads = worthwhile(threads, points.len());
-    let parts = parallel::map(threads, points.len().div_ceil(QUESTIONS), |part| {
-        let first = part * QUESTIONS;
-        let mut all = Neighbors::default();
-        for &point in &points[first..points.len().min(first + QUESTIONS)] {
+    let order = along_a_curve(points.iter().copied());
+    let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let found = parallel::map(threads, parts.len(), |part| {
+        let mut found = Neighbors::default();
+        for &question in parts[part] {
             let mut best = Nearest::new(k, max_distance);
-            look(point, &mut best);
-            all.push(best);
+            look(points[question as usize], &mut best);
+            found.push(best);
         }
-        all
+        found
     });
-    let mut all = Neighbors::default();
-    for part in parts {
-        all.distances.extend_from_slice(&part.distances);
-        all.ids.extend_from_slice(&part.ids);
-        all.tests += part.tests;
+    let len = k * points.len();
+    let mut all = Neighbors { distances: vec![T::INFINITY; len], ids: vec![-1; len], tests: 0 };
+    for (part, found) in parts.iter().zip(found) {
+        for (place, &question) in part.iter().enumerate() {
+            let (from, to) = (k * place..k * (place + 1), k * question as usize);
+            all.distances[to..to + k].copy_from_slice(&found.distances[from.clone()]);
+            all.ids[to..to + k].copy_from_slice(&found.ids[from]);
+        }
+        all.tests += found.tests;
     }
     Ok(all)
 }

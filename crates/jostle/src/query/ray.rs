@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::nearest::sort_farthest_first;
 use super::region::selects;
-use super::{QUESTIONS, check_reach, worthwhile};
+use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
@@ -175,12 +175,11 @@ impl<T: Scalar> Beam<T> {
     /// A bit for each shape of a block whose middle is as near to the line as it is large.
     #[inline(always)]
     fn lanes<S: Simd<T>>(&self, simd: S, slack: T, shapes: &Columns<T>, first: usize) -> u32 {
-        let from = |axis: usize, centers: &[T]| {
-            simd.sub(simd.splat(self.ray.origin[axis]), simd.load(block(centers, first)))
-        };
-        let (x, y) = (from(0, &shapes.x), from(1, &shapes.y));
-        let [ux, uy] = self.ray.direction.map(|v| simd.splat(v));
-        let aside = simd.sub(simd.mul(x, uy), simd.mul(y, ux));
+        let [ox, oy] = self.ray.origin;
+        let [ux, uy] = self.ray.direction;
+        let x = simd.sub(simd.splat(ox), simd.load(block(&shapes.x, first)));
+        let y = simd.sub(simd.splat(oy), simd.load(block(&shapes.y, first)));
+        let aside = simd.sub(simd.mul(x, simd.splat(uy)), simd.mul(y, simd.splat(ux)));
         let mut reach =
             simd.add(simd.load(block(&shapes.radius, first)), simd.splat(self.ray.radius + slack));
         if shapes.has_boxes() {
@@ -328,25 +327,24 @@ pub fn first_hits_by<T: Scalar>(
     look: impl Fn(&mut FirstHit<T>) + Sync + Send,
 ) -> RayHits<T> {
     let threads = worthwhile(threads, rays.len());
-    let parts = parallel::map(threads, rays.len().div_ceil(QUESTIONS), |part| {
-        let first = part * QUESTIONS;
-        let rays = &rays[first..rays.len().min(first + QUESTIONS)];
-        let mut all = RayHits::default();
-        for &ray in rays {
-            let mut best = FirstHit::new(ray);
+    let order = along_a_curve(rays.iter().map(|ray| ray.origin));
+    let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let found = parallel::map(threads, parts.len(), |part| {
+        let hit = |&question: &u32| {
+            let mut best = FirstHit::new(rays[question as usize]);
             look(&mut best);
-            let (distance, id) = best.found.unwrap_or((T::INFINITY, u64::MAX));
-            all.distances.push(distance);
-            all.ids.push(id as i64);
-            all.tests += best.tests;
-        }
-        all
+            best
+        };
+        parts[part].iter().map(hit).collect::<Vec<_>>()
     });
-    let mut all = RayHits::default();
-    for part in parts {
-        all.distances.extend_from_slice(&part.distances);
-        all.ids.extend_from_slice(&part.ids);
-        all.tests += part.tests;
+    let len = rays.len();
+    let mut all = RayHits { ids: vec![-1; len], distances: vec![T::INFINITY; len], tests: 0 };
+    for (&question, best) in order.iter().zip(found.iter().flatten()) {
+        if let Some((distance, id)) = best.found {
+            all.ids[question as usize] = id as i64;
+            all.distances[question as usize] = distance;
+        }
+        all.tests += best.tests;
     }
     all
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::{QUESTIONS, worthwhile};
+use super::{QUESTIONS, along_a_curve, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
@@ -60,21 +60,34 @@ impl<T: Scalar> Window<T> {
 
     /// A bit for each shape of a block that could touch it.
     #[inline(always)]
-    fn lanes<S: Simd<T>>(&self, simd: S, shapes: &Columns<T>, first: usize) -> u32 {
-        let along = |axis: usize, centers: &[T], half: &[T]| {
-            let center = simd.load(block(centers, first));
-            let below = simd.sub(simd.splat(self.min[axis]), center);
-            let above = simd.sub(center, simd.splat(self.max[axis]));
-            let mut gap = simd.most(below, above);
-            if !half.is_empty() {
-                gap = simd.sub(gap, simd.load(block(half, first)));
-            }
-            let gap = simd.most(gap, simd.splat(T::ZERO));
-            simd.mul(gap, gap)
-        };
-        let (x, y) = (along(0, &shapes.x, &shapes.half_x), along(1, &shapes.y, &shapes.half_y));
-        let reach = simd.add(simd.splat(self.radius), simd.load(block(&shapes.radius, first)));
-        !simd.less(simd.mul(reach, reach), simd.add(x, y))
+    fn lanes<S: Simd<T>>(&self, simd: S, shapes: &Columns<T>, first: usize, round: bool) -> u32 {
+        let x = self.beyond(simd, 0, &shapes.x, &shapes.half_x, first);
+        let y = self.beyond(simd, 1, &shapes.y, &shapes.half_y, first);
+        let mut reach = simd.splat(self.radius);
+        if round {
+            reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
+        }
+        !simd.less(simd.mul(reach, reach), simd.add(simd.mul(x, x), simd.mul(y, y)))
+    }
+
+    /// How far the shapes of a block lie outside along one axis; 0 inside.
+    #[inline(always)]
+    fn beyond<S: Simd<T>>(
+        &self,
+        simd: S,
+        axis: usize,
+        centers: &[T],
+        half_sizes: &[T],
+        first: usize,
+    ) -> S::Block {
+        let center = simd.load(block(centers, first));
+        let below = simd.sub(simd.splat(self.min[axis]), center);
+        let above = simd.sub(center, simd.splat(self.max[axis]));
+        let mut gap = simd.most(below, above);
+        if !half_sizes.is_empty() {
+            gap = simd.sub(gap, simd.load(block(half_sizes, first)));
+        }
+        simd.most(gap, simd.splat(T::ZERO))
     }
 }
 
@@ -125,39 +138,52 @@ pub fn search<T: Scalar, R: Region<T>>(
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
     let threads = worthwhile(tree.settings().threads, regions.len());
+    let order = along_a_curve(regions.iter().map(|region| region.window().min));
     let count = AtomicUsize::new(0);
-    let parts = parallel::map(threads, regions.len().div_ceil(QUESTIONS), |part| {
-        let first = part * QUESTIONS;
-        let regions = &regions[first..regions.len().min(first + QUESTIONS)];
-        T::with_widest(Search { tree, regions, mask, count: &count })
+    let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let found = parallel::map(threads, parts.len(), |part| {
+        T::with_widest(Search { tree, regions, order: parts[part], mask, count: &count })
     });
     if count.into_inner() > MOST_IDS {
         return Err(Error::TooManyIds { most: MOST_IDS });
     }
-    Ok(together(parts, regions.len()))
+    Ok(together(&parts, found))
 }
 
-/// Puts the answers of parts behind each other.
-fn together(mut parts: Vec<Hits<u32>>, questions: usize) -> Hits<u32> {
-    if parts.len() == 1 {
-        return parts.remove(0);
+/// Puts answers to questions in some order into the order of their numbers.
+fn together(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Hits<u32> {
+    match found.len() {
+        0 => return Hits { offsets: vec![0], ids: Vec::new(), tests: 0 },
+        1 => return found.remove(0),
+        _ => {}
     }
-    let mut all = Hits { offsets: Vec::with_capacity(questions + 1), ids: Vec::new(), tests: 0 };
-    all.offsets.push(0);
-    all.ids.reserve_exact(parts.iter().map(|part| part.ids.len()).sum());
-    for part in parts {
-        let before = all.ids.len();
-        all.offsets.extend(part.offsets[1..].iter().map(|offset| before + offset));
-        all.ids.extend_from_slice(&part.ids);
-        all.tests += part.tests;
+    let questions = parts.iter().map(|part| part.len()).sum::<usize>();
+    let answers = || parts.iter().zip(&found);
+    let mut offsets = vec![0; questions + 1];
+    for (part, hits) in answers() {
+        for (place, &question) in part.iter().enumerate() {
+            offsets[question as usize + 1] = hits.of(place).len();
+        }
     }
-    all
+    for question in 0..questions {
+        offsets[question + 1] += offsets[question];
+    }
+    let mut ids = vec![0; offsets[questions]];
+    for (part, hits) in answers() {
+        for (place, &question) in part.iter().enumerate() {
+            let question = question as usize;
+            ids[offsets[question]..offsets[question + 1]].copy_from_slice(hits.of(place));
+        }
+    }
+    let tests = found.iter().map(|hits| hits.tests).sum();
+    Hits { offsets, ids, tests }
 }
 
 /// Some regions, asked one after the other.
 struct Search<'a, T, R> {
     tree: &'a Quadtree<T>,
     regions: &'a [R],
+    order: &'a [u32],
     mask: Option<u32>,
     /// Ids found by all parts together.
     count: &'a AtomicUsize,
@@ -171,7 +197,8 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
         let mut hits = Hits { offsets: vec![0], ids: Vec::new(), tests: 0 };
         let mut stack = Vec::new();
         let mut before = self.count.load(Ordering::Relaxed);
-        for region in self.regions {
+        for &question in self.order {
+            let region = &self.regions[question as usize];
             let start = hits.ids.len();
             if before <= MOST_IDS {
                 self.walk(simd, region, &mut stack, &mut hits);
@@ -204,7 +231,8 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
             if R::PLAIN && all_selected && window.holds(&covers[index as usize]) {
                 hits.ids.extend(node.range().map(|place| place as u32));
             } else if node.is_leaf() {
-                self.leaf(simd, region, &window, node.range(), hits);
+                let round = covers[index as usize].radius > T::ZERO;
+                self.leaf(simd, region, (&window, round), node.range(), hits);
             } else {
                 for child in node.children() {
                     if near(&covers[child]) {
@@ -220,16 +248,16 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
         &self,
         simd: S,
         region: &R,
-        window: &Window<T>,
+        (window, round): (&Window<T>, bool),
         places: Range<usize>,
         hits: &mut Hits<u32>,
     ) {
         let shapes = self.tree.columns();
         hits.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
-            let bits = window.lanes(simd, shapes, first) & first_lanes(places.end - first);
+            let bits = window.lanes(simd, shapes, first, round) & first_lanes(places.end - first);
             for_each_lane(bits, |lane| {
-                let shape = shapes.shape(first + lane);
+                let shape = shapes.shape_if(first + lane, round);
                 if selects(self.mask, shape.category) && region.touches(&shape) {
                     hits.ids.push((first + lane) as u32);
                 }

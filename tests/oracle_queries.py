@@ -1,0 +1,120 @@
+"""What queries should answer: the formulas of the contract for every shape, in plain NumPy.
+
+Each function takes one question and says for all shapes at once whether it is about them, or
+how far away they are, in the dtype of the shapes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from oracle import Shapes
+
+QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ignore"}
+
+
+def halves(shapes: Shapes) -> NDArray[Any]:
+    """Half sizes, 0 for circles."""
+    return np.zeros_like(shapes.centers) if shapes.half_sizes is None else shapes.half_sizes
+
+
+def _open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
+    outside = np.maximum(gap, 0)
+    near = outside[:, 0] ** 2 + outside[:, 1] ** 2 < reach**2
+    return near | (gap < 0).all(axis=1)
+
+
+def in_rect(shapes: Shapes, rect: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether each shape overlaps a rectangle."""
+    with np.errstate(**QUIET):
+        gap = np.maximum(rect[:2] - shapes.centers, shapes.centers - rect[2:]) - halves(shapes)
+        return _open_overlap(gap, shapes.radii)
+
+
+def in_circle(shapes: Shapes, center: NDArray[Any], radius: Any) -> NDArray[np.bool_]:
+    """Whether each shape overlaps a disc."""
+    with np.errstate(**QUIET):
+        return _open_overlap(
+            np.abs(shapes.centers - center) - halves(shapes), shapes.radii + radius
+        )
+
+
+def at_point(shapes: Shapes, point: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether a point is in each shape; rectangles are open on the right and below."""
+    half = halves(shapes)
+    with np.errstate(**QUIET):
+        offset = point - shapes.centers
+        outside = np.maximum(np.abs(offset) - half, 0)
+        closed = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= shapes.radii**2
+        half_open = ((offset >= -half) & (offset < half)).all(axis=1)
+    rectangle = (shapes.radii == 0) & (half > 0).any(axis=1)
+    return np.where(rectangle, half_open, closed)
+
+
+def distance(shapes: Shapes, point: NDArray[Any]) -> NDArray[Any]:
+    """How far a point is from the surface of each shape; 0 inside."""
+    with np.errstate(**QUIET):
+        outside = np.maximum(np.abs(shapes.centers - point) - halves(shapes), 0)
+        length = np.sqrt(outside[:, 0] ** 2 + outside[:, 1] ** 2)
+        return np.maximum(length - shapes.radii, 0)
+
+
+def along_ray(
+    shapes: Shapes, origin: NDArray[Any], direction: NDArray[Any], radius: Any
+) -> NDArray[Any]:
+    """How far along a ray each shape is, grown by the radius of a disc; infinity if it misses."""
+    dtype = shapes.centers.dtype
+    half, nothing = halves(shapes), dtype.type(0)
+    with np.errstate(**QUIET):
+        scaled = direction / np.abs(direction).max()
+        u = scaled / np.sqrt(scaled[0] ** 2 + scaled[1] ** 2)
+        m = origin - shapes.centers
+        reach = shapes.radii + radius
+        outside = np.maximum(np.abs(m) - half, 0)
+        inside = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= reach**2
+        ways = [
+            _to_box(m, u, half + np.stack([reach, np.zeros_like(reach)], axis=1)),
+            _to_box(m, u, half + np.stack([np.zeros_like(reach), reach], axis=1)),
+        ]
+        corners = [(-1, -1), (1, -1), (-1, 1), (1, 1)]
+        ways += [_to_circle(m - half * np.array(c, dtype), u, reach) for c in corners]
+        rounded = np.minimum.reduce(ways)
+        circle = (half == 0).all(axis=1)
+        far = np.where(circle, _to_circle(m, u, reach), rounded)
+        far = np.where(~circle & (reach == 0), _to_box(m, u, half), far)
+        return np.where(inside, nothing, far)
+
+
+def _to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArray[Any]:
+    along = m[:, 0] * u[0] + m[:, 1] * u[1]
+    aside = m[:, 0] * u[1] - m[:, 1] * u[0]
+    half_chord = radius**2 - aside**2
+    meets = (along <= 0) & (half_chord >= 0)
+    far = np.maximum(-along - np.sqrt(np.maximum(half_chord, 0)), 0)
+    return np.where(meets, far, np.inf).astype(m.dtype)
+
+
+def _to_box(m: NDArray[Any], u: NDArray[Any], half: NDArray[Any]) -> NDArray[Any]:
+    enter, leave = np.zeros(len(m), m.dtype), np.full(len(m), np.inf, m.dtype)
+    for axis in range(2):
+        if u[axis] == 0:
+            leave = np.where(np.abs(m[:, axis]) > half[:, axis], -np.inf, leave)
+            continue
+        first = (-half[:, axis] - m[:, axis]) / u[axis]
+        second = (half[:, axis] - m[:, axis]) / u[axis]
+        enter = np.maximum(enter, np.minimum(first, second))
+        leave = np.minimum(leave, np.maximum(first, second))
+    return np.where(enter <= leave, enter, np.inf).astype(m.dtype)
+
+
+def k_nearest(
+    distances: NDArray[Any], k: int, max_distance: float
+) -> tuple[NDArray[Any], NDArray[np.intp]]:
+    """The k smallest, of equal ones the first; infinity and -1 where there are fewer."""
+    order = np.lexsort((np.arange(len(distances)), distances))[:k]
+    order = order[distances[order] <= max_distance]
+    ids, far = np.full(k, -1), np.full(k, np.inf, distances.dtype)
+    ids[: len(order)], far[: len(order)] = order, distances[order]
+    return far, ids
