@@ -9,6 +9,8 @@ mod results;
 mod queries;
 mod find_pairs;
 mod quadtree;
+mod space;
+mod events;
 mod containers;
 mod particles;
 mod world;
@@ -25,9 +27,13 @@ mod _core {
     #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
     #[pymodule_export]
+    use super::events::PyEvents;
+    #[pymodule_export]
     use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
+    #[pymodule_export]
+    use super::space::PySpace;
     #[pymodule_export]
     use super::world::PyWorld;
 
