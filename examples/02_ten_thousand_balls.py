@@ -27,7 +27,7 @@ column = (places[:, 0] / show.WIDTH * len(stamps)).astype(int)  # coloured by wh
 stamp_of = [stamps[k] for k in column]
 
 for screen in show.frames("Ten thousand balls", until=200):
-    center = world.positions[n]
+    center = world.positions[n].astype(float)
     world.set(plough, velocities=[10 * (pygame.mouse.get_pos() - center)])
     world.step(1 / 60)
 

@@ -6,15 +6,15 @@ import pygame
 import jostle
 import show
 
-REACH = 64
+REACH = 60
 rng = np.random.default_rng(5)
-towers = np.array([(x, y) for x in range(67, 800, 133) for y in range(70, 400, 110)], float)
+towers = np.array([(x, y) for x in range(67, 800, 133) for y in range(75, 430, 110)], float)
 start = rng.uniform(0, 1000, 260)
 lane = rng.normal(0, 26, 260)
 
 for frame, screen in enumerate(show.frames("Nearest enemy")):
     x = (start + 1.2 * frame) % 1000 - 100
-    enemies = np.stack([x, 235 + 130 * np.sin(x / 110) + lane], axis=1)
+    enemies = np.stack([x, 240 + 130 * np.sin(x / 110) + lane], axis=1)
 
     tree = jostle.Quadtree(enemies, radii=5.0)
     distances, ids = tree.nearest(towers, max_distance=REACH)  # (towers, 1) each; none: inf and -1

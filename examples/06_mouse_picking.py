@@ -6,9 +6,9 @@ import pygame
 import jostle
 import show
 
-rng = np.random.default_rng(11)
-centers = rng.uniform((0, 0), show.SIZE, (400, 2))
-radii = rng.uniform(8, 22, 400)
+rng = np.random.default_rng(18)
+centers = rng.uniform((0, 0), show.SIZE, (300, 2))
+radii = rng.uniform(8, 24, 300)
 tree = jostle.Quadtree(centers, radii)
 corner = None  # where the drag began
 
@@ -24,7 +24,7 @@ for screen in show.frames("Mouse picking"):
     under = tree.query_point(mouse)  # ascending, so the last is the one drawn on top
     picked = under[-1] if len(under) else None
 
-    for k in range(400):
+    for k in range(300):
         color = show.YELLOW if k == picked else show.TEAL if k in selected else show.BLUE
         pygame.draw.aacircle(screen, show.GROUND, centers[k], radii[k])
         pygame.draw.aacircle(screen, color, centers[k], radii[k] - 1)

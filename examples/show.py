@@ -106,7 +106,7 @@ def axes(text: str) -> Iterator[Any]:
     plot.set(xlim=(0, WIDTH), ylim=(HEIGHT, 0))
     yield plot
     box = {"boxstyle": "round,pad=0.6,rounding_size=0.6", "fc": (0.05, 0.06, 0.08, 0.88), "ec": "none"}
-    plot.text(24, HEIGHT - 24, text, color=TEXT, size=10.5, bbox=box, va="baseline", zorder=9)
+    plot.text(24, HEIGHT - 24, text, color=TEXT, size=9.8, bbox=box, va="baseline", zorder=9)
     if _asked.picture:
         figure.savefig(_asked.picture, dpi=100, facecolor=GROUND)
     else:
