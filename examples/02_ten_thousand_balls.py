@@ -21,7 +21,7 @@ plough = world.add([(180, 158)], [(0, 0)], 36, masses=1e6)
 
 # Draw a ball of each colour once and stamp it: far faster than ten thousand circles.
 stamps = [pygame.Surface((8, 8), pygame.SRCALPHA) for _ in show.RAMP]
-for stamp, color in zip(stamps, show.RAMP, strict=True):
+for stamp, color in zip(stamps, show.RAMP):
     pygame.draw.aacircle(stamp, color, (4, 4), 2.5)
 column = (places[:, 0] / show.WIDTH * len(stamps)).astype(int)  # coloured by where it began
 stamp_of = [stamps[k] for k in column]
@@ -32,6 +32,6 @@ for screen in show.frames("Ten thousand balls", until=200):
     world.step(1 / 60)
 
     corners = (world.positions[:n] - 4).tolist()
-    screen.fblits(list(zip(stamp_of, corners, strict=True)))
+    screen.fblits(list(zip(stamp_of, corners)))
     pygame.draw.aacircle(screen, show.TEXT, center, 36)
     show.caption(screen, f"{n:,} balls, {len(world.contacts.pairs):,} contacts")

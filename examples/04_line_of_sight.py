@@ -29,10 +29,9 @@ for screen in show.frames("Line of sight"):
     pygame.draw.polygon(light, "white", eye + directions * np.minimum(distances, REACH)[:, None])
     light.blit(glow, eye - REACH, special_flags=pygame.BLEND_MULT)
     screen.blit(light, (0, 0), special_flags=pygame.BLEND_ADD)
-    for center, radius, half, lit in zip(centers, radii, half_sizes, seen, strict=True):
-        if radius > 0:
-            pygame.draw.aacircle(screen, show.TEAL if lit else show.DIM, center, radius)
-        else:
-            pygame.draw.rect(screen, show.TEAL if lit else show.DIM, (*(center - half), *(2 * half)))
+    for center, radius, half, lit in zip(centers, radii, half_sizes, seen):
+        color = show.TEAL if lit else show.DIM
+        pygame.draw.rect(screen, color, (*(center - half), *(2 * half)))
+        pygame.draw.aacircle(screen, color, center, radius)
     pygame.draw.aacircle(screen, show.TEXT, eye, 6)
     show.caption(screen, f"{len(directions):,} rays, {seen.sum()} of {n} obstacles in sight")

@@ -24,7 +24,7 @@ for frame, screen in enumerate(show.frames("Nearest enemy")):
         pygame.draw.aacircle(screen, show.DIM, tower, REACH, 1)
     for enemy in enemies:
         pygame.draw.aacircle(screen, show.BLUE, enemy, 5)
-    for tower, aim in zip(towers, aims, strict=True):
+    for tower, aim in zip(towers, aims):
         if aim >= 0:
             pygame.draw.aaline(screen, show.YELLOW, tower, enemies[aim], 2)
             pygame.draw.aacircle(screen, show.RED, enemies[aim], 5)

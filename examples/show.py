@@ -13,6 +13,7 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 SIZE = WIDTH, HEIGHT = 800, 500
@@ -76,14 +77,19 @@ def _move_hand(frame: int, last: int) -> None:
         pygame.event.post(pygame.Event(pygame.MOUSEBUTTONDOWN, pos=place, button=1))
 
 
+@cache
+def _font() -> Any:
+    import pygame
+
+    faces = "inter,segoeui,helveticaneue,notosans,dejavusans,liberationsans,arial"
+    return pygame.font.SysFont(faces, 14)
+
+
 def caption(screen: Any, text: str) -> None:
     """Write a line at the foot of the window."""
     import pygame
 
-    if not hasattr(caption, "font"):
-        faces = "inter,segoeui,helveticaneue,notosans,dejavusans,liberationsans,arial"
-        caption.font = pygame.font.SysFont(faces, 14)
-    words = caption.font.render(text, True, TEXT)
+    words = _font().render(text, True, TEXT)
     sheet = pygame.Surface((words.get_width() + 24, words.get_height() + 12), pygame.SRCALPHA)
     pygame.draw.rect(sheet, (12, 15, 20, 224), sheet.get_rect(), border_radius=8)
     sheet.blit(words, (12, 6))
@@ -105,7 +111,7 @@ def axes(text: str) -> Iterator[Any]:
     plot.axis("off")
     plot.set(xlim=(0, WIDTH), ylim=(HEIGHT, 0))
     yield plot
-    box = {"boxstyle": "round,pad=0.6,rounding_size=0.6", "fc": (0.05, 0.06, 0.08, 0.88), "ec": "none"}
+    box = {"boxstyle": "round,pad=0.6", "fc": (0.05, 0.06, 0.08, 0.88), "ec": "none"}
     plot.text(24, HEIGHT - 24, text, color=TEXT, size=9.8, bbox=box, va="baseline", zorder=9)
     if _asked.picture:
         figure.savefig(_asked.picture, dpi=100, facecolor=GROUND)
