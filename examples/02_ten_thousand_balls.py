@@ -19,7 +19,7 @@ world = jostle.World(
 )
 plough = world.add([(180, 158)], [(0, 0)], 36, masses=1e6)
 
-# Draw a ball of each colour once and stamp it: far faster than ten thousand circles.
+# A ball of each colour is drawn once, of middle size, and stamped: faster than 10,000 circles.
 stamps = [pygame.Surface((8, 8), pygame.SRCALPHA) for _ in show.RAMP]
 for stamp, color in zip(stamps, show.RAMP):
     pygame.draw.aacircle(stamp, color, (4, 4), 2.5)
