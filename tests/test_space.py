@@ -240,7 +240,7 @@ class LivingSpace(RuleBasedStateMachine):
         np.testing.assert_array_equal(self.space.masks(), wanted)
 
 
-LivingSpace.TestCase.settings = settings(max_examples=60, stateful_step_count=60, deadline=None)
+LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50, deadline=None)
 TestLivingSpace = LivingSpace.TestCase
 
 

@@ -159,7 +159,6 @@ impl PySpace {
         text_signature = "($self, centers, radii=0.0, half_sizes=None, *, categories=1, \
                           masks=0xFFFFFFFF)"
     )]
-    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
         &self,
         py: Python<'py>,

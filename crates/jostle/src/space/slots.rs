@@ -222,23 +222,27 @@ impl<T: Scalar> Slots<T> {
         }
     }
 
-    /// Replaces the contents of `shapes` by the shapes in `slots`, in that order.
+    /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
+    /// have in common is said once: a tree need not put that into its order.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) {
+        let Shapes { centers, radii, half_sizes, filters } = shapes;
         let each = || slots.iter().map(|&slot| slot as usize);
-        shapes.centers.clear();
-        shapes.centers.extend(each().map(|slot| self.centers[slot]));
-        let radii = shapes.radii.rows_mut();
-        radii.clear();
-        radii.extend(each().map(|slot| self.radii[slot]));
-        let round =
-            self.half_sizes.is_empty() || each().all(|slot| self.half_sizes[slot] == [T::ZERO; 2]);
-        shapes.half_sizes =
-            (!round).then(|| Each::Rows(each().map(|slot| self.half_sizes[slot]).collect()));
-        let open = self.filters.is_empty()
-            || each().all(|slot| self.filters[slot] == [DEFAULT_CATEGORY, DEFAULT_MASK]);
-        shapes.filters = (!open).then(|| {
-            [0, 1].map(|which| Each::Rows(each().map(|slot| self.filters[slot][which]).collect()))
-        });
+        centers.clear();
+        centers.extend(each().map(|slot| self.centers[slot]));
+        put(radii, each().map(|slot| self.radii[slot]));
+        let mut halves = half_sizes.take().unwrap_or_default();
+        if !self.half_sizes.is_empty() {
+            put(&mut halves, each().map(|slot| self.half_sizes[slot]));
+            *half_sizes = (halves != Each::One([T::ZERO; 2])).then_some(halves);
+        }
+        let [mut categories, mut masks] = filters.take().unwrap_or_default();
+        if !self.filters.is_empty() {
+            put(&mut categories, each().map(|slot| self.filters[slot][0]));
+            put(&mut masks, each().map(|slot| self.filters[slot][1]));
+            let open =
+                (&categories, &masks) == (&Each::One(DEFAULT_CATEGORY), &Each::One(DEFAULT_MASK));
+            *filters = (!open).then_some([categories, masks]);
+        }
     }
 
     /// Bytes of memory that they keep, used or not.
@@ -249,6 +253,20 @@ impl<T: Scalar> Slots<T> {
         (numbers + halves) * size_of::<T>()
             + (words + 2 * self.filters.capacity()) * size_of::<u32>()
     }
+}
+
+/// Replaces the contents of `to`; one value stands for all that are the same.
+fn put<V: Copy + PartialEq>(to: &mut Each<V>, mut values: impl Iterator<Item = V> + Clone) {
+    let all = values.clone();
+    if let Some(first) = values.next()
+        && values.all(|value| value == first)
+    {
+        *to = Each::One(first);
+        return;
+    }
+    let rows = to.rows_mut();
+    rows.clear();
+    rows.extend(all);
 }
 
 /// Slot and generation of an id; none where it cannot be one.
