@@ -20,7 +20,7 @@ SIZE = WIDTH, HEIGHT = 800, 500
 
 GROUND, DIM, SOFT, TEXT = "#10141a", "#2c3542", "#8e9aab", "#dce3ec"
 BLUE, TEAL, GREEN = "#4f6d9e", "#6fb0a2", "#a7c58c"
-YELLOW, ORANGE, RED, VIOLET = "#e2c67c", "#e09b6a", "#c9686a", "#8f98e6"
+YELLOW, ORANGE, RED = "#e2c67c", "#e09b6a", "#c9686a"
 RAMP = [BLUE, "#5590a8", TEAL, GREEN, YELLOW, ORANGE, RED]
 
 _parser = argparse.ArgumentParser()
