@@ -21,6 +21,7 @@ import hard_cases
 import plot
 import share
 import small
+import space
 import sprites
 import tables
 
@@ -77,6 +78,7 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "small": lambda options: small.race(options.rounds, options.largest),
     "growth": lambda options: growth.race(options.rounds, 10 * options.largest, told),
     "share": lambda options: share.race(options.rounds, options.largest),
+    "space": lambda options: space.race(options.rounds, options.largest),
     "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),
     "sprites": lambda options: sprites.race(options.rounds, options.largest),
 }

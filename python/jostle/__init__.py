@@ -4,6 +4,8 @@
     All overlapping pairs of some circles, rectangles or rounded boxes, once.
 `Quadtree`
     The same for shapes that are asked about more than once.
+`Space`
+    Shapes that come, move and go under ids, and the `Events` of their pairs.
 `World`
     Particles that move, collide and bounce off a `Box`, a `Circle` or the seams of
     a `Torus`; `jostle.scenes` has some ready.
@@ -14,19 +16,31 @@
 """
 
 from jostle import article, scenes
-from jostle._core import Box, Circle, Quadtree, Torus, World, __version__, find_pairs
+from jostle._core import (
+    Box,
+    Circle,
+    Events,
+    Quadtree,
+    Space,
+    Torus,
+    World,
+    __version__,
+    find_pairs,
+)
 from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
 
 __all__ = [
     "Box",
     "Circle",
     "Contacts",
+    "Events",
     "Hits",
     "Neighbors",
     "Nodes",
     "Quadtree",
     "RayHit",
     "RayHits",
+    "Space",
     "Stats",
     "Torus",
     "World",

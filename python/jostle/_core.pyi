@@ -1,11 +1,11 @@
 """The compiled part of jostle; `help` on each name tells more."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
 from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
@@ -13,7 +13,9 @@ from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, St
 __all__ = [
     "Box",
     "Circle",
+    "Events",
     "Quadtree",
+    "Space",
     "Torus",
     "World",
     "__version__",
@@ -34,6 +36,7 @@ _Number: TypeAlias = SupportsFloat | SupportsIndex
 _Point: TypeAlias = tuple[_Number, _Number]
 _Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
 _Ids: TypeAlias = NDArray[np.int64]
+_Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
 
 def abandon_threads() -> None: ...
@@ -154,6 +157,150 @@ class Quadtree:
     @property
     def stats(self) -> Stats: ...
     def __len__(self) -> int: ...
+
+@final
+class Space:
+    def __new__(
+        cls,
+        *,
+        dtype: DTypeLike = "float64",
+        leaf_capacity: SupportsIndex = 96,
+        max_depth: SupportsIndex = 4096,
+        threads: SupportsIndex | None = None,
+    ) -> Self: ...
+    @overload
+    def add(
+        self,
+        centers: _Point,
+        radii: ArrayLike = 0.0,
+        half_sizes: ArrayLike | None = None,
+        *,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        centers: ArrayLike,
+        radii: ArrayLike = 0.0,
+        half_sizes: ArrayLike | None = None,
+        *,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> Any: ...
+    def move(self, ids: ArrayLike, centers: ArrayLike) -> None: ...
+    def resize(
+        self,
+        ids: ArrayLike,
+        radii: ArrayLike | None = None,
+        half_sizes: ArrayLike | None = None,
+    ) -> None: ...
+    def set_filter(
+        self,
+        ids: ArrayLike,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+    ) -> None: ...
+    def remove(self, ids: ArrayLike) -> None: ...
+    def update(self, *, max_pairs: SupportsIndex = 134217728) -> Events: ...
+    def pairs(self, *, sort: bool = False, max_pairs: SupportsIndex = 134217728) -> _Pairs: ...
+    @overload
+    def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> _Ids | Hits: ...
+    @overload
+    def query_circle(
+        self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits: ...
+    @overload
+    def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_point(
+        self, point: ArrayLike, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits: ...
+    def query_polygon(
+        self, vertices: ArrayLike, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits: ...
+    def nearest(
+        self,
+        point: ArrayLike,
+        k: SupportsIndex = 1,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> Neighbors: ...
+    @overload
+    def raycast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        radius: _Number,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        radius: ArrayLike,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits: ...
+    def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
+    def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
+    @overload
+    def radii(self, ids: SupportsIndex) -> float: ...
+    @overload
+    def radii(self, ids: ArrayLike | None = None) -> Any: ...
+    @overload
+    def categories(self, ids: SupportsIndex) -> int: ...
+    @overload
+    def categories(self, ids: ArrayLike | None = None) -> Any: ...
+    @overload
+    def masks(self, ids: SupportsIndex) -> int: ...
+    @overload
+    def masks(self, ids: ArrayLike | None = None) -> Any: ...
+    @property
+    def ids(self) -> _Ids: ...
+    @property
+    def dtype(self) -> Literal["float32", "float64"]: ...
+    def __contains__(self, id: object, /) -> bool: ...
+    def __len__(self) -> int: ...
+
+@final
+class Events:
+    @property
+    def entered(self) -> _Pairs: ...
+    @property
+    def stayed(self) -> _Pairs: ...
+    @property
+    def left(self) -> _Pairs: ...
+    def __iter__(self) -> Iterator[_Pairs]: ...
 
 @final
 class World:

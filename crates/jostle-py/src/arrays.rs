@@ -4,6 +4,8 @@
 //! checked and copied, so that nobody can change it once other threads run.
 //! Out: vectors become arrays without a copy.
 
+use std::fmt::Display;
+
 use jostle::{Each, Scalar};
 use numpy::ndarray::Array2;
 use numpy::{
@@ -210,6 +212,24 @@ impl<'py> Argument<'py> {
         self.unsigned()
     }
 
+    /// Ids of 63 bits: one, or a row of them.
+    pub fn long_ids(&self) -> PyResult<Each<i64>> {
+        let ids = if self.array.dtype().kind() == b'u' {
+            let id = |(row, id): (usize, u64)| {
+                let name = if self.is_scalar() { String::new() } else { format!("[{row}]") };
+                id.try_into().map_err(|_| too_long_id(&format!("{}{name}", self.name), id))
+            };
+            self.copied::<u64>()?.into_iter().enumerate().map(id).collect::<PyResult<_>>()?
+        } else {
+            self.copied::<i64>()?
+        };
+        match self.array.shape() {
+            [] => Ok(Each::One(ids[0])),
+            [_] => Ok(Each::Rows(ids)),
+            _ => Err(self.wrong_shape("an integer or (k,)")),
+        }
+    }
+
     /// A truth for all or one for each of `len` rows.
     pub fn truth_each(&self, len: usize) -> PyResult<Each<bool>> {
         self.each(len, "True or False", |argument| argument.copied())
@@ -349,6 +369,19 @@ pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
         Ok(number) if !is_truth(value) => Ok(number),
         _ => Err(type_error(name, "a number", value)),
     }
+}
+
+/// An id of 63 bits or an array of them.
+pub fn long_ids(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Each<i64>> {
+    if value.is_instance_of::<PyInt>() && !is_truth(value) {
+        return value.extract().map(Each::One).map_err(|_| too_long_id(name, value));
+    }
+    Argument::integers(name, value)?.long_ids()
+}
+
+/// What does not fit into an id is none.
+fn too_long_id(name: &str, id: impl Display) -> PyErr {
+    PyValueError::new_err(format!("{name} is {id}; no shape has this id"))
 }
 
 /// Two real numbers.

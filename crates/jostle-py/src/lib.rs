@@ -9,6 +9,8 @@ mod results;
 mod queries;
 mod find_pairs;
 mod quadtree;
+mod space;
+mod events;
 mod sprites;
 mod containers;
 mod particles;
@@ -26,9 +28,13 @@ mod _core {
     #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
     #[pymodule_export]
+    use super::events::PyEvents;
+    #[pymodule_export]
     use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
+    #[pymodule_export]
+    use super::space::PySpace;
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]

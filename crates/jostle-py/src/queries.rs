@@ -25,8 +25,8 @@ fn reach<T: Scalar>(max_distance: &Given<'_>) -> PyResult<T> {
     Ok(T::from_f64(max_distance.value().map_or(Ok(f64::INFINITY), read)?))
 }
 
-/// An error about the only question names no row.
-fn without_row(error: Error) -> Error {
+/// An error about the only question, or shape, names no row.
+pub fn without_row(error: Error) -> Error {
     match error {
         Error::Value { argument, index: Some(_), value, rule } => Error::of(argument, value, &rule),
         other => other,

@@ -139,16 +139,7 @@ impl<T: Scalar> Shapes<T> {
         self.radii.check(|radii| check_sizes("radii", "a radius", radii))?;
         let Some(half_sizes) = &self.half_sizes else { return Ok(()) };
         half_sizes.check_len("half_sizes", len)?;
-        half_sizes.check(|sizes| {
-            let bad = |size: &[T; 2]| check_sizes("half_sizes", "a half size", size).is_err();
-            let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
-            check_sizes("half_sizes", "a half size", &sizes[row]).map_err(|error| match error {
-                Error::Value { argument, value, rule, .. } => {
-                    Error::at(argument, row, value, &rule)
-                }
-                other => other,
-            })
-        })
+        check_each_half_size(half_sizes)
     }
 
     /// Number of shapes.
@@ -208,4 +199,16 @@ pub fn check_sizes<T: Scalar>(argument: &'static str, noun: &str, sizes: &[T]) -
         format!("{noun} must be finite and at least 0")
     };
     Err(Error::at(argument, index, size, &rule))
+}
+
+/// Refuses half sizes one of which [`check_sizes`] refuses.
+pub fn check_each_half_size<T: Scalar>(half_sizes: &Each<[T; 2]>) -> Result<()> {
+    half_sizes.check(|sizes| {
+        let bad = |size: &[T; 2]| check_sizes("half_sizes", "a half size", size).is_err();
+        let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
+        check_sizes("half_sizes", "a half size", &sizes[row]).map_err(|error| match error {
+            Error::Value { argument, value, rule, .. } => Error::at(argument, row, value, &rule),
+            other => other,
+        })
+    })
 }

@@ -4,7 +4,7 @@ use super::Found;
 use super::kernel::{Kernel, Scratch, Side};
 use super::output::{Budget, Finish, Output};
 use crate::error::Result;
-use crate::geometry::Scalar;
+use crate::geometry::{Cover, Scalar};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::simd::{Simd, Work};
@@ -81,7 +81,7 @@ impl<T: Scalar> Join<'_, T> {
                     self.push((first as u32, second as u32), push);
                 }
             }
-        } else if node_b.is_leaf() || (!node_a.is_leaf() && node_a.len() >= node_b.len()) {
+        } else if node_b.is_leaf() || (!node_a.is_leaf() && self.first_is_larger(a, b)) {
             for child in node_a.children() {
                 self.push((child as u32, b), push);
             }
@@ -90,6 +90,19 @@ impl<T: Scalar> Join<'_, T> {
                 self.push((a, child as u32), push);
             }
         }
+    }
+
+    /// Which of two nodes to look into: within one tree the one with more shapes, between two
+    /// the wider one, or a few shapes would meet every node of many in between.
+    #[inline(always)]
+    fn first_is_larger(&self, a: u32, b: u32) -> bool {
+        let (a, b) = (a as usize, b as usize);
+        if self.itself {
+            return self.a.nodes()[a].len() >= self.b.nodes()[b].len();
+        }
+        let width =
+            |cover: &Cover<T>| (cover.max[0] - cover.min[0]).most(cover.max[1] - cover.min[1]);
+        width(&self.a.covers()[a]) >= width(&self.b.covers()[b])
     }
 
     /// Passes a task on if any two of its shapes could overlap.

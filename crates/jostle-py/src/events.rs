@@ -1,0 +1,101 @@
+//! `jostle.Events`.
+
+use jostle::space::{Events, Id};
+use numpy::PyArray2;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyTuple;
+
+use crate::arrays::table;
+use crate::space::PySpace;
+
+/// What became of the pairs of a space from one update to the next.
+///
+/// Each part holds ids, the smaller first, and is sorted by first, then by second. Unpacking
+/// gives all three: ``entered, stayed, left = space.update()``. To go without `stayed`, which
+/// takes time for every pair there is, ask for the others by name.
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> space = jostle.Space()
+/// >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
+/// >>> events = space.update()
+/// >>> events
+/// <jostle.Events: 1 entered, 0 left>
+/// >>> events.entered
+/// array([[0, 1]])
+#[pyclass(module = "jostle", name = "Events", frozen)]
+pub struct PyEvents {
+    events: Events,
+    space: Py<PySpace>,
+    entered: PyOnceLock<Pairs>,
+    stayed: PyOnceLock<Pairs>,
+    left: PyOnceLock<Pairs>,
+}
+
+type Pairs = Py<PyArray2<Id>>;
+
+#[pymethods]
+impl PyEvents {
+    /// Pairs that overlap now and did not at the update before: ndarray of int64, shape (m, 2).
+    #[getter]
+    fn entered<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        kept(py, &self.entered, || Ok(self.events.entered.clone()))
+    }
+
+    /// Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
+    ///
+    /// They are worked out when they are first asked for, which has to be before the next
+    /// update of the space.
+    #[getter]
+    fn stayed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        kept(py, &self.stayed, || {
+            self.space.get().stayed(py, &self.events)?.ok_or_else(|| {
+                PyRuntimeError::new_err(
+                    "stayed is worked out when it is first asked for, and the space has been \
+                     updated since; ask before the next update",
+                )
+            })
+        })
+    }
+
+    /// Pairs that overlapped at the update before and do not now, be it that a shape was
+    /// removed: ndarray of int64, shape (m, 2).
+    #[getter]
+    fn left<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        kept(py, &self.left, || Ok(self.events.left.clone()))
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let parts = [self.entered(py)?, self.stayed(py)?, self.left(py)?];
+        Ok(PyTuple::new(py, parts)?.try_iter()?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        let Events { entered, left, .. } = &self.events;
+        format!("<jostle.Events: {} entered, {} left>", entered.len(), left.len())
+    }
+}
+
+impl PyEvents {
+    /// The events of an update of `space`.
+    pub fn of(events: Events, space: Py<PySpace>) -> Self {
+        let [entered, stayed, left] = [const { PyOnceLock::new() }; 3];
+        Self { events, space, entered, stayed, left }
+    }
+}
+
+/// The same array each time.
+fn kept<'py>(
+    py: Python<'py>,
+    array: &PyOnceLock<Pairs>,
+    pairs: impl FnOnce() -> PyResult<Vec<[Id; 2]>>,
+) -> PyResult<Bound<'py, PyArray2<Id>>> {
+    if let Some(array) = array.get(py) {
+        return Ok(array.bind(py).clone());
+    }
+    let pairs = pairs()?;
+    Ok(array.get_or_try_init(py, || PyResult::Ok(table(py, pairs)?.unbind()))?.bind(py).clone())
+}

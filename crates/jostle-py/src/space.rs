@@ -1,0 +1,1093 @@
+//! `jostle.Space`.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use jostle::geometry::Shape;
+use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use jostle::space::{Events, Id};
+use jostle::{Each, Scalar, Shapes, Space};
+use numpy::{Element, PyArray1, PyArray2};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::prelude::*;
+
+use crate::arrays::{Argument, Given, column, long_ids, table, truth};
+use crate::error::{refused, value_error};
+use crate::events::PyEvents;
+use crate::queries::{self, without_row};
+use crate::settings;
+
+/// A living collection of shapes: they come, move, change and go, and pairs are told as they
+/// form and part.
+///
+/// A shape is a rounded box: every point within `radius` of the axis-aligned box
+/// ``center ± half_size``. Circles have no half size, rectangles no radius. Each has an id
+/// of its own that is never given to another. What changes costs time, what does not costs
+/// next to none: a million still shapes may stand around a thousand that move. Every question
+/// sees every change made before it.
+///
+/// Parameters
+/// ----------
+/// dtype : {"float64", "float32"}, default "float64"
+///     Precision of all arithmetic. Other numbers are converted.
+/// leaf_capacity : int, default 96
+///     Shapes that a box of a tree may hold before it splits into four. Trees of a few
+///     among many shapes take fewer.
+/// max_depth : int, default 4096
+///     Subdivisions allowed; the default never stops a split.
+/// threads : int, optional
+///     How many threads work; one for each core unless given. Every answer is the same for
+///     every number.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument is not what it should be.
+/// ValueError
+///     If a setting is out of range.
+///
+/// Notes
+/// -----
+/// Wherever ids are wanted, one may be given instead of an array, and then one value for each
+/// other argument. A refused call changes nothing.
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> space = jostle.Space()
+/// >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
+/// >>> space.move(ids[1], (1.5, 0))
+/// >>> space.update().entered
+/// array([[0, 1]])
+/// >>> space.remove(0)
+/// >>> space.update().left
+/// array([[0, 1]])
+#[pyclass(module = "jostle", name = "Space", frozen)]
+pub struct PySpace {
+    space: Either,
+}
+
+/// An argument that may be left out or None.
+type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// An argument of a question.
+type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
+
+/// The core's space, in one precision or the other.
+enum Either {
+    Single(Mutex<Space<f32>>),
+    Double(Mutex<Space<f64>>),
+}
+
+/// Runs the same expression for either precision, unless an earlier call broke down.
+macro_rules! with_space {
+    ($self:ident, $name:ident => $do:expr) => {
+        match &$self.space {
+            Either::Single($name) if !$name.is_poisoned() => $do,
+            Either::Double($name) if !$name.is_poisoned() => $do,
+            _ => Err(broken()),
+        }
+    };
+}
+
+#[pymethods]
+impl PySpace {
+    #[new]
+    #[pyo3(
+        signature = (
+            *, dtype=Given::NOTHING, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
+            threads=None,
+        ),
+        text_signature = "(*, dtype='float64', leaf_capacity=96, max_depth=4096, threads=None)"
+    )]
+    fn new<'py>(
+        dtype: Given<'py>,
+        leaf_capacity: Given<'py>,
+        max_depth: Given<'py>,
+        threads: Maybe<'_, 'py>,
+    ) -> PyResult<Self> {
+        let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
+        let space = if is_single(&dtype)? {
+            Either::Single(Mutex::new(Space::new(settings).map_err(refused)?))
+        } else {
+            Either::Double(Mutex::new(Space::new(settings).map_err(refused)?))
+        };
+        Ok(Self { space })
+    }
+
+    /// Add shapes, or one.
+    ///
+    /// Parameters
+    /// ----------
+    /// centers : array_like, shape (k, 2) or (2,)
+    ///     Centres.
+    /// radii : array_like, a number or shape (k,), default 0.0
+    ///     Radii.
+    /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+    ///     Half widths and half heights. Left out, the shapes are circles.
+    /// categories : array_like of int, a number or shape (k,), default 1
+    ///     What each shape is, as a set of 32 bits.
+    /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
+    ///     What each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
+    ///     if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` have a bit.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (k,), or int
+    ///     Their ids; one id for one centre. The first are 0, 1, 2, ...
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold numbers.
+    /// ValueError
+    ///     If a shape is wrong, a value is not finite, or a size is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> space.add([(0, 0), (5, 0)], radii=1.0)
+    /// array([0, 1])
+    /// >>> space.add((2, 2), half_sizes=(1, 0.5))
+    /// 2
+    #[pyo3(
+        signature = (
+            centers, radii=Given::NOTHING, half_sizes=None, *, categories=Given::NOTHING,
+            masks=Given::NOTHING,
+        ),
+        text_signature = "($self, centers, radii=0.0, half_sizes=None, *, categories=1, \
+                          masks=0xFFFFFFFF)"
+    )]
+    fn add<'py>(
+        &self,
+        py: Python<'py>,
+        centers: &Bound<'py, PyAny>,
+        radii: Given<'py>,
+        half_sizes: Maybe<'_, 'py>,
+        categories: Given<'py>,
+        masks: Given<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let (centers, len) = centers_of("centers", centers)?;
+            let filters = [categories.value(), masks.value()];
+            let new = Draft {
+                radii: reals("radii", radii.value(), len.unwrap_or(1))?,
+                half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
+                filters: bits(filters, len.unwrap_or(1))?,
+            };
+            let ids = py.detach(|| lock(space).add(&new.shapes(centers)?));
+            let ids = told(ids, len.is_none())?;
+            if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
+        })
+    }
+
+    /// Give shapes other centres.
+    ///
+    /// What does not move thereby costs as little as if it had not been named.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     Which shapes, none of them twice.
+    /// centers : array_like, shape (k, 2), or (2,) for one id
+    ///     Where they are now.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold numbers.
+    /// ValueError
+    ///     If no shape has an id, or one is named twice, or a coordinate is not finite; then
+    ///     nothing moves.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
+    /// >>> space.move(ids, [(1, 0), (6, 0)])
+    /// >>> space.move(0, (2, 0))
+    /// >>> space.centers(ids)
+    /// array([[2., 0.],
+    ///        [6., 0.]])
+    #[pyo3(name = "move")]
+    fn move_to(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        centers: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids)?;
+            let centers = ids.centers(centers)?;
+            ids.told(py.detach(|| lock(space).move_to(&ids.all, &centers)))
+        })
+    }
+
+    /// Give shapes other radii, half sizes or both.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     Which shapes, none of them twice.
+    /// radii : array_like, a number or shape (k,), optional
+    ///     Left out, they stay as they are.
+    /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+    ///     Left out, they stay as they are.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold numbers.
+    /// ValueError
+    ///     If no shape has an id, or one is named twice, or a size is negative or not finite;
+    ///     then nothing changes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0)], radii=1.0)
+    /// >>> space.resize(ids, 2.0)
+    /// >>> space.update().entered
+    /// array([[0, 1]])
+    #[pyo3(signature = (ids, radii=None, half_sizes=None))]
+    fn resize(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        radii: Maybe<'_, '_>,
+        half_sizes: Maybe<'_, '_>,
+    ) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids)?;
+            let radii = reals("radii", radii, ids.all.len())?;
+            let sizes = sizes(half_sizes, ids.all.len())?;
+            let (radii, sizes) = (radii.as_ref(), sizes.as_ref());
+            ids.told(py.detach(|| lock(space).resize(&ids.all, radii, sizes)))
+        })
+    }
+
+    /// Give shapes other categories, masks or both.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     Which shapes, none of them twice.
+    /// categories : array_like of int, a number or shape (k,), optional
+    ///     Left out, they stay as they are.
+    /// masks : array_like of int, a number or shape (k,), optional
+    ///     Left out, they stay as they are.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold integers.
+    /// ValueError
+    ///     If no shape has an id, or one is named twice, or a set of bits is not between 0
+    ///     and 0xFFFFFFFF; then nothing changes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (1, 0)], radii=1.0)
+    /// >>> space.set_filter(0, masks=0)  # it pairs with nothing any more
+    /// >>> len(space.pairs())
+    /// 0
+    #[pyo3(signature = (ids, categories=None, masks=None))]
+    fn set_filter(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        categories: Maybe<'_, '_>,
+        masks: Maybe<'_, '_>,
+    ) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids)?;
+            let [categories, masks] = bits([categories, masks], ids.all.len())?;
+            let (categories, masks) = (categories.as_ref(), masks.as_ref());
+            ids.told(py.detach(|| lock(space).set_filter(&ids.all, categories, masks)))
+        })
+    }
+
+    /// Remove shapes. Their ids are never given again.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     Which shapes, none of them twice.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If no shape has an id or one is named twice; then none is removed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (5, 0), (9, 0)])
+    /// >>> space.remove(ids[:2])
+    /// >>> space.ids
+    /// array([2])
+    fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids)?;
+            ids.told(py.detach(|| lock(space).remove(&ids.all)))
+        })
+    }
+
+    /// Tell which pairs have formed and which have parted since the last update.
+    ///
+    /// Two states are compared, that of the last update and that of now; the first update
+    /// compares with a space without shapes. What was added and removed in between never
+    /// shows. Only shapes that changed cost time.
+    ///
+    /// Parameters
+    /// ----------
+    /// max_pairs : int, default 134217728
+    ///     The most overlapping pairs of shapes that changed.
+    ///
+    /// Returns
+    /// -------
+    /// Events
+    ///     entered, stayed, left : ndarray of int64, shape (m, 2)
+    ///         Pairs of ids, the smaller first, sorted. `left` may name shapes that are
+    ///         removed. `stayed` is worked out when it is asked for.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there are more than `max_pairs`; then the last update stays the last.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (1, 0), (8, 0)], radii=1.0)
+    /// >>> entered, stayed, left = space.update()
+    /// >>> entered
+    /// array([[0, 1]])
+    /// >>> space.move(2, (2, 0))
+    /// >>> entered, stayed, left = space.update()
+    /// >>> entered, stayed
+    /// (array([[1, 2]]), array([[0, 1]]))
+    #[pyo3(
+        signature = (*, max_pairs=Given::NOTHING),
+        text_signature = "($self, *, max_pairs=134217728)"
+    )]
+    fn update(slf: &Bound<'_, Self>, max_pairs: Given<'_>) -> PyResult<PyEvents> {
+        let max_pairs = settings::max_pairs(&max_pairs)?;
+        let this = slf.get();
+        let events = with_space!(this, space => {
+            slf.py().detach(|| lock(space).update(max_pairs)).map_err(refused)
+        });
+        Ok(PyEvents::of(events?, slf.clone().unbind()))
+    }
+
+    /// Find every pair of overlapping shapes.
+    ///
+    /// Parameters
+    /// ----------
+    /// sort : bool, default False
+    ///     Whether to sort the pairs by first, then by second id. Without, they come in an
+    ///     order that depends on what was called before, and not on the number of threads.
+    /// max_pairs : int, default 134217728
+    ///     The most pairs to return; the default is two gibibytes of them.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m, 2)
+    ///     Ids of each pair, the smaller first, every pair once.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If more than `max_pairs` pairs overlap.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> space.pairs()
+    /// array([[1, 2]])
+    #[pyo3(
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING),
+        text_signature = "($self, *, sort=False, max_pairs=134217728)"
+    )]
+    fn pairs<'py>(
+        &self,
+        py: Python<'py>,
+        sort: Given<'py>,
+        max_pairs: Given<'py>,
+    ) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
+        with_space!(self, space => {
+            let pairs = py.detach(|| {
+                let mut pairs = lock(space).pairs(max_pairs)?;
+                if sort {
+                    pairs.sort_unstable();
+                }
+                Ok(pairs)
+            });
+            table(py, pairs.map_err(refused)?)
+        })
+    }
+
+    /// Find the shapes that overlap a rectangle, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// rect : array_like, shape (4,) or (k, 4)
+    ///     min_x, min_y, max_x, max_y.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Ids, ascending. For many rectangles a `Hits` of all of them. What only
+    ///     touches a rectangle does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a minimum is above its maximum, or there are more
+    ///     than 134217728 ids.
+    ///
+    /// Notes
+    /// -----
+    /// Every question is read in the space's dtype and answered as brute force would, in
+    /// that arithmetic. Many questions are answered on all threads of the tree.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> space.query_rect((2.5, -1, 9, 1))
+    /// array([1, 2])
+    /// >>> hits = space.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
+    /// >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
+    /// array([1, 2])
+    #[pyo3(signature = (rect, *, mask=None))]
+    fn query_rect<'py>(
+        &self,
+        py: Python<'py>,
+        rect: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_space!(self, space => queries::rect(py, rect, |rects| {
+            lock(space).search(rects, mask)
+        }))
+    }
+
+    /// Find the shapes that overlap a disc, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// center : array_like, shape (2,) or (k, 2)
+    ///     Centres.
+    /// radius : array_like, a number or shape (k,)
+    ///     Radii. With one centre and many radii, all discs have that centre.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Ids, ascending. For many discs a `Hits` of all of them. What only
+    ///     touches a disc does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a radius is negative, or there are more than
+    ///     134217728 ids.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> space.query_circle((1, 0), 1.5)
+    /// array([0, 1])
+    #[pyo3(signature = (center, radius, *, mask=None))]
+    fn query_circle<'py>(
+        &self,
+        py: Python<'py>,
+        center: &Bound<'py, PyAny>,
+        radius: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_space!(self, space => queries::circle(py, center, radius, |circles| {
+            lock(space).search(circles, mask)
+        }))
+    }
+
+    /// Find the shapes that a point is in, or each of many points.
+    ///
+    /// A point is in a circle, or in a rounded box, up to and with its edge. It is in a
+    /// rectangle as pygame has it: the left and the upper edge are in, the right and the
+    /// lower are not, so tiles side by side share no point.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : array_like, shape (2,) or (k, 2)
+    ///     Points.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Ids, ascending. For many points a `Hits` of all of them.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a coordinate is not finite, or there are more than 134217728 ids.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0.5, 0.5), (1.5, 0.5)], half_sizes=0.5)
+    /// >>> space.query_point((1.0, 0.2))
+    /// array([1])
+    #[pyo3(signature = (point, *, mask=None))]
+    fn query_point<'py>(
+        &self,
+        py: Python<'py>,
+        point: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_space!(self, space => queries::point(py, point, |points| {
+            lock(space).search(points, mask)
+        }))
+    }
+
+    /// Find the shapes that overlap a convex polygon, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// vertices : array_like, shape (v, 2) or (k, v, 2)
+    ///     Corners in their order, in either direction of turning.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m,), or Hits
+    ///     Ids, ascending. For many polygons a `Hits` of all of them. What only
+    ///     touches a polygon does not overlap it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a polygon has less than three corners, is not convex or has no area, if a
+    ///     coordinate is not finite, or there are more than 134217728 ids.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> space.query_polygon([(1, 2), (5, 0.5), (5, 2)])
+    /// array([2])
+    #[pyo3(signature = (vertices, *, mask=None))]
+    fn query_polygon<'py>(
+        &self,
+        py: Python<'py>,
+        vertices: &Bound<'py, PyAny>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_space!(self, space => queries::polygon(py, vertices, |polygons| {
+            lock(space).search(polygons, mask)
+        }))
+    }
+
+    /// Find the shapes nearest to a point, or to each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : array_like, shape (2,) or (n, 2)
+    ///     Points.
+    /// k : int, default 1
+    ///     How many shapes to find.
+    /// max_distance : float, default inf
+    ///     Find nothing farther than this.
+    /// mask : int, optional
+    ///     Find only shapes with a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// Neighbors
+    ///     distances : ndarray of the space's dtype, shape (k,) or (n, k)
+    ///         How far it is to the surface of each shape, nearest first; 0 inside,
+    ///         infinity where there are fewer than k.
+    ///     ids : ndarray of int64, shape (k,) or (n, k)
+    ///         Ids, of shapes as near the smaller first; -1 where there are
+    ///         fewer than k.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a coordinate is not finite, k is less than 1, or `max_distance` is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
+    /// >>> distances, ids = space.nearest((2, 0), k=2)
+    /// >>> distances, ids
+    /// (array([0., 1.]), array([1, 0]))
+    #[pyo3(
+        signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None),
+        text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None)"
+    )]
+    fn nearest<'py>(
+        &self,
+        py: Python<'py>,
+        point: &Bound<'py, PyAny>,
+        k: Given<'py>,
+        max_distance: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_space!(self, space => queries::nearest(py, point, &k, &max_distance, |points, wanted| {
+            lock(space).nearest(points, wanted, mask)
+        }))
+    }
+
+    /// Find what a ray hits first, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// origin : array_like, shape (2,) or (k, 2)
+    ///     Where each ray begins.
+    /// direction : array_like, shape (2,) or (k, 2)
+    ///     Where each ray goes; the length does not matter. One origin may have many
+    ///     directions, and many origins one.
+    /// max_distance : float, default inf
+    ///     How far the rays reach, in units of length.
+    /// mask : int, optional
+    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///
+    /// Returns
+    /// -------
+    /// RayHit or RayHits
+    ///     Id and distance, of shapes as far the smaller id; -1 and infinity
+    ///     where nothing is hit. The distance is that to the surface, 0 where a ray begins
+    ///     in a shape. Arrays of them for many rays. A ray that touches an edge hits it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
+    /// >>> space.raycast((-4, 0), (1, 0))
+    /// RayHit(id=0, distance=3.0)
+    /// >>> space.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
+    /// RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
+    #[pyo3(
+        signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
+        text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
+    )]
+    fn raycast<'py>(
+        &self,
+        py: Python<'py>,
+        origin: &Bound<'py, PyAny>,
+        direction: &Bound<'py, PyAny>,
+        max_distance: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.cast(py, (origin, direction, None), &max_distance, mask)
+    }
+
+    /// Find what a disc that is thrown hits first, or each of many.
+    ///
+    /// Parameters
+    /// ----------
+    /// origin : array_like, shape (2,) or (k, 2)
+    ///     Where the centre of each disc begins.
+    /// direction : array_like, shape (2,) or (k, 2)
+    ///     Where it goes; the length does not matter.
+    /// radius : array_like, a number or shape (k,)
+    ///     Radii of the discs.
+    /// max_distance : float, default inf
+    ///     How far the discs fly, in units of length.
+    /// mask : int, optional
+    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///
+    /// Returns
+    /// -------
+    /// RayHit or RayHits
+    ///     Id and how far the disc gets, as :meth:`raycast` gives them.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a direction is (0, 0), or a radius or
+    ///     `max_distance` is negative.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
+    /// >>> space.circle_cast((-4, 0.5), (1, 0), radius=0.5)
+    /// RayHit(id=0, distance=2.585786437626905)
+    #[pyo3(
+        signature = (origin, direction, radius, *, max_distance=Given::NOTHING, mask=None),
+        text_signature = "($self, origin, direction, radius, *, max_distance=math.inf, mask=None)"
+    )]
+    fn circle_cast<'py>(
+        &self,
+        py: Python<'py>,
+        origin: &Bound<'py, PyAny>,
+        direction: &Bound<'py, PyAny>,
+        radius: &Bound<'py, PyAny>,
+        max_distance: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
+    }
+
+    /// Read centres.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,), optional
+    ///     Which shapes; all of them, in the order of `ids`, where left out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of the space's dtype, shape (k, 2), or (2,) for one id
+    ///     A copy.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no shape has an id.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 4)])
+    /// >>> space.centers(1)
+    /// array([3., 4.])
+    #[pyo3(signature = (ids=None))]
+    fn centers<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => read_pairs(py, space, ids, |shape| shape.center))
+    }
+
+    /// Read half widths and half heights; 0 for circles.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,), optional
+    ///     Which shapes; all of them where left out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of the space's dtype, shape (k, 2), or (2,) for one id
+    ///     A copy.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no shape has an id.
+    #[pyo3(signature = (ids=None))]
+    fn half_sizes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => read_pairs(py, space, ids, |shape| shape.half_size))
+    }
+
+    /// Read radii.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,), optional
+    ///     Which shapes; all of them where left out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of the space's dtype, shape (k,), or float for one id
+    ///     A copy.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no shape has an id.
+    #[pyo3(signature = (ids=None))]
+    fn radii<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => match read(py, space, ids, |shape| shape.radius)? {
+            (radii, true) => radii[0].to_f64().into_bound_py_any(py),
+            (radii, false) => Ok(column(py, radii).into_any()),
+        })
+    }
+
+    /// Read categories.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,), optional
+    ///     Which shapes; all of them where left out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint32, shape (k,), or int for one id
+    ///     A copy.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no shape has an id.
+    #[pyo3(signature = (ids=None))]
+    fn categories<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => read_bits(py, space, ids, |shape| shape.category))
+    }
+
+    /// Read masks.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,), optional
+    ///     Which shapes; all of them where left out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint32, shape (k,), or int for one id
+    ///     A copy.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no shape has an id.
+    #[pyo3(signature = (ids=None))]
+    fn masks<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => read_bits(py, space, ids, |shape| shape.mask))
+    }
+
+    /// The ids of all shapes, ascending: ndarray of int64, shape (n,).
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
+        with_space!(self, space => Ok(column(py, py.detach(|| lock(space).ids()))))
+    }
+
+    /// The precision of its arithmetic: "float32" or "float64".
+    #[getter]
+    fn dtype(&self) -> &'static str {
+        match self.space {
+            Either::Single(_) => "float32",
+            Either::Double(_) => "float64",
+        }
+    }
+
+    fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let Ok(id) = id.extract::<Id>() else { return Ok(false) };
+        with_space!(self, space => Ok(py.detach(|| lock(space).contains(id))))
+    }
+
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        with_space!(self, space => Ok(py.detach(|| lock(space).len())))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!("<jostle.Space of {} shapes, {}>", self.__len__(py)?, self.dtype()))
+    }
+}
+
+impl PySpace {
+    /// The pairs that overlapped at both updates, unless there has been another since.
+    pub fn stayed(&self, py: Python<'_>, events: &Events) -> PyResult<Option<Vec<[Id; 2]>>> {
+        with_space!(self, space => Ok(py.detach(|| lock(space).stayed(events))))
+    }
+
+    fn cast<'py>(
+        &self,
+        py: Python<'py>,
+        (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Option<Asked<'_, 'py>>),
+        max_distance: &Given<'py>,
+        mask: Option<Asked<'_, 'py>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mask = queries::mask(mask)?;
+        with_space!(self, space => {
+            queries::cast(py, origin, direction, radius, max_distance, |rays| {
+                lock(space).first_hits(rays, mask)
+            })
+        })
+    }
+}
+
+/// For any work: other Python threads run meanwhile, or wait for the space. What an earlier
+/// call broke has been looked for.
+fn lock<T>(space: &Mutex<Space<T>>) -> MutexGuard<'_, Space<T>> {
+    space.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A panic is a bug; what it leaves behind is not to be trusted.
+fn broken() -> PyErr {
+    PyRuntimeError::new_err("this space broke down in the middle of an earlier call")
+}
+
+/// Whether the precision asked for is float32.
+fn is_single(dtype: &Given<'_>) -> PyResult<bool> {
+    const RULE: &str = "'float32' or 'float64'";
+    let Some(dtype) = dtype.value() else { return Ok(false) };
+    let wrong = || PyTypeError::new_err(format!("dtype must be {RULE}, not {dtype}"));
+    if dtype.is_none() {
+        return Err(wrong());
+    }
+    let found =
+        dtype.py().import("numpy")?.getattr("dtype")?.call1((dtype,)).map_err(|_| wrong())?;
+    match found.getattr("name")?.extract::<String>()?.as_str() {
+        "float32" => Ok(true),
+        "float64" => Ok(false),
+        other => Err(value_error("dtype", format!("'{other}'"), RULE)),
+    }
+}
+
+/// Which shapes a call is about.
+struct Ids {
+    all: Vec<Id>,
+    /// Whether it was one id and no array.
+    single: bool,
+}
+
+impl Ids {
+    fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let ids = long_ids("ids", value)?;
+        let single = matches!(ids, Each::One(_));
+        Ok(Self { all: ids.rows(1), single })
+    }
+
+    /// A centre for each.
+    fn centers<T: Scalar + Element>(&self, value: &Bound<'_, PyAny>) -> PyResult<Vec<[T; 2]>> {
+        let argument = Argument::reals("centers", value)?;
+        if !self.single {
+            return argument.pairs(self.all.len());
+        }
+        match argument.one_or_rows()? {
+            Each::One(center) => Ok(vec![center]),
+            Each::Rows(_) => Err(argument.wrong_shape("(2,), as there is one id")),
+        }
+    }
+
+    /// Where one id was given, an error names no row.
+    fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
+        told(done, self.single)
+    }
+}
+
+fn told<V>(done: jostle::Result<V>, single: bool) -> PyResult<V> {
+    done.map_err(|error| if single { without_row(error) } else { error }).map_err(refused)
+}
+
+/// What new shapes are besides their centres.
+struct Draft<T> {
+    radii: Option<Each<T>>,
+    half_sizes: Option<Each<[T; 2]>>,
+    filters: [Option<Each<u32>>; 2],
+}
+
+impl<T: Scalar> Draft<T> {
+    /// The core's shapes; needs no Python.
+    fn shapes(self, centers: Vec<[T; 2]>) -> jostle::Result<Shapes<T>> {
+        let radii = self.radii.unwrap_or(Each::One(T::ZERO));
+        let filters = match self.filters {
+            [None, None] => None,
+            [categories, masks] => Some([
+                categories.unwrap_or(Each::One(DEFAULT_CATEGORY)),
+                masks.unwrap_or(Each::One(DEFAULT_MASK)),
+            ]),
+        };
+        Shapes::new(centers, radii, self.half_sizes, filters)
+    }
+}
+
+/// Centres, and how many; none where it is one that stands alone.
+fn centers_of<T: Scalar + Element>(
+    name: &'static str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<(Vec<[T; 2]>, Option<usize>)> {
+    let given = Argument::reals(name, value)?.one_or_rows()?;
+    let len = given.len();
+    Ok((given.rows(1), len))
+}
+
+fn reals<T: Scalar + Element>(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<T>>> {
+    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
+}
+
+fn sizes<T: Scalar + Element>(value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<[T; 2]>>> {
+    value.map(|value| Argument::reals("half_sizes", value)?.half_sizes(len)).transpose()
+}
+
+fn bits([categories, masks]: [Maybe<'_, '_>; 2], len: usize) -> PyResult<[Option<Each<u32>>; 2]> {
+    let read = |name, value: Maybe<'_, '_>| {
+        value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
+    };
+    Ok([read("categories", categories)?, read("masks", masks)?])
+}
+
+/// Something of each shape, and whether it was one id that was asked for.
+fn read<T: Scalar, V: Send>(
+    py: Python<'_>,
+    space: &Mutex<Space<T>>,
+    ids: Maybe<'_, '_>,
+    of: impl Fn(Shape<T>) -> V + Send,
+) -> PyResult<(Vec<V>, bool)> {
+    let ids = ids.map(Ids::read).transpose()?;
+    let single = ids.as_ref().is_some_and(|ids| ids.single);
+    let values = py.detach(|| {
+        let space = lock(space);
+        let all = ids.map_or_else(|| space.ids(), |ids| ids.all);
+        space.read(&all, of)
+    });
+    Ok((told(values, single)?, single))
+}
+
+fn read_pairs<'py, T: Scalar + Element>(
+    py: Python<'py>,
+    space: &Mutex<Space<T>>,
+    ids: Maybe<'_, 'py>,
+    of: impl Fn(Shape<T>) -> [T; 2] + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    match read(py, space, ids, of)? {
+        (pairs, true) => Ok(column(py, pairs[0].to_vec()).into_any()),
+        (pairs, false) => Ok(table(py, pairs)?.into_any()),
+    }
+}
+
+fn read_bits<'py, T: Scalar>(
+    py: Python<'py>,
+    space: &Mutex<Space<T>>,
+    ids: Maybe<'_, 'py>,
+    of: impl Fn(Shape<T>) -> u32 + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    match read(py, space, ids, of)? {
+        (bits, true) => bits[0].into_bound_py_any(py),
+        (bits, false) => Ok(column(py, bits).into_any()),
+    }
+}

@@ -1,0 +1,201 @@
+//! What became of the pairs since the last update.
+//!
+//! Only pairs with a shape that changed can have formed or parted. Those of the last update
+//! are in the lists of these shapes, those of now come from a join of their layer with all;
+//! each pair is compared once, at its *owner*, the changed one of its shapes.
+
+use super::Space;
+use super::layers::Layers;
+use super::slots::Id;
+use super::touching::{NONE, Touching};
+use crate::error::Result;
+use crate::geometry::Scalar;
+
+/// Pairs of ids, the smaller first, sorted by first, then by second.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Events {
+    /// Those that overlap and did not at the update before.
+    pub entered: Vec<[Id; 2]>,
+    /// Those that overlapped at the update before and do not any more, or have lost a shape.
+    pub left: Vec<[Id; 2]>,
+    /// Which update of its space it was.
+    update: u64,
+}
+
+/// Slots that changed since the last update, and memory for comparing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Changes {
+    slots: Vec<u32>,
+    /// Whether a slot is among them.
+    changed: Vec<bool>,
+    /// Slots that are removed and still in a pair of the last update.
+    pub(super) leaving: Vec<u32>,
+    /// Updates so far.
+    updates: u64,
+    /// The first of the new pairs that each slot owns.
+    firsts: Vec<u32>,
+    /// The record of the pair of an owner and this slot, while the owner is looked at.
+    records: Vec<u32>,
+}
+
+/// What has to be done to the pairs of the last update.
+#[derive(Default)]
+struct Difference {
+    entered: Vec<[u32; 2]>,
+    /// Records.
+    left: Vec<u32>,
+}
+
+impl<T: Scalar> Space<T> {
+    /// The pairs that formed and those that parted since the last update. Looks at no more
+    /// than `max_pairs` of the pairs of what changed; if there are more, nothing is done.
+    pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
+        let present = self.changes.present(&self.layers);
+        let front = self.layers.layer_of(&present).or_else(|| {
+            // What is fresh has changed; so most often this is all that has.
+            if self.layers.fresh_len() < present.len() {
+                present.iter().for_each(|&slot| self.layers.freshen(slot));
+            }
+            self.layers.fold(&self.slots, self.settings)
+        });
+        let found = self.pairs_with_changed(front, max_pairs).or_else(|_| {
+            // What is dead or did not change may have been counted; now it is not.
+            let front = self.layers.part(&present, &self.slots, self.settings);
+            self.pairs_with_changed(front, max_pairs)
+        })?;
+        let difference = self.changes.compare(&found, &self.touching);
+        Ok(self.take_over(&difference))
+    }
+
+    /// Overlapping pairs of slots, at least one of which changed. All of those are in `front`.
+    fn pairs_with_changed(&self, front: Option<usize>, most: usize) -> Result<Vec<[u32; 2]>> {
+        let mut found = Vec::new();
+        let Some(front) = front else { return Ok(found) };
+        let changed = &self.changes.changed;
+        let wanted = |[a, b]: [u32; 2]| changed[a as usize] || changed[b as usize];
+        for other in self.layers.indices() {
+            self.layers.join([front, other], wanted, most, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    fn take_over(&mut self, difference: &Difference) -> Events {
+        let ids = |pairs: &mut dyn Iterator<Item = [u32; 2]>| {
+            let mut pairs: Vec<_> = pairs.map(|pair| self.pair_of_ids(pair)).collect();
+            pairs.sort_unstable();
+            pairs
+        };
+        let update = self.changes.updates + 1;
+        let left = ids(&mut difference.left.iter().map(|&record| self.touching.pair(record)));
+        let entered = ids(&mut difference.entered.iter().copied());
+        difference.left.iter().for_each(|&record| self.touching.unlink(record));
+        difference.entered.iter().for_each(|&pair| self.touching.link(pair));
+        self.touching.tidy();
+        self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
+        self.changes.clear();
+        Events { entered, left, update }
+    }
+
+    /// The pairs that overlapped at this update and at the one before, sorted; none once
+    /// there has been another update.
+    pub fn stayed(&self, events: &Events) -> Option<Vec<[Id; 2]>> {
+        if events.update != self.changes.updates {
+            return None;
+        }
+        let mut pairs: Vec<_> = self.touching.pairs().map(|pair| self.pair_of_ids(pair)).collect();
+        pairs.sort_unstable();
+        let mut entered = events.entered.iter().peekable();
+        pairs.retain(|pair| entered.next_if_eq(&pair).is_none());
+        Some(pairs)
+    }
+}
+
+impl Changes {
+    /// Makes room for so many slots.
+    pub(super) fn widen(&mut self, slots: usize) {
+        self.changed.resize(slots.max(self.changed.len()), false);
+        self.firsts.resize(slots.max(self.firsts.len()), NONE);
+        self.records.resize(slots.max(self.records.len()), NONE);
+    }
+
+    /// Remembers a slot that a shape came into, went from, or changed in.
+    pub(super) fn note(&mut self, slot: u32) {
+        if !std::mem::replace(&mut self.changed[slot as usize], true) {
+            self.slots.push(slot);
+        }
+    }
+
+    /// Those in which there is a shape.
+    fn present<T: Scalar>(&self, layers: &Layers<T>) -> Vec<u32> {
+        self.slots.iter().copied().filter(|&slot| layers.has(slot)).collect()
+    }
+
+    /// The slot that answers for a pair, and the other one.
+    fn owned(&self, [a, b]: [u32; 2]) -> [u32; 2] {
+        let owner_is_a = self.changed[a as usize] && (a < b || !self.changed[b as usize]);
+        if owner_is_a { [a, b] } else { [b, a] }
+    }
+
+    /// Compares the pairs of now with those of the last update, one owner after the other, in
+    /// time that grows with their number and no faster.
+    fn compare(&mut self, found: &[[u32; 2]], touching: &Touching) -> Difference {
+        let mut difference = Difference::default();
+        let mut nexts = vec![NONE; found.len()];
+        for (index, &pair) in found.iter().enumerate() {
+            let [owner, _] = self.owned(pair);
+            nexts[index] = std::mem::replace(&mut self.firsts[owner as usize], index as u32);
+        }
+        for index in 0..self.slots.len() {
+            self.compare_owner(self.slots[index], found, &nexts, touching, &mut difference);
+        }
+        difference
+    }
+
+    fn compare_owner(
+        &mut self,
+        owner: u32,
+        found: &[[u32; 2]],
+        nexts: &[u32],
+        touching: &Touching,
+        difference: &mut Difference,
+    ) {
+        let mut own = std::mem::replace(&mut self.firsts[owner as usize], NONE);
+        let mut gone = 0;
+        for (record, other) in touching.of(owner) {
+            if self.owned([owner, other])[0] == owner {
+                self.records[other as usize] = record;
+                gone += 1;
+            }
+        }
+        while own != NONE {
+            let pair = self.owned(found[own as usize]);
+            if std::mem::replace(&mut self.records[pair[1] as usize], NONE) == NONE {
+                difference.entered.push(pair);
+            } else {
+                gone -= 1;
+            }
+            own = nexts[own as usize];
+        }
+        if gone == 0 {
+            return;
+        }
+        for (record, other) in touching.of(owner) {
+            if std::mem::replace(&mut self.records[other as usize], NONE) == record {
+                difference.left.push(record);
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        self.slots.iter().for_each(|&slot| self.changed[slot as usize] = false);
+        self.slots.clear();
+        self.updates += 1;
+    }
+
+    /// Bytes of memory that they keep, used or not.
+    pub(super) fn kept_bytes(&self) -> usize {
+        let words = [&self.slots, &self.leaving, &self.firsts, &self.records];
+        let bytes: usize = words.iter().map(|column| 4 * column.capacity()).sum();
+        bytes + self.changed.capacity()
+    }
+}

@@ -1,0 +1,336 @@
+//! Trees over parts of a space: what changes often lies in small ones, what does not in large
+//! ones, and nobody has to say which is which.
+//!
+//! A shape that changes leaves its tree, which keeps the old shape as a dead one, and becomes
+//! *fresh*. Fresh shapes are folded into a tree of their own. That takes in other trees only
+//! where there would be too many of about its size, or where most of a tree is dead; so a tree
+//! of still shapes stays what it is while others move.
+
+use std::cmp::Ordering;
+use std::mem;
+
+use super::slots::Slots;
+use crate::error::{Error, Result};
+use crate::geometry::Scalar;
+use crate::pairs;
+use crate::parallel;
+use crate::quadtree::Quadtree;
+use crate::settings::Settings;
+use crate::shapes::Shapes;
+
+/// The home of a slot without a shape.
+const NOWHERE: u8 = u8::MAX;
+
+/// The home of a shape that is in no layer.
+const FRESH: u8 = u8::MAX - 1;
+
+/// Layers that may be up to [`RATIO`] times as large as a new one, the new one among them.
+const MOST_ALIKE: usize = 4;
+
+/// As above: so there are at most [`MOST_ALIKE`] layers for each factor of this in size, and
+/// 64 layers in all.
+const RATIO: usize = 4;
+
+/// Leaves of a layer hold as many shapes, of the capacity that was asked for, as the layer has
+/// of all shapes: so they are about as wide as those of a large layer, and one of each meets few
+/// of the other. They hold no fewer than this.
+const FEWEST: usize = 2;
+
+/// A tree over some slots.
+#[derive(Clone, Debug)]
+struct Layer<T> {
+    tree: Quadtree<T>,
+    /// The slot of each row of the tree.
+    slots: Vec<u32>,
+    /// How many of them have their home here.
+    alive: usize,
+}
+
+impl<T: Scalar> Default for Layer<T> {
+    fn default() -> Self {
+        Self { tree: Quadtree::default(), slots: Vec::new(), alive: 0 }
+    }
+}
+
+/// Every shape of a space, in one layer or fresh.
+#[derive(Clone, Debug)]
+pub(super) struct Layers<T> {
+    /// Some may be empty: a slot knows its layer by its index.
+    layers: Vec<Layer<T>>,
+    /// The layer that each slot is in.
+    home: Vec<u8>,
+    /// Slots that were fresh since the last fold; some may not be any more.
+    fresh: Vec<u32>,
+    /// Whether a slot is among them.
+    listed: Vec<bool>,
+    /// How many of them are fresh.
+    fresh_len: usize,
+    shapes: Shapes<T>,
+}
+
+impl<T: Scalar> Default for Layers<T> {
+    fn default() -> Self {
+        Self {
+            layers: Vec::new(),
+            home: Vec::new(),
+            fresh: Vec::new(),
+            listed: Vec::new(),
+            fresh_len: 0,
+            shapes: Shapes::default(),
+        }
+    }
+}
+
+impl<T: Scalar> Layers<T> {
+    /// Makes room for so many slots.
+    pub(super) fn widen(&mut self, slots: usize) {
+        self.home.resize(slots.max(self.home.len()), NOWHERE);
+        self.listed.resize(slots.max(self.listed.len()), false);
+    }
+
+    /// Takes a new or a changed shape out of its layer.
+    pub(super) fn freshen(&mut self, slot: u32) {
+        self.leave(slot);
+        self.home[slot as usize] = FRESH;
+        self.fresh_len += 1;
+        if !mem::replace(&mut self.listed[slot as usize], true) {
+            self.fresh.push(slot);
+        }
+    }
+
+    /// Forgets a shape.
+    pub(super) fn remove(&mut self, slot: u32) {
+        self.leave(slot);
+        self.home[slot as usize] = NOWHERE;
+    }
+
+    fn leave(&mut self, slot: u32) {
+        let home = self.home[slot as usize];
+        if home == FRESH {
+            self.fresh_len -= 1;
+        } else if let Some(layer) = self.layers.get_mut(usize::from(home)) {
+            layer.alive -= 1;
+        }
+    }
+
+    /// Whether there is a shape in `slot`.
+    pub(super) fn has(&self, slot: u32) -> bool {
+        self.home[slot as usize] != NOWHERE
+    }
+
+    /// Whether the shape in `slot` is fresh.
+    fn is_fresh(&self, slot: u32) -> bool {
+        self.home[slot as usize] == FRESH
+    }
+
+    /// Number of fresh shapes.
+    pub(super) fn fresh_len(&self) -> usize {
+        self.fresh_len
+    }
+
+    /// As [`fresh_len`](Self::fresh_len), with slots that are no longer fresh.
+    pub(super) fn fresh_listed(&self) -> usize {
+        self.fresh.len()
+    }
+
+    /// The slots of the fresh shapes.
+    pub(super) fn fresh(&self) -> impl Iterator<Item = u32> {
+        self.fresh.iter().copied().filter(|&slot| self.is_fresh(slot))
+    }
+
+    /// The tree of a layer, and what tells the slot of a row of it; none where the shape is dead.
+    pub(super) fn layer(&self, index: usize) -> (&Quadtree<T>, impl Fn(u32) -> Option<u32> + Sync) {
+        let Layer { tree, slots, .. } = &self.layers[index];
+        let slot = move |row: u32| {
+            let slot = slots[row as usize];
+            self.is_home(slot, index).then_some(slot)
+        };
+        (tree, slot)
+    }
+
+    /// Indices of the layers with anything in them.
+    pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
+        (0..self.layers.len()).filter(|&index| self.layers[index].alive > 0)
+    }
+
+    /// Whether a place of a layer still holds the shape in its slot.
+    #[inline(always)]
+    fn is_home(&self, slot: u32, layer: usize) -> bool {
+        usize::from(self.home[slot as usize]) == layer
+    }
+
+    /// The layer in which all of these shapes are, if they are in one that holds few others.
+    pub(super) fn layer_of(&self, slots: &[u32]) -> Option<usize> {
+        let index = usize::from(self.home[*slots.first()? as usize]);
+        let layer = self.layers.get(index)?;
+        let together = slots.iter().all(|&slot| self.is_home(slot, index));
+        (together && layer.alive <= RATIO * slots.len()).then_some(index)
+    }
+
+    /// Puts all fresh shapes into a layer; returns its index, none where nothing was fresh.
+    pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Option<usize> {
+        let mut rows = self.take_fresh();
+        let any = !rows.is_empty();
+        let mut old = Layer::default();
+        loop {
+            let absorbed = self.to_absorb(rows.len());
+            if absorbed.is_empty() {
+                break;
+            }
+            for index in absorbed {
+                let layer = mem::take(&mut self.layers[index]);
+                let alive = layer.slots.iter().filter(|&&slot| self.is_home(slot, index));
+                rows.extend(alive);
+                if layer.slots.len() > old.slots.len() {
+                    old = layer;
+                }
+            }
+        }
+        let built = self.build(old, rows, slots, settings);
+        built.filter(|_| any)
+    }
+
+    /// Puts the shapes in `chosen` into one layer and all others into another.
+    pub(super) fn part(
+        &mut self,
+        chosen: &[u32],
+        slots: &Slots<T>,
+        settings: Settings,
+    ) -> Option<usize> {
+        self.take_fresh();
+        self.layers.clear();
+        let mut rest: Vec<bool> = self.home.iter().map(|&home| home != NOWHERE).collect();
+        chosen.iter().for_each(|&slot| rest[slot as usize] = false);
+        let rest: Vec<u32> =
+            (0..).zip(&rest).filter_map(|(slot, &rest)| rest.then_some(slot)).collect();
+        self.build(Layer::default(), rest, slots, settings);
+        self.build(Layer::default(), chosen.to_vec(), slots, settings)
+    }
+
+    fn take_fresh(&mut self) -> Vec<u32> {
+        let mut rows = mem::take(&mut self.fresh);
+        rows.iter().for_each(|&slot| self.listed[slot as usize] = false);
+        if self.fresh_len < rows.len() {
+            rows.retain(|&slot| self.is_fresh(slot));
+        }
+        rows
+    }
+
+    /// The layers that a new one of `len` shapes takes in.
+    fn to_absorb(&self, len: usize) -> Vec<usize> {
+        let used = |index: &usize| !self.layers[*index].slots.is_empty();
+        let all = || (0..self.layers.len()).filter(used);
+        let alike = |index: &usize| self.layers[*index].slots.len() <= RATIO * len;
+        let crowded = len > 0 && all().filter(alike).count() >= MOST_ALIKE;
+        let worn = |index: &usize| 2 * self.layers[*index].alive < self.layers[*index].slots.len();
+        all().filter(|index| worn(index) || crowded && alike(index)).collect()
+    }
+
+    /// Builds a layer of `rows` in the memory of an old one.
+    fn build(
+        &mut self,
+        mut old: Layer<T>,
+        rows: Vec<u32>,
+        slots: &Slots<T>,
+        settings: Settings,
+    ) -> Option<usize> {
+        if rows.is_empty() {
+            return None;
+        }
+        // Much more memory than is needed goes back.
+        if old.slots.len() > RATIO * rows.len() {
+            old = Layer::default();
+        }
+        self.fresh = mem::take(&mut old.slots);
+        self.fresh.clear();
+        slots.gather(&rows, &mut self.shapes);
+        let fitting = settings.leaf_capacity * rows.len() / slots.len();
+        let settings = Settings { leaf_capacity: fitting.max(FEWEST), ..settings };
+        rebuild(&mut old.tree, &self.shapes, settings);
+        if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
+            self.shapes = Shapes::default();
+        }
+        let index = self.layers.iter().position(|layer| layer.slots.is_empty());
+        let index = index.unwrap_or_else(|| {
+            self.layers.push(Layer::default());
+            self.layers.len() - 1
+        });
+        assert!(index < usize::from(FRESH), "there are {index} layers");
+        rows.iter().for_each(|&slot| self.home[slot as usize] = index as u8);
+        self.fresh_len = 0;
+        self.layers[index] = Layer { tree: old.tree, alive: rows.len(), slots: rows };
+        Some(index)
+    }
+
+    /// Adds the overlapping pairs of shapes of two layers that are `wanted`, or of one with
+    /// itself, as pairs of slots. There may be at most `max_pairs` in all.
+    pub(super) fn join(
+        &self,
+        [a, b]: [usize; 2],
+        wanted: impl Fn([u32; 2]) -> bool,
+        max_pairs: usize,
+        found: &mut Vec<[u32; 2]>,
+    ) -> Result<()> {
+        let (first, second) = (&self.layers[a], &self.layers[b]);
+        let left = max_pairs - found.len();
+        let rows = if a == b {
+            pairs::within(&first.tree, left)
+        } else {
+            pairs::between(&first.tree, &second.tree, left)
+        };
+        let rows = rows.map_err(|error| match error {
+            Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
+            other => other,
+        })?;
+        let slots = rows
+            .pairs
+            .into_iter()
+            .map(|[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
+        found.extend(
+            slots.filter(|&[i, j]| self.is_home(i, a) && self.is_home(j, b) && wanted([i, j])),
+        );
+        Ok(())
+    }
+
+    /// Bytes of memory that they keep, used or not.
+    pub(super) fn kept_bytes(&self) -> usize {
+        let of_layer = |layer: &Layer<T>| layer.tree.kept_bytes() + 4 * layer.slots.capacity();
+        let words = self.fresh.capacity() * 4 + self.home.capacity() + self.listed.capacity();
+        let shapes = self.shapes.centers.capacity() * 3 * size_of::<T>();
+        self.layers.iter().map(of_layer).sum::<usize>() + words + shapes
+    }
+
+    /// Says what is wrong, if anything is: every shape has one home, and its layer knows.
+    pub(super) fn check(&self, slots: &Slots<T>) -> std::result::Result<(), String> {
+        let mut seen = 0;
+        for (index, layer) in self.layers.iter().enumerate() {
+            layer.tree.check()?;
+            let mut count = 0;
+            for (place, &row) in layer.tree.rows().iter().enumerate() {
+                let slot = layer.slots[row as usize];
+                if !self.is_home(slot, index) {
+                    continue;
+                }
+                count += 1;
+                if layer.tree.columns().shape(place) != slots.shape(slot) {
+                    return Err(format!("layer {index} holds an old shape of slot {slot}"));
+                }
+            }
+            if count != layer.alive {
+                return Err(format!("{count} of layer {index} are alive, not {}", layer.alive));
+            }
+            seen += count;
+        }
+        if self.fresh().count() != self.fresh_len {
+            return Err(format!("{} are said to be fresh", self.fresh_len));
+        }
+        seen += self.fresh_len;
+        if seen == slots.len() { Ok(()) } else { Err(format!("{seen} of all shapes have a home")) }
+    }
+}
+
+/// Builds a tree in its old memory; coincident shapes keep the order of their rows.
+fn rebuild<T: Scalar>(tree: &mut Quadtree<T>, shapes: &Shapes<T>, settings: Settings) {
+    let threads = parallel::worthwhile(settings.threads, shapes.len());
+    parallel::among(threads, || tree.rebuild(shapes, settings, &|_, _| Ordering::Equal));
+}

@@ -1,0 +1,240 @@
+//! A living collection of shapes: they come, move, change and go, each under an id of its
+//! own, and pairs are told as they form and part.
+//!
+//! `slots` holds the shapes, `layers` the trees over them, `touching` the pairs of the last
+//! update; `events` compares those with the pairs of now, shape by shape, and looks at none
+//! but the shapes that changed.
+
+mod events;
+mod layers;
+mod queries;
+mod slots;
+mod touching;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Scalar, Shape};
+use crate::settings::Settings;
+use crate::shapes::{Each, Shapes, check_each_half_size, check_finite, check_sizes};
+pub use events::Events;
+use layers::Layers;
+pub use slots::Id;
+use slots::Slots;
+use touching::Touching;
+
+/// Shapes that change.
+///
+/// ```
+/// use jostle::{Each, Settings, Shapes, Space};
+/// let mut space = Space::new(Settings::default())?;
+/// let ids = space.add(&Shapes::circles(vec![[0.0, 0.0], [5.0, 0.0]], Each::One(1.0))?)?;
+/// space.move_to(&ids[1..], &[[1.0, 0.0]])?;
+/// assert_eq!(space.update(1000)?.entered, [[0, 1]]);
+/// # Ok::<(), jostle::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Space<T> {
+    settings: Settings,
+    slots: Slots<T>,
+    layers: Layers<T>,
+    touching: Touching,
+    changes: events::Changes,
+}
+
+impl<T: Scalar> Space<T> {
+    /// A space without shapes. Refuses settings that no tree can follow.
+    pub fn new(settings: Settings) -> Result<Self> {
+        settings.validate()?;
+        Ok(Self {
+            settings,
+            slots: Slots::default(),
+            layers: Layers::default(),
+            touching: Touching::default(),
+            changes: events::Changes::default(),
+        })
+    }
+
+    /// Number of shapes.
+    pub fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether there is no shape.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether a shape has this id.
+    pub fn contains(&self, id: Id) -> bool {
+        self.slots.slot(id).is_some()
+    }
+
+    /// The ids of all shapes, ascending.
+    pub fn ids(&self) -> Vec<Id> {
+        self.slots.ids()
+    }
+
+    /// The settings of its trees.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// What `read` makes of the shapes with these ids. Refuses ids that no shape has.
+    pub fn read<V>(&self, ids: &[Id], read: impl Fn(Shape<T>) -> V) -> Result<Vec<V>> {
+        let slots = self.slots.look_up(ids)?;
+        Ok(slots.into_iter().map(|slot| read(self.slots.shape(slot))).collect())
+    }
+
+    /// Adds shapes; returns their ids. An id is never given twice.
+    pub fn add(&mut self, shapes: &Shapes<T>) -> Result<Vec<Id>> {
+        self.slots.check_room(shapes.len())?;
+        let slots: Vec<u32> =
+            (0..shapes.len()).map(|row| self.slots.put(&shapes.shape(row))).collect();
+        let count = self.slots.count();
+        self.layers.widen(count);
+        self.touching.widen(count);
+        self.changes.widen(count);
+        slots.iter().for_each(|&slot| self.note(slot));
+        Ok(slots.into_iter().map(|slot| self.slots.id(slot)).collect())
+    }
+
+    /// Gives shapes other centres. Refuses ids that no shape has or that are named twice, and
+    /// centres that are not finite; then nothing moves.
+    pub fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()> {
+        check_len("centers", Some(centers.len()), ids)?;
+        check_finite("centers", centers)?;
+        self.change(ids, |slots, slot, row| slots.set_center(slot, centers[row]))
+    }
+
+    /// Gives shapes other radii, half sizes or both. Refuses what no shape can have.
+    pub fn resize(
+        &mut self,
+        ids: &[Id],
+        radii: Option<&Each<T>>,
+        half_sizes: Option<&Each<[T; 2]>>,
+    ) -> Result<()> {
+        if let Some(radii) = radii {
+            check_len("radii", rows(radii), ids)?;
+            radii.check(|radii| check_sizes("radii", "a radius", radii))?;
+        }
+        if let Some(half_sizes) = half_sizes {
+            check_len("half_sizes", rows(half_sizes), ids)?;
+            check_each_half_size(half_sizes)?;
+        }
+        self.change(ids, |slots, slot, row| {
+            let radius = radii.is_some_and(|radii| slots.set_radius(slot, radii.at(row)));
+            let half = half_sizes.is_some_and(|sizes| slots.set_half_size(slot, sizes.at(row)));
+            radius || half
+        })
+    }
+
+    /// Gives shapes other categories, masks or both.
+    pub fn set_filter(
+        &mut self,
+        ids: &[Id],
+        categories: Option<&Each<u32>>,
+        masks: Option<&Each<u32>>,
+    ) -> Result<()> {
+        for (argument, bits) in [("categories", categories), ("masks", masks)] {
+            check_len(argument, bits.map_or(Some(ids.len()), rows), ids)?;
+        }
+        self.change(ids, |slots, slot, row| {
+            let old = slots.shape(slot);
+            let category = categories.map_or(old.category, |bits| bits.at(row));
+            slots.set_filter(slot, [category, masks.map_or(old.mask, |bits| bits.at(row))])
+        })
+    }
+
+    /// Removes shapes. Refuses ids that no shape has or that are named twice; then none goes.
+    pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
+        for slot in self.slots.find(ids)? {
+            self.slots.remove(slot);
+            self.layers.remove(slot);
+            self.changes.note(slot);
+            if self.touching.has(slot) {
+                // The next update tells of its pairs by its id.
+                self.changes.leaving.push(slot);
+            } else {
+                self.slots.free(slot);
+            }
+        }
+        Ok(())
+    }
+
+    /// All overlapping pairs of ids, the smaller first, in no promised order; the same
+    /// whatever the number of threads.
+    pub fn pairs(&mut self, max_pairs: usize) -> Result<Vec<[Id; 2]>> {
+        self.layers.fold(&self.slots, self.settings);
+        let found = self.all_pairs(max_pairs).or_else(|_| {
+            // Shapes that are dead may have been counted; now there are none.
+            self.layers.part(&[], &self.slots, self.settings);
+            self.all_pairs(max_pairs)
+        });
+        Ok(found?.into_iter().map(|pair| self.pair_of_ids(pair)).collect())
+    }
+
+    fn all_pairs(&self, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
+        let mut found = Vec::new();
+        let layers: Vec<usize> = self.layers.indices().collect();
+        for (which, &a) in layers.iter().enumerate() {
+            for &b in &layers[which..] {
+                self.layers.join([a, b], |_| true, max_pairs, &mut found)?;
+            }
+        }
+        Ok(found)
+    }
+
+    fn pair_of_ids(&self, slots: [u32; 2]) -> [Id; 2] {
+        let [a, b] = slots.map(|slot| self.slots.id(slot));
+        [a.min(b), a.max(b)]
+    }
+
+    /// Changes shapes, `set` saying of each whether it is another one now.
+    fn change(
+        &mut self,
+        ids: &[Id],
+        set: impl Fn(&mut Slots<T>, u32, usize) -> bool,
+    ) -> Result<()> {
+        for (row, slot) in self.slots.find(ids)?.into_iter().enumerate() {
+            if set(&mut self.slots, slot, row) {
+                self.note(slot);
+            }
+        }
+        Ok(())
+    }
+
+    /// Remembers that a shape is not what it was.
+    fn note(&mut self, slot: u32) {
+        self.changes.note(slot);
+        self.layers.freshen(slot);
+    }
+
+    /// Bytes of memory that it keeps, used or not.
+    pub fn kept_bytes(&self) -> usize {
+        self.slots.kept_bytes()
+            + self.layers.kept_bytes()
+            + self.touching.kept_bytes()
+            + self.changes.kept_bytes()
+    }
+
+    /// Says what is wrong with it, if anything is. For tests: it looks at everything.
+    pub fn check(&self) -> std::result::Result<(), String> {
+        self.layers.check(&self.slots)
+    }
+}
+
+/// The number of rows of a value for each; none where one is for all.
+fn rows<V>(values: &Each<V>) -> Option<usize> {
+    match values {
+        Each::One(_) => None,
+        Each::Rows(values) => Some(values.len()),
+    }
+}
+
+fn check_len(argument: &'static str, found: Option<usize>, ids: &[Id]) -> Result<()> {
+    match found {
+        Some(found) if found != ids.len() => {
+            Err(Error::Length { argument, found, expected: ids.len() })
+        }
+        _ => Ok(()),
+    }
+}

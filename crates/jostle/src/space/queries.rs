@@ -1,0 +1,116 @@
+//! What a space is asked: every tree is asked in its turn, and what is in none is looked at.
+
+use super::Space;
+use super::slots::Id;
+use crate::error::{Error, Result};
+use crate::geometry::Scalar;
+use crate::query::{
+    self, FirstHit, Hits, MOST_IDS, Nearest, Neighbors, Ray, RayHits, Region, selects,
+};
+
+/// With more fresh shapes than this a tree of them is quicker than a look at each.
+const FEW: usize = 256;
+
+/// As [`FEW`], for a call: looks that cost about as much as a tree of [`FEW`] shapes.
+const FEW_LOOKS: usize = 64 * FEW;
+
+impl<T: Scalar> Space<T> {
+    /// The ids of all shapes that each region overlaps, ascending; only those with a category
+    /// in `mask`, if there is one.
+    pub fn search<R: Region<T>>(&mut self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
+        self.prepare(regions.len());
+        self.search_all(regions, mask).or_else(|_| {
+            // Shapes that are dead may have been counted; now there are none.
+            self.layers.part(&[], &self.slots, self.settings);
+            self.search_all(regions, mask)
+        })
+    }
+
+    fn search_all<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
+        let layers = self.layers.indices().map(|index| {
+            let (tree, slot) = self.layers.layer(index);
+            Ok((query::search(tree, regions, mask)?, slot))
+        });
+        let layers = layers.collect::<Result<Vec<_>>>()?;
+        let fresh: Vec<u32> = self.layers.fresh().collect();
+        let mut all = Hits { offsets: vec![0], ids: Vec::new(), tests: 0 };
+        for (question, region) in regions.iter().enumerate() {
+            let start = all.ids.len();
+            for (hits, slot) in &layers {
+                let slots = hits.of(question).iter().filter_map(|&row| slot(row));
+                all.ids.extend(slots.map(|slot| self.slots.id(slot)));
+            }
+            for &slot in &fresh {
+                let shape = self.slots.shape(slot);
+                if selects(mask, shape.category) && region.touches(&shape) {
+                    all.ids.push(self.slots.id(slot));
+                }
+            }
+            if all.ids.len() > MOST_IDS {
+                return Err(Error::TooManyIds { most: MOST_IDS });
+            }
+            all.ids[start..].sort_unstable();
+            all.offsets.push(all.ids.len());
+        }
+        all.tests = layers.iter().map(|(hits, _)| hits.tests).sum::<u64>()
+            + (fresh.len() * regions.len()) as u64;
+        Ok(all)
+    }
+
+    /// The `k` shapes nearest to each point and not farther than `max_distance`, among what
+    /// has a category in `mask`, if there is one; of shapes as near the smaller id first.
+    pub fn nearest(
+        &mut self,
+        points: &[[T; 2]],
+        wanted: (usize, T),
+        mask: Option<u32>,
+    ) -> Result<Neighbors<T>> {
+        self.prepare(points.len());
+        query::nearest_by(points, wanted, self.settings.threads, |point, best| {
+            self.look_around(point, mask, best);
+        })
+    }
+
+    fn look_around(&self, point: [T; 2], mask: Option<u32>, best: &mut Nearest<T>) {
+        for slot in self.layers.fresh() {
+            let shape = self.slots.shape(slot);
+            best.tests += 1;
+            if selects(mask, shape.category) {
+                best.offer(query::distance(point, &shape), self.slots.id(slot) as u64);
+            }
+        }
+        for index in self.layers.indices() {
+            let (tree, slot) = self.layers.layer(index);
+            best.look(tree, point, mask, &|row| slot(row).map(|slot| self.slots.id(slot) as u64));
+        }
+    }
+
+    /// What each ray hits first, among what has a category in `mask`, if there is one; of
+    /// shapes as far the smaller id.
+    pub fn first_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> RayHits<T> {
+        self.prepare(rays.len());
+        query::first_hits_by(rays, self.settings.threads, |best| self.look_along(mask, best))
+    }
+
+    fn look_along(&self, mask: Option<u32>, best: &mut FirstHit<T>) {
+        for slot in self.layers.fresh() {
+            let shape = self.slots.shape(slot);
+            best.tests += 1;
+            if selects(mask, shape.category) {
+                best.offer(&shape, self.slots.id(slot) as u64);
+            }
+        }
+        for index in self.layers.indices() {
+            let (tree, slot) = self.layers.layer(index);
+            best.look(tree, mask, &|row| slot(row).map(|slot| self.slots.id(slot) as u64));
+        }
+    }
+
+    /// Builds a tree of what is fresh where that is worth it for so many questions.
+    fn prepare(&mut self, questions: usize) {
+        let fresh = self.layers.fresh_listed();
+        if fresh > FEW || fresh.saturating_mul(questions) > FEW_LOOKS {
+            self.layers.fold(&self.slots, self.settings);
+        }
+    }
+}

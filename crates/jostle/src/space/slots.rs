@@ -1,0 +1,333 @@
+//! Shapes in slots, and the ids that name them.
+//!
+//! An id is the slot of its shape below the slot's generation, so that the shape is found at
+//! once, and a slot that is used again goes by another id.
+
+use crate::error::{Error, Result};
+use crate::geometry::{Scalar, Shape};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes};
+
+/// The name of a shape in a space, at least 0.
+pub type Id = i64;
+
+/// A bit of a slot's generation: no shape is in it. No id has the bit, so none fits.
+const VACANT: u32 = 1 << 31;
+
+/// What is known of each shape, and whose turn it is in each slot.
+///
+/// Columns that would say the same for every slot are left empty, as in `Columns`.
+#[derive(Clone, Debug)]
+pub(super) struct Slots<T> {
+    centers: Vec<[T; 2]>,
+    radii: Vec<T>,
+    /// Empty as long as every shape was a circle.
+    half_sizes: Vec<[T; 2]>,
+    /// Categories and masks; empty as long as nothing else than the defaults was given.
+    filters: Vec<[u32; 2]>,
+    generations: Vec<u32>,
+    /// Slots to be used again, the last one first.
+    free: Vec<u32>,
+    /// In which call of [`Slots::find`] each slot was named last.
+    named: Vec<u32>,
+    call: u32,
+    len: usize,
+}
+
+impl<T> Default for Slots<T> {
+    fn default() -> Self {
+        Self {
+            centers: Vec::new(),
+            radii: Vec::new(),
+            half_sizes: Vec::new(),
+            filters: Vec::new(),
+            generations: Vec::new(),
+            free: Vec::new(),
+            named: Vec::new(),
+            call: 0,
+            len: 0,
+        }
+    }
+}
+
+impl<T: Scalar> Slots<T> {
+    /// Number of shapes.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Number of slots, vacant ones too.
+    pub(super) fn count(&self) -> usize {
+        self.generations.len()
+    }
+
+    /// The id of the shape that is, or was last, in `slot`.
+    pub(super) fn id(&self, slot: u32) -> Id {
+        Id::from(self.generations[slot as usize] & !VACANT) << 32 | Id::from(slot)
+    }
+
+    /// The slot of the shape with this id, if there is one.
+    pub(super) fn slot(&self, id: Id) -> Option<u32> {
+        let (slot, generation) = parts(id)?;
+        let found = *self.generations.get(slot as usize)?;
+        (found == generation).then_some(slot)
+    }
+
+    /// All ids, ascending.
+    pub(super) fn ids(&self) -> Vec<Id> {
+        let present = self.generations.iter().zip(0..).filter(|(g, _)| **g & VACANT == 0);
+        let mut ids: Vec<Id> = present.map(|(_, slot)| self.id(slot)).collect();
+        if !ids.is_sorted() {
+            ids.sort_unstable();
+        }
+        ids
+    }
+
+    /// The slots of `ids`. Refuses ids that no shape has, and ids named twice.
+    pub(super) fn find(&mut self, ids: &[Id]) -> Result<Vec<u32>> {
+        if self.call == u32::MAX {
+            self.named.fill(0);
+            self.call = 0;
+        }
+        self.call += 1;
+        let mut slots = Vec::with_capacity(ids.len());
+        for (index, &id) in ids.iter().enumerate() {
+            let Some(slot) = self.slot(id) else {
+                return Err(Error::at("ids", index, id, self.why_unknown(id)));
+            };
+            if std::mem::replace(&mut self.named[slot as usize], self.call) == self.call {
+                return Err(Error::at("ids", index, id, "it is named twice"));
+            }
+            slots.push(slot);
+        }
+        Ok(slots)
+    }
+
+    /// The slots of `ids`, which may be named more than once.
+    pub(super) fn look_up(&self, ids: &[Id]) -> Result<Vec<u32>> {
+        let slot = |(index, &id): (usize, &Id)| {
+            self.slot(id).ok_or_else(|| Error::at("ids", index, id, self.why_unknown(id)))
+        };
+        ids.iter().enumerate().map(slot).collect()
+    }
+
+    fn why_unknown(&self, id: Id) -> &'static str {
+        let past = parts(id).is_some_and(|(slot, generation)| {
+            let found = self.generations.get(slot as usize);
+            found.is_some_and(|found| {
+                generation < found & !VACANT || generation | VACANT == *found && self.was_used(slot)
+            })
+        });
+        if past { "its shape has been removed" } else { "no shape has this id" }
+    }
+
+    /// Whether a vacant slot still has the generation of its last shape: it is freed later.
+    fn was_used(&self, slot: u32) -> bool {
+        !self.free.contains(&slot)
+    }
+
+    /// Refuses more shapes than there can be.
+    pub(super) fn check_room(&self, more: usize) -> Result<()> {
+        if more <= self.free.len() || self.count() + (more - self.free.len()) <= MOST_ROWS {
+            return Ok(());
+        }
+        Err(Error::of("centers", more, "a space has room for 2147483647 shapes in all"))
+    }
+
+    /// A slot for one more shape.
+    pub(super) fn put(&mut self, shape: &Shape<T>) -> u32 {
+        self.len += 1;
+        if let Some(slot) = self.free.pop() {
+            self.generations[slot as usize] &= !VACANT;
+            self.centers[slot as usize] = shape.center;
+            self.set_radius(slot, shape.radius);
+            self.set_half_size(slot, shape.half_size);
+            self.set_filter(slot, [shape.category, shape.mask]);
+            return slot;
+        }
+        let slot = self.count() as u32;
+        self.generations.push(0);
+        self.named.push(0);
+        self.centers.push(shape.center);
+        self.radii.push(shape.radius);
+        if !self.half_sizes.is_empty() {
+            self.half_sizes.push([T::ZERO; 2]);
+        }
+        if !self.filters.is_empty() {
+            self.filters.push([DEFAULT_CATEGORY, DEFAULT_MASK]);
+        }
+        self.set_half_size(slot, shape.half_size);
+        self.set_filter(slot, [shape.category, shape.mask]);
+        slot
+    }
+
+    /// Forgets the shape in `slot`; its id stays known until the slot is freed.
+    pub(super) fn remove(&mut self, slot: u32) {
+        self.len -= 1;
+        self.generations[slot as usize] |= VACANT;
+    }
+
+    /// Lets a vacant slot be used again, by the next id; one that has run out of ids never is.
+    pub(super) fn free(&mut self, slot: u32) {
+        let generation = (self.generations[slot as usize] & !VACANT) + 1;
+        if generation == VACANT {
+            return;
+        }
+        self.generations[slot as usize] = generation | VACANT;
+        self.free.push(slot);
+    }
+
+    /// Moves a shape; says whether that changes anything.
+    pub(super) fn set_center(&mut self, slot: u32, center: [T; 2]) -> bool {
+        std::mem::replace(&mut self.centers[slot as usize], center) != center
+    }
+
+    /// Gives a shape another radius; says whether that changes anything.
+    pub(super) fn set_radius(&mut self, slot: u32, radius: T) -> bool {
+        std::mem::replace(&mut self.radii[slot as usize], radius) != radius
+    }
+
+    /// Gives a shape another half size; says whether that changes anything.
+    pub(super) fn set_half_size(&mut self, slot: u32, half_size: [T; 2]) -> bool {
+        if self.half_sizes.is_empty() {
+            if half_size == [T::ZERO; 2] {
+                return false;
+            }
+            self.half_sizes = vec![[T::ZERO; 2]; self.count()];
+        }
+        std::mem::replace(&mut self.half_sizes[slot as usize], half_size) != half_size
+    }
+
+    /// Gives a shape another category and mask; says whether that changes anything.
+    pub(super) fn set_filter(&mut self, slot: u32, filter: [u32; 2]) -> bool {
+        if self.filters.is_empty() {
+            if filter == [DEFAULT_CATEGORY, DEFAULT_MASK] {
+                return false;
+            }
+            self.filters = vec![[DEFAULT_CATEGORY, DEFAULT_MASK]; self.count()];
+        }
+        std::mem::replace(&mut self.filters[slot as usize], filter) != filter
+    }
+
+    /// The shape in `slot`.
+    pub(super) fn shape(&self, slot: u32) -> Shape<T> {
+        let slot = slot as usize;
+        let [category, mask] =
+            self.filters.get(slot).copied().unwrap_or([DEFAULT_CATEGORY, DEFAULT_MASK]);
+        Shape {
+            center: self.centers[slot],
+            half_size: self.half_sizes.get(slot).copied().unwrap_or([T::ZERO; 2]),
+            radius: self.radii[slot],
+            category,
+            mask,
+        }
+    }
+
+    /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
+    /// have in common is said once: a tree need not put that into its order.
+    pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) {
+        let Shapes { centers, radii, half_sizes, filters } = shapes;
+        let each = || slots.iter().map(|&slot| slot as usize);
+        centers.clear();
+        centers.extend(each().map(|slot| self.centers[slot]));
+        put(radii, each().map(|slot| self.radii[slot]));
+        let mut halves = half_sizes.take().unwrap_or_default();
+        if !self.half_sizes.is_empty() {
+            put(&mut halves, each().map(|slot| self.half_sizes[slot]));
+            *half_sizes = (halves != Each::One([T::ZERO; 2])).then_some(halves);
+        }
+        let [mut categories, mut masks] = filters.take().unwrap_or_default();
+        if !self.filters.is_empty() {
+            put(&mut categories, each().map(|slot| self.filters[slot][0]));
+            put(&mut masks, each().map(|slot| self.filters[slot][1]));
+            let open =
+                (&categories, &masks) == (&Each::One(DEFAULT_CATEGORY), &Each::One(DEFAULT_MASK));
+            *filters = (!open).then_some([categories, masks]);
+        }
+    }
+
+    /// Bytes of memory that they keep, used or not.
+    pub(super) fn kept_bytes(&self) -> usize {
+        let numbers = 2 * self.centers.capacity() + self.radii.capacity();
+        let halves = 2 * self.half_sizes.capacity();
+        let words = self.generations.capacity() + self.named.capacity() + self.free.capacity();
+        (numbers + halves) * size_of::<T>()
+            + (words + 2 * self.filters.capacity()) * size_of::<u32>()
+    }
+}
+
+/// Replaces the contents of `to`; one value stands for all that are the same.
+fn put<V: Copy + PartialEq>(to: &mut Each<V>, mut values: impl Iterator<Item = V> + Clone) {
+    let all = values.clone();
+    if let Some(first) = values.next()
+        && values.all(|value| value == first)
+    {
+        *to = Each::One(first);
+        return;
+    }
+    let rows = to.rows_mut();
+    rows.clear();
+    rows.extend(all);
+}
+
+/// Slot and generation of an id; none where it cannot be one.
+fn parts(id: Id) -> Option<(u32, u32)> {
+    (id >= 0).then_some((id as u32, (id >> 32) as u32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn disc(x: f64) -> Shape<f64> {
+        Shape { center: [x, 0.0], half_size: [0.0; 2], radius: 1.0, category: 1, mask: u32::MAX }
+    }
+
+    #[test]
+    fn a_slot_is_used_again_by_another_id() {
+        let mut slots = Slots::default();
+        let (first, second) = (slots.put(&disc(0.0)), slots.put(&disc(1.0)));
+        assert_eq!([slots.id(first), slots.id(second)], [0, 1]);
+        slots.remove(first);
+        assert_eq!((slots.slot(0), slots.id(first), slots.len()), (None, 0, 1));
+        slots.free(first);
+        let third = slots.put(&disc(2.0));
+        assert_eq!((third, slots.id(third), slots.slot(0)), (first, 1 << 32, None));
+        assert_eq!(slots.ids(), [1, 1 << 32]);
+    }
+
+    #[test]
+    fn a_slot_that_has_run_out_of_ids_is_never_used_again() {
+        let mut slots = Slots::default();
+        let slot = slots.put(&disc(0.0));
+        slots.generations[slot as usize] = VACANT - 1;
+        assert_eq!(slots.slot(i64::MAX - i64::from(u32::MAX)), Some(slot));
+        slots.remove(slot);
+        slots.free(slot);
+        assert_eq!(slots.put(&disc(0.0)), 1);
+        assert_eq!(slots.ids(), [1]);
+    }
+
+    #[test]
+    fn nothing_else_is_an_id() {
+        let mut slots = Slots::default();
+        let slot = slots.put(&disc(0.0));
+        slots.remove(slot);
+        for id in [-1, i64::MIN, i64::MAX, 0, 1, 1 << 32] {
+            assert_eq!(slots.slot(id), None, "{id}");
+        }
+    }
+
+    #[test]
+    fn a_refusal_tells_what_is_gone_from_what_never_was() {
+        let mut slots = Slots::default();
+        let slot = slots.put(&disc(0.0));
+        assert!(slots.find(&[0, 0]).unwrap_err().to_string().contains("ids[1] is 0; it is named"));
+        let told = |slots: &mut Slots<f64>, id| slots.find(&[id]).unwrap_err().to_string();
+        assert_eq!(told(&mut slots, 1), "ids[0] is 1; no shape has this id");
+        slots.remove(slot);
+        assert_eq!(told(&mut slots, 0), "ids[0] is 0; its shape has been removed");
+        slots.free(slot);
+        assert_eq!(told(&mut slots, 0), "ids[0] is 0; its shape has been removed");
+        assert_eq!(told(&mut slots, 1 << 32), "ids[0] is 4294967296; no shape has this id");
+    }
+}

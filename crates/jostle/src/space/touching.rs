@@ -1,0 +1,176 @@
+//! The pairs of the last update, so kept that those of one shape are found without a look at
+//! any other.
+//!
+//! Each pair is a record in two lists that run both ways, one for each of its shapes.
+
+/// No record, or no slot.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Fewer records than this are never moved together.
+const FEW: usize = 1024;
+
+/// Two slots, and the neighbours of the record in the list of either.
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    slots: [u32; 2],
+    next: [u32; 2],
+    back: [u32; 2],
+}
+
+/// Pairs of slots.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Touching {
+    records: Vec<Record>,
+    /// Records that hold no pair.
+    free: Vec<u32>,
+    /// The first record in the list of each slot.
+    heads: Vec<u32>,
+}
+
+impl Touching {
+    /// Makes room for pairs of so many slots.
+    pub(super) fn widen(&mut self, slots: usize) {
+        self.heads.resize(slots.max(self.heads.len()), NONE);
+    }
+
+    /// Number of pairs.
+    pub(super) fn len(&self) -> usize {
+        self.records.len() - self.free.len()
+    }
+
+    /// Whether a slot is in any pair.
+    pub(super) fn has(&self, slot: u32) -> bool {
+        self.heads[slot as usize] != NONE
+    }
+
+    /// The records of a slot, each with the slot on its other side.
+    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = (u32, u32)> {
+        let mut at = self.heads[slot as usize];
+        std::iter::from_fn(move || {
+            let record = self.records.get(at as usize)?;
+            let side = record.side(slot);
+            let this = (at, record.slots[1 - side]);
+            at = record.next[side];
+            Some(this)
+        })
+    }
+
+    /// All pairs, in no promised order.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.records.iter().map(|record| record.slots).filter(|slots| slots[0] != NONE)
+    }
+
+    /// Both slots of a record.
+    pub(super) fn pair(&self, record: u32) -> [u32; 2] {
+        self.records[record as usize].slots
+    }
+
+    /// Adds a pair that is not there.
+    pub(super) fn link(&mut self, slots: [u32; 2]) {
+        let next = slots.map(|slot| self.heads[slot as usize]);
+        let record = Record { slots, next, back: [NONE; 2] };
+        let index = if let Some(index) = self.free.pop() {
+            self.records[index as usize] = record;
+            index
+        } else {
+            self.records.push(record);
+            self.records.len() as u32 - 1
+        };
+        for (slot, next) in slots.into_iter().zip(next) {
+            self.heads[slot as usize] = index;
+            if let Some(next) = self.records.get_mut(next as usize) {
+                next.back[next.side(slot)] = index;
+            }
+        }
+    }
+
+    /// Takes a pair out.
+    pub(super) fn unlink(&mut self, index: u32) {
+        let Record { slots, next, back } = self.records[index as usize];
+        for side in 0..2 {
+            let slot = slots[side];
+            match self.records.get_mut(back[side] as usize) {
+                None => self.heads[slot as usize] = next[side],
+                Some(before) => before.next[before.side(slot)] = next[side],
+            }
+            if let Some(after) = self.records.get_mut(next[side] as usize) {
+                after.back[after.side(slot)] = back[side];
+            }
+        }
+        self.records[index as usize].slots = [NONE; 2];
+        self.free.push(index);
+    }
+
+    /// Gives memory back where most of it is not in use.
+    pub(super) fn tidy(&mut self) {
+        if self.records.len() < FEW || self.len() > self.records.len() / 4 {
+            return;
+        }
+        let pairs: Vec<[u32; 2]> = self.pairs().collect();
+        for slot in pairs.as_flattened() {
+            self.heads[*slot as usize] = NONE;
+        }
+        self.records = Vec::with_capacity(2 * pairs.len());
+        self.free = Vec::new();
+        pairs.into_iter().for_each(|pair| self.link(pair));
+    }
+
+    /// Bytes of memory that they keep, used or not.
+    pub(super) fn kept_bytes(&self) -> usize {
+        let words = self.free.capacity() + self.heads.capacity();
+        self.records.capacity() * size_of::<Record>() + words * size_of::<u32>()
+    }
+}
+
+impl Record {
+    /// Where in the record a slot stands.
+    fn side(&self, slot: u32) -> usize {
+        usize::from(self.slots[1] == slot)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(touching: &Touching, slot: u32) -> Vec<u32> {
+        let mut others: Vec<u32> = touching.of(slot).map(|(_, other)| other).collect();
+        others.sort_unstable();
+        others
+    }
+
+    #[test]
+    fn every_shape_finds_its_own_pairs() {
+        let mut touching = Touching::default();
+        touching.widen(5);
+        for pair in [[0, 1], [2, 0], [0, 3], [3, 1]] {
+            touching.link(pair);
+        }
+        assert_eq!(of(&touching, 0), [1, 2, 3]);
+        assert_eq!(of(&touching, 1), [0, 3]);
+        assert!(!touching.has(4));
+        // The middle, the last and the first of a list.
+        for (slot, other, rest) in [(0, 2, vec![1, 3]), (0, 1, vec![3]), (3, 1, vec![0])] {
+            let (record, _) = touching.of(slot).find(|found| found.1 == other).unwrap();
+            touching.unlink(record);
+            assert_eq!(of(&touching, slot), rest);
+        }
+        assert_eq!(touching.pairs().collect::<Vec<_>>(), [[0, 3]]);
+    }
+
+    #[test]
+    fn memory_is_given_back() {
+        let mut touching = Touching::default();
+        touching.widen(10_000);
+        (0..9_999).for_each(|slot| touching.link([slot, slot + 1]));
+        let full = touching.kept_bytes();
+        for slot in 0..9_900 {
+            let (record, _) = touching.of(slot).next().unwrap();
+            touching.unlink(record);
+        }
+        touching.tidy();
+        assert!(touching.kept_bytes() < full / 4);
+        assert_eq!(touching.len(), 99);
+        assert_eq!(of(&touching, 9_950), [9_949, 9_951]);
+    }
+}

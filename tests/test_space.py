@@ -1,0 +1,574 @@
+"""`jostle.Space`: shapes that come, move, change and go, the events of their pairs, and ids."""
+
+from __future__ import annotations
+
+import re
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from numpy.typing import NDArray
+from oracle import ALL_BITS, DTYPES, Shapes, may_pair, overlaps
+
+import jostle
+
+Pair = tuple[int, int]
+
+# ---- long runs of every call against a model -----------------------------------------------------
+
+coordinates = st.integers(-6, 6).map(float) | st.floats(-10, 10, width=32) | st.just(1e30)
+sizes = st.sampled_from([0.0, 0.5, 1.0, 2.0, 50.0]) | st.floats(0, 3, width=32)
+bits = st.sampled_from([ALL_BITS, 1, 2, 3, 0])
+points = st.tuples(coordinates, coordinates)
+new_shapes = st.tuples(points, sizes, st.tuples(sizes, sizes) | st.just((0.0, 0.0)), bits, bits)
+masks = st.none() | st.sampled_from([1, 2, ALL_BITS])
+
+
+class LivingSpace(RuleBasedStateMachine):
+    """Beside the space a plain dict of its shapes and the set of pairs of the last update."""
+
+    @initialize(
+        dtype=st.sampled_from(DTYPES), capacity=st.integers(1, 8), threads=st.integers(1, 2)
+    )
+    def begin(self, dtype: Any, capacity: int, threads: int) -> None:
+        self.dtype = np.dtype(dtype)
+        self.space = jostle.Space(dtype=self.dtype, leaf_capacity=capacity, threads=threads)
+        self.shapes: dict[int, tuple[Any, ...]] = {}
+        self.gone: list[int] = []
+        self.before: set[Pair] = set()
+        self.events: jostle.Events | None = None
+        self.entered: set[Pair] = set()
+
+    def columns(self) -> tuple[list[int], Shapes, NDArray[Any], NDArray[Any]]:
+        """Return ids, shapes, categories and masks of the model."""
+        ids = sorted(self.shapes)
+        rows = [self.shapes[id] for id in ids]
+        column = [np.array([row[k] for row in rows], self.dtype) for k in range(3)]
+        filters = [np.array([row[k] for row in rows], np.uint32) for k in (3, 4)]
+        pairs = (column[0].reshape(-1, 2), column[1], column[2].reshape(-1, 2))
+        return ids, Shapes(*pairs), *filters
+
+    def touching(self) -> set[Pair]:
+        """Return all pairs of now, by brute force."""
+        ids, shapes, own, wanted = self.columns()
+        hits = np.triu(overlaps(shapes, shapes) & may_pair(own, wanted, own, wanted), k=1)
+        return {(ids[i], ids[j]) for i, j in np.argwhere(hits)}
+
+    def some(self, data: st.DataObject) -> list[int]:
+        """Draw ids of shapes that are there, each once, in any order."""
+        if not self.shapes:
+            return []
+        return data.draw(st.lists(st.sampled_from(sorted(self.shapes)), unique=True, max_size=12))
+
+    @rule(new=st.lists(new_shapes, max_size=12), plain=st.booleans())
+    def add(self, new: list[Any], plain: bool) -> None:
+        if plain:  # circles without filters are spared the columns of the others
+            new = [(center, radius, (0.0, 0.0), 1, ALL_BITS) for center, radius, *_ in new]
+            ids = self.space.add([row[0] for row in new], [row[1] for row in new])
+        else:
+            centers, radii, halves, own, wanted = ([row[k] for row in new] for k in range(5))
+            halves = np.array(halves).reshape(-1, 2)
+            ids = self.space.add(centers, radii, halves, categories=own, masks=wanted)
+        assert ids.dtype == np.int64 and ids.shape == (len(new),)
+        for id, row in zip(ids.tolist(), new, strict=True):
+            assert id not in self.shapes and id not in self.gone
+            self.shapes[id] = row
+
+    @rule(new=new_shapes)
+    def add_one(self, new: Any) -> None:
+        id = self.space.add(*new[:3], categories=new[3], masks=new[4])
+        assert isinstance(id, int) and id not in self.shapes and id not in self.gone
+        self.shapes[id] = new
+
+    @rule(data=st.data())
+    def move(self, data: st.DataObject) -> None:
+        ids = self.some(data)
+        to = data.draw(st.lists(points, min_size=len(ids), max_size=len(ids)))
+        self.space.move(ids, to)
+        for id, center in zip(ids, to, strict=True):
+            self.shapes[id] = (center, *self.shapes[id][1:])
+
+    @precondition(lambda self: self.shapes)
+    @rule(data=st.data(), to=points)
+    def move_one(self, data: st.DataObject, to: Any) -> None:
+        id = data.draw(st.sampled_from(sorted(self.shapes)))
+        self.space.move(id, to)
+        self.shapes[id] = (to, *self.shapes[id][1:])
+
+    @rule(data=st.data(), radius=st.none() | sizes, half=st.none() | sizes)
+    def resize(self, data: st.DataObject, radius: float | None, half: float | None) -> None:
+        ids = self.some(data)
+        self.space.resize(ids, radius, half)
+        for id in ids:
+            row = list(self.shapes[id])
+            row[1] = row[1] if radius is None else radius
+            row[2] = row[2] if half is None else (half, half)
+            self.shapes[id] = tuple(row)
+
+    @rule(data=st.data(), own=st.none() | bits, wanted=st.none() | bits)
+    def filter(self, data: st.DataObject, own: int | None, wanted: int | None) -> None:
+        ids = self.some(data)
+        self.space.set_filter(ids, own, wanted)
+        for id in ids:
+            row = list(self.shapes[id])
+            row[3] = row[3] if own is None else own
+            row[4] = row[4] if wanted is None else wanted
+            self.shapes[id] = tuple(row)
+
+    @rule(data=st.data(), everything=st.sampled_from([False] * 7 + [True]))
+    def remove(self, data: st.DataObject, everything: bool) -> None:
+        ids = self.space.ids if everything else self.some(data)
+        self.space.remove(ids)
+        for id in map(int, ids):
+            del self.shapes[id]
+            self.gone.append(id)
+
+    @rule()
+    def update(self) -> None:
+        now = self.touching()
+        old, self.events = self.events, self.space.update()
+        self.entered = now - self.before
+        assert self.events.entered.tolist() == [list(pair) for pair in sorted(self.entered)]
+        assert self.events.left.tolist() == [list(pair) for pair in sorted(self.before - now)]
+        self.before = now
+        if old is not None and not hasattr(self, "was_asked"):
+            with pytest.raises(RuntimeError, match="ask before the next update"):
+                _ = old.stayed
+        self.__dict__.pop("was_asked", None)
+
+    @precondition(lambda self: self.events is not None)
+    @rule()
+    def stayed(self) -> None:
+        """Whatever has happened since the update, it is about the states at the updates."""
+        expected = sorted(self.before - self.entered)
+        assert self.events.stayed.tolist() == [list(pair) for pair in expected]
+        self.was_asked = True
+
+    @rule()
+    def pairs(self) -> None:
+        expected = sorted(self.touching())
+        assert self.space.pairs(sort=True).tolist() == [list(pair) for pair in expected]
+        assert sorted(map(tuple, self.space.pairs().tolist())) == expected
+        if expected:
+            with pytest.raises(ValueError, match="more than max_pairs"):
+                self.space.pairs(max_pairs=len(expected) - 1)
+        assert len(self.space.pairs(max_pairs=len(expected))) == len(expected)
+
+    @rule(at=points, size=st.floats(0.125, 8), mask=masks)
+    def ask(self, at: Any, size: float, mask: int | None) -> None:
+        """The same shapes in a tree of their own answer the same."""
+        ids, shapes, own, wanted = self.columns()
+        tree = jostle.Quadtree(*shapes, categories=own, masks=wanted)
+        named = np.array([*ids, -1])
+        rect = (at[0] - size, at[1] - size, at[0] + size, at[1] + 2 * size)
+        triangle = [(0, 0), (size, 0), (0, size)]
+        for name, question in {
+            "query_rect": (rect,),
+            "query_circle": (at, size),
+            "query_point": (at,),
+            "query_polygon": (triangle,),
+        }.items():
+            found = getattr(self.space, name)(*question, mask=mask)
+            expected = named[getattr(tree, name)(*question, mask=mask)]
+            np.testing.assert_array_equal(found, expected, name)
+        found = self.space.query_circle([at, (0, 0)], size, mask=mask)
+        expected = tree.query_circle([at, (0, 0)], size, mask=mask)
+        np.testing.assert_array_equal(found.offsets, expected.offsets)
+        np.testing.assert_array_equal(found.ids, named[expected.ids])
+        for k in (1, 5):
+            near, expected = (asked.nearest(at, k, mask=mask) for asked in (self.space, tree))
+            np.testing.assert_array_equal(near.distances, expected.distances)
+            np.testing.assert_array_equal(near.ids, named[expected.ids])
+            assert near.distances.dtype == self.dtype
+        for cast in ("raycast", "circle_cast"):
+            way = (at, (1, -size), *([size] if cast == "circle_cast" else []))
+            hit, expected = (getattr(asked, cast)(*way, mask=mask) for asked in (self.space, tree))
+            assert (hit.id, hit.distance) == (named[expected.id], expected.distance)
+
+    @rule(data=st.data(), last=st.sampled_from([-1, 1 << 40, (1 << 63) - 1, 1 << 32]))
+    def name_what_is_not_there(self, data: st.DataObject, last: int) -> None:
+        wrong = data.draw(st.sampled_from([*self.gone, last]))
+        if wrong in self.shapes:
+            return
+        assert wrong not in self.space
+        ids = [*self.space.ids, wrong]
+        message = re.escape(f"ids[{len(ids) - 1}] is {wrong}; ")
+        for call in (
+            lambda: self.space.move(ids, np.zeros((len(ids), 2))),
+            lambda: self.space.resize(ids, 7.0),
+            lambda: self.space.set_filter(ids, 0),
+            lambda: self.space.remove(ids),
+            lambda: self.space.centers(ids),
+        ):
+            with pytest.raises(ValueError, match=message):
+                call()
+
+    @precondition(lambda self: self.shapes)
+    @rule(data=st.data())
+    def give_what_cannot_be(self, data: st.DataObject) -> None:
+        ids = self.space.ids
+        row = data.draw(st.integers(0, len(ids) - 1))
+        centers, radii, halves = np.zeros((len(ids), 2)), np.ones(len(ids)), np.ones((len(ids), 2))
+        centers[row, 1], radii[row], halves[row, 0] = np.nan, -1, np.inf
+        for name, call in {
+            "centers": lambda: self.space.move(ids, centers),
+            "radii": lambda: self.space.resize(ids, radii),
+            "half_sizes": lambda: self.space.resize(ids, 1.0, halves),
+        }.items():
+            with pytest.raises(ValueError, match=rf"^{name}\[{row}\] is "):
+                call()
+        with pytest.raises(ValueError, match=rf"^radii\[{row}\] is -1"):
+            self.space.add(np.zeros((len(ids), 2)), radii)
+        with pytest.raises(ValueError, match=rf"^ids\[{len(ids)}\] is {ids[row]}; it is named"):
+            self.space.remove([*ids, ids[row]])
+
+    @invariant()
+    def the_space_is_the_model(self) -> None:
+        if not hasattr(self, "space"):
+            return
+        ids, shapes, own, wanted = self.columns()
+        assert len(self.space) == len(ids)
+        assert self.space.ids.tolist() == ids
+        np.testing.assert_array_equal(self.space.centers(ids), shapes.centers)
+        np.testing.assert_array_equal(self.space.radii(), shapes.radii)
+        np.testing.assert_array_equal(self.space.half_sizes(), shapes.half_sizes)
+        np.testing.assert_array_equal(self.space.categories(), own)
+        np.testing.assert_array_equal(self.space.masks(), wanted)
+
+
+LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50, deadline=None)
+TestLivingSpace = LivingSpace.TestCase
+
+
+# ---- one sentence of the documentation after the other -------------------------------------------
+
+
+def uniform(n: int, seed: int = 0) -> NDArray[np.float64]:
+    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
+    side = np.sqrt(n * np.pi * 0.25 / 0.4)
+    return np.random.default_rng(seed).uniform(0, side, (n, 2))
+
+
+def test_ids_count_from_zero_and_are_never_given_again() -> None:
+    space = jostle.Space()
+    seen: set[int] = set()
+    for round in range(50):
+        ids = space.add(np.zeros((3, 2)), 1.0).tolist()
+        assert round or ids == [0, 1, 2]
+        assert not seen.intersection(ids)
+        seen.update(ids)
+        space.remove(ids[:2])
+        if round % 3 == 0:
+            space.update()
+
+
+def test_one_shape_at_a_time() -> None:
+    space = jostle.Space()
+    first, second = space.add((0, 0), 1.0), space.add(np.array([5.0, 0]), 1.0, (1, 2))
+    assert (first, second) == (0, 1)
+    space.move(first, (4, 0))
+    space.resize(second, 0.5)
+    space.set_filter(first, 3, 5)
+    np.testing.assert_array_equal(space.centers(first), [4, 0])
+    assert (space.radii(second), space.categories(first), space.masks(first)) == (0.5, 3, 5)
+    np.testing.assert_array_equal(space.half_sizes(second), [1, 2])
+    assert isinstance(space.radii(second), float) and isinstance(space.masks(0), int)
+    assert space.update().entered.tolist() == [[0, 1]]
+    space.remove(np.int64(0))
+    assert space.ids.tolist() == [1]
+
+
+def test_membership_and_length() -> None:
+    space = jostle.Space()
+    ids = space.add([(0, 0), (1, 1)])
+    assert ids[0] in space and 1 in space and np.uint8(1) in space
+    for other in (2, -1, 1 << 70, "0", None, 0.5, (0,)):
+        assert other not in space
+    assert len(space) == 2
+    assert repr(space) == "<jostle.Space of 2 shapes, float64>"
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_the_dtype_decides_the_arithmetic(dtype: Any) -> None:
+    """1 + 1e-9 is 1 in float32, so there the two only touch."""
+    space = jostle.Space(dtype=dtype)
+    assert space.dtype == np.dtype(dtype).name
+    space.add(np.array([(0, 0), (2, 0)]), np.array([1, 1 + 1e-9]))
+    assert len(space.pairs()) == (dtype == np.float64)
+    assert space.centers().dtype == space.radii().dtype == dtype
+    assert jostle.Space().dtype == "float64"
+
+
+@pytest.mark.parametrize("wrong", ["float16", np.int64, "i4"])
+def test_other_dtypes_are_refused(wrong: Any) -> None:
+    with pytest.raises(ValueError, match="must be 'float32' or 'float64'"):
+        jostle.Space(dtype=wrong)
+
+
+@pytest.mark.parametrize("wrong", ["seven", None, 3.5])
+def test_what_is_no_dtype_is_refused(wrong: Any) -> None:
+    with pytest.raises(TypeError, match="dtype must be 'float32' or 'float64'"):
+        jostle.Space(dtype=wrong)
+
+
+def test_a_question_after_a_change_sees_it() -> None:
+    space = jostle.Space()
+    ids = space.add(uniform(2_000), 0.5)
+    space.update()
+    space.move(ids[7], (1e6, 0))
+    assert space.query_point((1e6, 0)).tolist() == [7]
+    assert space.nearest((1e6, 0)).ids.tolist() == [7]
+    assert space.raycast((2e6, 0), (-1, 0)).id == 7
+    space.resize(7, 100)
+    assert space.query_point((1e6 + 99, 0)).tolist() == [7]
+    space.set_filter(7, 2)
+    assert space.query_point((1e6, 0), mask=1).tolist() == []
+    assert space.query_point((1e6, 0), mask=2).tolist() == [7]
+    space.remove(7)
+    assert space.query_point((1e6, 0)).tolist() == []
+
+
+def test_of_shapes_as_near_the_smaller_id_comes_first() -> None:
+    """Whichever trees they are in."""
+    space = jostle.Space()
+    space.add([(0, 0)] * 500, 1.0)
+    space.update()
+    space.move([3, 250], [(0.0, 1e-300)] * 2)  # fresh
+    space.update()
+    space.move(4, (0, -1e-300))
+    assert space.nearest((5, 0), k=6).ids.tolist() == [0, 1, 2, 3, 4, 5]
+    assert space.raycast((5, 0), (-1, 0)).id == 0
+    assert space.query_point((0, 0)).tolist() == list(range(500))
+
+
+def test_events_unpack_and_are_kept() -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 0), (9, 0)], 1.0)
+    entered, stayed, left = space.update()
+    assert entered.tolist() == [[0, 1]] and stayed.tolist() == [] and left.tolist() == []
+    assert {part.dtype for part in (entered, stayed, left)} == {np.dtype(np.int64)}
+    assert stayed.shape == left.shape == (0, 2)
+    space.move(2, (2, 0))
+    events = space.update()
+    assert repr(events) == "<jostle.Events: 1 entered, 0 left>"
+    assert events.entered is events.entered and events.stayed is events.stayed
+    space.remove(0)
+    space.update()
+    assert events.stayed.tolist() == [[0, 1]]  # it was asked for in time
+
+
+def test_stayed_is_about_the_states_at_the_updates() -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 0), (1, 1)], 1.0)
+    space.update()
+    events = space.update()
+    space.remove(0)
+    space.move(1, (99, 0))
+    space.add((1, 1), 1.0)
+    assert events.stayed.tolist() == [[0, 1], [0, 2], [1, 2]]
+
+
+def test_stayed_asked_too_late_says_so() -> None:
+    space = jostle.Space()
+    events = space.update()
+    space.update()
+    assert events.entered.tolist() == events.left.tolist() == []
+    with pytest.raises(RuntimeError, match=r"^stayed is worked out when it is first asked for, "):
+        _ = events.stayed
+
+
+def test_a_removal_closes_its_pairs() -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 0), (2, 0)], 0.75)
+    space.update()
+    space.remove(1)
+    again = space.add((1, 0), 0.75)
+    events = space.update()
+    assert events.left.tolist() == [[0, 1], [1, 2]]
+    assert events.entered.tolist() == [[0, again], [2, again]]
+    assert space.update().left.tolist() == []
+
+
+def test_what_is_added_and_removed_between_updates_never_shows() -> None:
+    space = jostle.Space()
+    space.add((0, 0), 1.0)
+    space.update()
+    for _ in range(3):
+        brief = space.add([(0, 0), (0.5, 0)], 1.0)
+        assert len(space.pairs()) == 3
+        space.remove(brief)
+    events = space.update()
+    assert events.entered.tolist() == events.left.tolist() == []
+
+
+def test_there_and_back_is_no_event() -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 0)], 1.0)
+    space.update()
+    space.move(0, (50, 0))
+    assert len(space.pairs()) == 0
+    space.move(0, (0.25, 0))
+    events = space.update()
+    assert (len(events.entered), len(events.stayed), len(events.left)) == (0, 1, 0)
+
+
+def test_sizes_and_filters_count_as_changes() -> None:
+    space = jostle.Space()
+    ids = space.add([(0, 0), (3, 0)], 1.0)
+    space.update()
+    space.resize(0, 2.5)
+    assert space.update().entered.tolist() == [[0, 1]]
+    space.set_filter(ids, [2, 4], [2, 4])
+    assert space.update().left.tolist() == [[0, 1]]
+    space.set_filter(ids, masks=ALL_BITS)
+    assert space.update().entered.tolist() == [[0, 1]]
+    space.resize(ids, 0.0, (1.0, 0.5))
+    assert space.update().left.tolist() == [[0, 1]]
+    space.resize(ids, half_sizes=[(2, 0.5), (2, 0.5)])
+    assert space.update().entered.tolist() == [[0, 1]]
+
+
+@pytest.mark.parametrize("updates", [False, True])
+def test_endless_coming_and_going(updates: bool) -> None:
+    """The ids may become large, the answers stay right."""
+    space = jostle.Space()
+    still = space.add(uniform(300), 0.5)
+    for round in range(200):
+        ids = space.add(uniform(100, seed=round), 0.5)
+        if updates and round % 2:
+            space.update()
+        space.remove(ids)
+    assert space.ids.tolist() == still.tolist()
+    expected = jostle.find_pairs(uniform(300), 0.5, sort=True)
+    np.testing.assert_array_equal(space.pairs(sort=True), expected)
+    space.update()
+    assert len(space.update().stayed) == len(expected)
+
+
+def test_threads_change_nothing() -> None:
+    def run(threads: int) -> list[Any]:
+        space = jostle.Space(threads=threads)
+        centers = uniform(30_000)
+        ids = space.add(centers, 0.5)
+        told = [space.update().entered]
+        for step in (1, 7, 100):
+            centers[::step] += 0.25
+            space.move(ids[::step], centers[::step])
+            events = space.update()
+            told += [events.entered, events.stayed, events.left, space.pairs()]
+        return [*told, *space.nearest(centers[:2_000], 3), *space.query_circle(centers[:999], 2)]
+
+    for one, two in zip(run(1), run(2), strict=True):
+        np.testing.assert_array_equal(one, two)
+
+
+def test_an_empty_space_answers() -> None:
+    space = jostle.Space()
+    assert space.pairs().shape == (0, 2) and space.ids.shape == (0,)
+    assert space.add([]).shape == (0,) and space.add(np.empty((0, 2))).shape == (0,)
+    space.move([], [])
+    space.remove([])
+    assert space.query_rect((0, 0, 1, 1)).shape == (0,)
+    assert space.nearest((0, 0)).ids.tolist() == [-1]
+    assert space.raycast((0, 0), (1, 0)) == (-1, np.inf)
+    assert space.centers().shape == (0, 2) and space.radii([]).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda s: s.move(9, (0, 0)), "^ids is 9; no shape has this id"),
+        (lambda s: s.remove(1 << 80), "^ids is 1208925819614629174706176; no shape has this id"),
+        (lambda s: s.remove(np.array([0, 1 << 63], "u8")), r"^ids\[1\] is 9223372036854775808; no"),
+        (lambda s: s.move(2, (0, 0)), "^ids is 2; its shape has been removed"),
+        (lambda s: s.move(0, (0, np.nan)), r"^centers is \(0, NaN\); both coordinates must be"),
+        (lambda s: s.move(0, [(0, 0)]), r"^centers has shape \(1, 2\); it must be \(2,\), as"),
+        (lambda s: s.move([0], (0, 0)), r"^centers has shape \(2,\); it must be \(1, 2\)"),
+        (lambda s: s.move([0, 1], [(0, 0)]), r"^centers has shape \(1, 2\); it must be \(2, 2\)"),
+        (lambda s: s.resize(0, -1), "^radii is -1; a radius must be finite and at least 0"),
+        (lambda s: s.resize([0, 1], [1, -1]), r"^radii\[1\] is -1; "),
+        (lambda s: s.resize([0, 1], [1]), r"^radii has shape \(1,\); it must be "),
+        (lambda s: s.set_filter(0, -1), "^categories is -1; it must be between 0 and 4294967295"),
+        (lambda s: s.add((0, 0), -1.0), "^radii is -1; "),
+        (lambda s: s.add((0, 0, 0)), r"^centers has shape \(3,\); "),
+        (lambda s: s.add((1e999, 0)), r"^centers is \(inf, 0\); "),
+        (lambda s: s.remove([[0]]), r"^ids has shape \(1, 1\); it must be an integer or \(k,\)"),
+        (lambda s: s.centers([0, 5]), r"^ids\[1\] is 5; no shape has this id"),
+    ],
+)
+def test_errors_name_argument_index_and_value(call: Any, message: str) -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (5, 5), (9, 9)], 1.0)
+    space.remove(2)
+    with pytest.raises(ValueError, match=message):
+        call(space)
+    assert space.ids.tolist() == [0, 1]
+    np.testing.assert_array_equal(space.centers(), [(0, 0), (5, 5)])
+    np.testing.assert_array_equal(space.radii(), [1, 1])
+
+
+@pytest.mark.parametrize("wrong", [1.5, "a", True, [True], [0.5], None])
+def test_ids_are_integers(wrong: Any) -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 1)])
+    with pytest.raises(TypeError, match=r"^ids must hold integers"):
+        space.remove(wrong)
+
+
+def test_too_many_pairs_leave_the_last_update_the_last() -> None:
+    space = jostle.Space()
+    space.add(np.zeros((50, 2)), 1.0)
+    with pytest.raises(ValueError, match="more than max_pairs = 1224 pairs overlap"):
+        space.update(max_pairs=1224)
+    assert len(space.update(max_pairs=1225).entered) == 1225
+    # What does not change is not counted, nor is what is not there any more.
+    space.move(0, (0.5, 0))
+    space.remove(range(40, 50))
+    assert len(space.update(max_pairs=39).left) == 1225 - 780
+
+
+def test_several_threads_may_use_it_at_the_same_time() -> None:
+    space = jostle.Space()
+    wrong: list[BaseException] = []
+
+    def work(seed: int) -> None:
+        try:
+            for round in range(20):
+                ids = space.add(uniform(500, seed), 0.5)
+                space.move(ids, uniform(500, seed + round))
+                space.pairs()
+                space.update()
+                space.remove(ids)
+        except BaseException as error:
+            wrong.append(error)
+
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+    assert len(space) == 0 and len(space.pairs()) == 0
+
+
+def test_long_calls_let_other_threads_run() -> None:
+    space = jostle.Space(threads=1)
+    ids = space.add(uniform(300_000), 0.5)
+    ran, done = [], threading.Event()
+
+    def tick() -> None:
+        while not done.wait(1e-3):
+            ran.append(1)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    space.update()
+    space.move(ids, uniform(300_000, seed=1))
+    space.update()
+    done.set()
+    thread.join()
+    assert len(ran) > 5
