@@ -179,8 +179,10 @@ impl<T: Scalar> Layers<T> {
             }
             for index in absorbed {
                 let layer = mem::take(&mut self.layers[index]);
-                let alive = layer.slots.iter().filter(|&&slot| self.is_home(slot, index));
-                rows.extend(alive);
+                if layer.alive > 0 {
+                    let alive = layer.slots.iter().filter(|&&slot| self.is_home(slot, index));
+                    rows.extend(alive);
+                }
                 if layer.slots.len() > old.slots.len() {
                     old = layer;
                 }
