@@ -33,7 +33,7 @@ Points = NDArray[Any]
 
 
 class Rival(NamedTuple):
-    """A library: how it builds and asks, and the ids of its answer, those of a question together."""
+    """A library: how it builds and asks, and the ids of its answer to each question."""
 
     name: str
     package: str
