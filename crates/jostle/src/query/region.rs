@@ -67,21 +67,35 @@ impl<T: Scalar> Window<T> {
         (x * x + y * y < self.radius * self.radius) | ((dx < T::ZERO) & (dy < T::ZERO))
     }
 
-    /// A bit for each shape of a block that could touch it.
+    /// A bit for each shape of a block that overlaps it; where it is not `plain`, for each
+    /// that could touch what it is around.
     #[inline(always)]
-    fn lanes<S: Simd<T>>(&self, simd: S, shapes: &Columns<T>, first: usize, round: bool) -> u32 {
-        let x = self.beyond(simd, 0, &shapes.x, &shapes.half_x, first);
-        let y = self.beyond(simd, 1, &shapes.y, &shapes.half_y, first);
+    fn lanes<S: Simd<T>>(
+        &self,
+        simd: S,
+        shapes: &Columns<T>,
+        first: usize,
+        (round, plain): (bool, bool),
+    ) -> u32 {
+        let zero = simd.splat(T::ZERO);
+        let dx = self.gaps(simd, 0, &shapes.x, &shapes.half_x, first);
+        let dy = self.gaps(simd, 1, &shapes.y, &shapes.half_y, first);
+        let (x, y) = (simd.most(dx, zero), simd.most(dy, zero));
         let mut reach = simd.splat(self.radius);
         if round {
             reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
         }
-        !simd.less(simd.mul(reach, reach), simd.add(simd.mul(x, x), simd.mul(y, y)))
+        let (reach, away) = (simd.mul(reach, reach), simd.add(simd.mul(x, x), simd.mul(y, y)));
+        if plain {
+            simd.less(away, reach) | (simd.less(dx, zero) & simd.less(dy, zero))
+        } else {
+            !simd.less(reach, away)
+        }
     }
 
-    /// How far the shapes of a block lie outside along one axis; 0 inside.
+    /// [`Window::gap`] for the shapes of a block, along one axis.
     #[inline(always)]
-    fn beyond<S: Simd<T>>(
+    fn gaps<S: Simd<T>>(
         &self,
         simd: S,
         axis: usize,
@@ -92,11 +106,11 @@ impl<T: Scalar> Window<T> {
         let center = simd.load(block(centers, first));
         let below = simd.sub(simd.splat(self.min[axis]), center);
         let above = simd.sub(center, simd.splat(self.max[axis]));
-        let mut gap = simd.most(below, above);
-        if !half_sizes.is_empty() {
-            gap = simd.sub(gap, simd.load(block(half_sizes, first)));
+        let gap = simd.most(below, above);
+        if half_sizes.is_empty() {
+            return gap;
         }
-        simd.most(gap, simd.splat(T::ZERO))
+        simd.sub(gap, simd.load(block(half_sizes, first)))
     }
 }
 
@@ -306,7 +320,7 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
         }
         let (rows, found) = (self.tree.rows(), &mut hits.ids[start..]);
         found.iter_mut().for_each(|place| *place = rows[*place as usize]);
-        found.sort_unstable();
+        sort(found);
         hits.offsets.push(hits.ids.len());
     }
 
@@ -325,14 +339,42 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
         let round = self.tree.covers()[leaf].radius > T::ZERO;
         hits.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
-            let bits = window.lanes(simd, shapes, first, round) & first_lanes(places.end - first);
-            for_each_lane(bits, |lane| {
-                let shape = shapes.shape_if(first + lane, round);
-                if selects(self.mask, shape.category) && region.touches(&shape) {
-                    hits.ids.push((first + lane) as u32);
+            let bits = window.lanes(simd, shapes, first, (round, R::PLAIN));
+            let mut bits = bits & first_lanes(places.end - first);
+            if !R::PLAIN || self.mask.is_some() {
+                for lane in 0..LANES {
+                    if bits >> lane & 1 != 0 {
+                        let shape = shapes.shape_if(first + lane, round);
+                        let hit = selects(self.mask, shape.category) && region.touches(&shape);
+                        bits ^= u32::from(!hit) << lane;
+                    }
                 }
-            });
+            }
+            if bits != 0 {
+                let mut packed = [0; LANES];
+                simd.pack_places(first as u32, bits, &mut packed);
+                hits.ids.extend_from_slice(&packed[..bits.count_ones() as usize]);
+            }
         }
+    }
+}
+
+/// Sorts different numbers; a few of them without a branch that depends on their order.
+#[inline(always)]
+fn sort(ids: &mut [u32]) {
+    if ids.len() > LANES {
+        return ids.sort_unstable();
+    }
+    let mut all = [0; LANES];
+    all[..ids.len()].copy_from_slice(ids);
+    let mut ranks = [0u32; LANES];
+    for &id in &all[..ids.len()] {
+        for (rank, other) in ranks.iter_mut().zip(&all) {
+            *rank += u32::from(id < *other);
+        }
+    }
+    for (id, rank) in all[..ids.len()].iter().zip(ranks) {
+        ids[rank as usize] = *id;
     }
 }
 
