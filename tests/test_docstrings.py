@@ -13,12 +13,13 @@ import pytest
 
 import jostle
 import jostle.article
+import jostle.pyqtree
 import jostle.scenes
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-MODULES = [jostle, jostle.scenes, jostle.article]
+MODULES = [jostle, jostle.scenes, jostle.article, jostle.pyqtree]
 
 
 def public_things(module: ModuleType) -> Iterator[tuple[str, Any]]:
