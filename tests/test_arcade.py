@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-os.environ["ARCADE_HEADLESS"] = "True"
 arcade = pytest.importorskip(
     "arcade", reason="arcade is not installed here; it has an environment of its own"
 )

@@ -1,6 +1,8 @@
 """Every public name says what it is, and every example in the documentation is true."""
 
 import doctest
+import importlib
+import importlib.util
 import inspect
 import re
 from collections.abc import Iterator
@@ -20,6 +22,9 @@ ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 MODULES = [jostle, jostle.scenes, jostle.article, jostle.pyqtree]
+# An adapter can be looked at where the library that it adapts to is installed.
+ADAPTED = [name for name in ("arcade",) if importlib.util.find_spec(name)]
+MODULES += [importlib.import_module(f"jostle.{name}") for name in ADAPTED]
 
 
 def public_things(module: ModuleType) -> Iterator[tuple[str, Any]]:
