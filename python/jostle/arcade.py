@@ -356,7 +356,7 @@ def _reach(sides: _Floats) -> _Floats:
 
     Its sides may be negative, and it squares their sum.
     """
-    return cast(_Floats, np.abs(sides) * _PART + _SLACK)
+    return np.abs(sides) * _PART + _SLACK
 
 
 # ---- arcade's check, for many pairs at once ------------------------------------------------------
@@ -374,7 +374,8 @@ class _Polygons:
 
     def of(self, rows: _Rows, count: int) -> _Floats:
         """Return the corners of those of some rows that have so many, shape (rows, count, 2)."""
-        return self.points[self.starts[rows, None] + np.arange(count)]
+        corners: _Floats = self.points[self.starts[rows, None] + np.arange(count)]
+        return corners
 
     def bounds(self) -> tuple[_Floats, _Floats]:
         """Return the lower and the upper corner around each; (0, 0) around none."""

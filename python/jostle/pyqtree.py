@@ -25,6 +25,8 @@ __all__ = ["Index", "Quad"]
 _FAR = 1e300
 # Up to so many boxes a loop in Python is quicker than NumPy.
 _FEW = 24
+# To build a box into a tree takes about as long as to read it so often.
+_PATIENCE = 3
 
 
 class Quad(NamedTuple):
@@ -59,9 +61,8 @@ class Index:
     width, height : float, optional
         Its size.
     max_items : int, default 10
-        Items that a quad may hold before it splits into four.
     max_depth : int, default 20
-        How often it may split. Neither changes an answer.
+        pyqtree's limits for a quad; jostle keeps to its own.
 
     Examples
     --------
@@ -101,7 +102,7 @@ class Index:
         self._recent: dict[int, _Box] = {}
         self._odd: dict[int, _Box] = {}
         self._read = 0  # boxes of `_recent` that questions have read since then
-        self._built = self._build(np.empty(0, np.int64), np.empty((0, 4)))
+        self._built = _Built(np.empty(0, np.int64), np.empty((0, 4)))
 
     def insert(self, item: Any, bbox: Sequence[Any]) -> None:
         """Put an item into the index.
@@ -243,12 +244,12 @@ class Index:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
-        self._built = self._build(*state["_built"])
+        self._built = _Built(*state["_built"])
 
     def _refresh(self, questions: int) -> None:
         """Build anew if that costs less than to go on without."""
         self._read += questions * len(self._recent)
-        if self._read >= len(self._items) or self._built.gone > len(self._items):
+        if self._read > _PATIENCE * len(self._items) or self._built.gone > len(self._items):
             self._rebuild()
 
     def _rebuild(self) -> None:
@@ -258,13 +259,8 @@ class Index:
         numbers, corners = self._built.remaining()
         recent = np.array(list(self._recent.values()), np.float64).reshape(-1, 4)
         numbers = np.concatenate([numbers, np.fromiter(self._recent, np.int64)])
-        self._built = self._build(numbers, np.concatenate([corners, recent]))
+        self._built = _Built(numbers, np.concatenate([corners, recent]))
         self._recent, self._read = {}, 0
-
-    def _build(self, numbers: NDArray[np.int64], corners: NDArray[np.float64]) -> _Built:
-        # pyqtree takes any numbers for these two.
-        capacity, depth = max(self.max_items, 1), min(max(self.max_depth, 0), 4096)
-        return _Built(numbers, corners, leaf_capacity=capacity, max_depth=depth)
 
     def _meeting_outside(self, box: _Floats) -> list[int]:
         """Return the numbers of the boxes outside the tree that one meets."""
@@ -337,9 +333,7 @@ class _Built:
     what meets, and whatever it finds is compared with the corners themselves.
     """
 
-    def __init__(
-        self, numbers: NDArray[np.int64], corners: NDArray[np.float64], **settings: int
-    ) -> None:
+    def __init__(self, numbers: NDArray[np.int64], corners: NDArray[np.float64]) -> None:
         self.numbers = numbers  # ascending
         self.corners = corners  # NaN, which meets nothing, once removed
         self.gone = 0
@@ -348,7 +342,7 @@ class _Built:
         # The tree subtracts in the same way, and rounding never swaps two numbers: what meets a
         # side is at most this far from the middle, so the next larger number is beyond it.
         half_sizes = np.nextafter(np.maximum(high - middles, middles - low), np.inf)
-        self.tree = Quadtree(middles, 0.0, half_sizes, **settings)
+        self.tree = Quadtree(middles, 0.0, half_sizes)
 
     def meeting(self, box: _Floats) -> list[int]:
         """Return the numbers of the boxes that one meets."""
