@@ -107,6 +107,30 @@ def test_many_boxes_on_a_grid(unit: float) -> None:
     ]
 
 
+@pytest.mark.parametrize("n", [3, 60])
+def test_what_just_does_not_touch_is_left_out(n: int) -> None:
+    """The middle of such a box is rounded, so the tree alone would find it."""
+    index = Index(AREA)
+    for number in range(n):
+        index.insert(number, (0.1, 0, 0.3, 0))
+    beside = (math.nextafter(0.3, 1), 0)
+    for _ in range(6):
+        assert index.intersect(beside) == []
+        assert index.intersect((0.3, 0)) == list(range(n))
+    assert index.intersect_many([beside, (0.3, 0)]) == [[], list(range(n))]
+
+
+def test_numbers_that_no_float_holds() -> None:
+    index = Index(AREA)
+    index.insert("integer", (2**53 + 1, 0))
+    index.insert("fraction", (Fraction(1, 3), 0))
+    for _ in range(6):
+        assert index.intersect((2**53, 0)) == index.intersect((1 / 3, 0)) == []
+        assert index.intersect((2**53 + 1, 0, 2**53 + 2, 0)) == ["integer"]
+        assert index.intersect((Fraction(1, 3), 0)) == ["fraction"]
+    assert index.intersect_many([(2**53 + 2, 0, 0, 0), (1 / 3, 0)]) == [["integer", "fraction"], []]
+
+
 def test_changes_and_questions_in_turn() -> None:
     rng = np.random.default_rng(0)
     both = Both(max_depth=5)
