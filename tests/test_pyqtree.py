@@ -112,12 +112,12 @@ def test_what_just_does_not_touch_is_left_out(n: int) -> None:
     """The middle of such a box is rounded, so the tree alone would find it."""
     index = Index(AREA)
     for number in range(n):
-        index.insert(number, (0.1, 0, 0.3, 0))
-    beside = (math.nextafter(0.3, 1), 0)
+        index.insert(number, (-3.0, 0, -2.6, 0))
+    beside = (math.nextafter(-2.6, 0), 0)
     for _ in range(6):
         assert index.intersect(beside) == []
-        assert index.intersect((0.3, 0)) == list(range(n))
-    assert index.intersect_many([beside, (0.3, 0)]) == [[], list(range(n))]
+        assert index.intersect((-2.6, 0)) == list(range(n))
+    assert index.intersect_many([beside, (-2.6, 0)]) == [[], list(range(n))]
 
 
 def test_numbers_that_no_float_holds() -> None:
