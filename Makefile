@@ -8,6 +8,7 @@ PYTHON ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
+ARCADE := $(VENV)-arcade
 WHEELS := target/wheels
 RUST_NEEDED := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 
@@ -21,7 +22,7 @@ SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup run test lint bench docs web clean
+.PHONY: help setup run test arcade lint bench docs web clean
 
 help:  ## list the verbs
 	@echo "make VERB, where VERB is one of"
@@ -36,6 +37,11 @@ test: setup  ## run every test: Rust, Python and the examples in the documents
 	$(need_rust)
 	cargo test --workspace
 	$(BIN)/python -m pytest $(ARGS)
+
+arcade: $(VENV)/wheel  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
+	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \
+	  $(or $(ARGS),tests/test_arcade.py tests/test_window_examples.py tests/test_docstrings.py -k "arcade or pyglet or raylib"); \
+	else echo "arcade cannot be installed here, so its adapter and the examples are not tested."; fi
 
 lint: setup  ## check format, style and types
 	$(need_rust)
@@ -58,7 +64,7 @@ web:
 	@echo "The web page is not there yet: jostle runs in Python and in Rust so far."
 
 clean:  ## remove everything that was built
-	rm -rf $(VENV) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ARCADE) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # All parts of the benchmarks where none is named.
@@ -86,6 +92,15 @@ $(VENV)/dev: $(VENV)/run requirements/dev.txt
 
 $(VENV)/bench: $(VENV)/dev requirements/bench.txt
 	$(BIN)/python -m pip install --quiet --requirement requirements/bench.txt
+	@touch $@
+
+$(ARCADE)/installed: $(VENV)/run requirements/arcade.txt requirements/dev.txt
+	$(BIN)/python -m venv --clear $(ARCADE)
+	$(ARCADE)/bin/python -m pip install --quiet --requirement requirements/arcade.txt
+	@touch $@
+
+$(ARCADE)/wheel: $(ARCADE)/installed $(VENV)/wheel
+	$(ARCADE)/bin/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
 	@touch $@
 
 $(VENV)/wheel: $(VENV)/run $(SOURCES)

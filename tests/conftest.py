@@ -4,10 +4,11 @@ import os
 
 from hypothesis import settings
 
-# Set before any test imports the window library.
+# Set before any test imports a window library.
 os.environ["SDL_VIDEODRIVER"] = "offscreen"
 os.environ["SDL_AUDIODRIVER"] = "dummy"
 os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
+os.environ["ARCADE_HEADLESS"] = "True"
 
 # Times on a shared machine vary too much for a deadline.
 settings.register_profile("here", deadline=None, print_blob=True)

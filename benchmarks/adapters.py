@@ -1,0 +1,129 @@
+"""What the adapters gain: the same calls on the other library and on jostle.
+
+.venv/bin/python benchmarks/adapters.py pyqtree
+.venv-arcade/bin/python benchmarks/adapters.py arcade
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+ROUNDS = 5
+Timed = tuple[str, Callable[[], Any]]
+
+
+def milliseconds(act: Callable[[], Any]) -> float:
+    """The best of a few rounds: what others do on the machine only adds to it."""
+    times = []
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        act()
+        times.append(time.perf_counter() - start)
+    return 1e3 * min(times)
+
+
+def report(n: int, *acts: Timed) -> None:
+    print(f"n = {n:,}")
+    for name, act in acts:
+        print(f"  {name:58} {milliseconds(act):9.2f} ms", flush=True)
+
+
+def boxes(n: int) -> list[tuple[float, ...]]:
+    """Unit boxes that cover 40 % of a square."""
+    corners = np.random.default_rng(0).uniform(0, np.sqrt(n / 0.4), (n, 2))
+    return list(map(tuple, np.hstack([corners, corners + 1]).tolist()))
+
+
+def measure_pyqtree(n: int) -> None:
+    """Fill an index, ask it once for each box, and move every tenth box."""
+    from jostle.pyqtree import Index
+
+    table = boxes(n)
+    side = float(np.sqrt(n / 0.4))
+
+    def filled(kind: Any) -> Any:
+        index = kind(bbox=(0, 0, side, side))
+        for number, box in enumerate(table):
+            index.insert(number, box)
+        for box in table[:4]:  # after which even a lazy index has built its tree
+            index.intersect(box)
+        return index
+
+    def ask(index: Any) -> None:
+        for box in table:
+            index.intersect(box)
+
+    def move(index: Any) -> None:
+        for number, box in enumerate(table[: n // 10]):
+            index.remove(number, box)
+            index.insert(number, box)
+            index.intersect(box)
+
+    theirs, mine = importlib.import_module("pyqtree").Index, Index
+    old, new = filled(theirs), filled(mine)
+    report(
+        n,
+        ("fill: pyqtree", lambda: filled(theirs)),
+        ("fill: jostle.pyqtree", lambda: filled(mine)),
+        ("ask for each box: pyqtree", lambda: ask(old)),
+        ("ask for each box: jostle.pyqtree", lambda: ask(new)),
+        ("ask for each box: jostle.pyqtree, intersect_many", lambda: new.intersect_many(table)),
+        ("move a tenth, ask after each: pyqtree", lambda: move(old)),
+        ("move a tenth, ask after each: jostle.pyqtree", lambda: move(new)),
+    )
+
+
+def measure_arcade(n: int) -> None:
+    """All pairs of turned squares in a frame in which every one has moved."""
+    os.environ["ARCADE_HEADLESS"] = "True"
+    import arcade
+
+    import jostle.arcade
+
+    table = boxes(n)
+    rng = np.random.default_rng(1)
+    plain, hashed = (
+        arcade.SpriteList(lazy=True),
+        arcade.SpriteList(use_spatial_hash=True, lazy=True),
+    )
+    for sprites in (plain, hashed):
+        for x, y, *_ in table:
+            turn = float(rng.uniform(0, 360))
+            sprites.append(arcade.SpriteSolidColor(16, 16, x * 20, y * 20, angle=turn))
+
+    def moved(sprites: Any) -> Any:
+        for sprite in sprites:
+            sprite.center_x += 0.5
+        return sprites
+
+    def one_by_one(sprites: Any, method: int) -> None:
+        for sprite in moved(sprites):
+            arcade.check_for_collision_with_list(sprite, sprites, method)
+
+    def from_a_snapshot() -> None:
+        now = jostle.arcade.Snapshot(moved(plain))
+        for sprite in plain:
+            jostle.arcade.check_for_collision_with_list(sprite, now)
+
+    acts: list[Timed] = [
+        ("move, no collisions", lambda: moved(plain)),
+        ("arcade, a spatial hash", lambda: one_by_one(hashed, 1)),
+        ("jostle.arcade, a snapshot asked for each sprite", from_a_snapshot),
+        ("jostle.arcade, selfcollide", lambda: jostle.arcade.selfcollide(moved(plain))),
+    ]
+    if n <= 1_000:
+        acts.insert(1, ("arcade, every sprite with every other", lambda: one_by_one(plain, 3)))
+    report(n, *acts)
+
+
+if __name__ == "__main__":
+    measure = {"pyqtree": measure_pyqtree, "arcade": measure_arcade}[sys.argv[1]]
+    for n in (1_000, 10_000, 100_000)[: 3 if measure is measure_pyqtree else 2]:
+        measure(n)
