@@ -19,6 +19,7 @@ from pathlib import Path
 import growth
 import hard_cases
 import plot
+import queries
 import share
 import small
 import space
@@ -78,8 +79,9 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "small": lambda options: small.race(options.rounds, options.largest),
     "growth": lambda options: growth.race(options.rounds, 10 * options.largest, told),
     "share": lambda options: share.race(options.rounds, options.largest),
-    "space": lambda options: space.race(options.rounds, options.largest),
     "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),
+    "queries": lambda options: queries.race(options.rounds, options.largest),
+    "space": lambda options: space.race(options.rounds, options.largest),
     "sprites": lambda options: sprites.race(options.rounds, options.largest),
 }
 

@@ -162,6 +162,18 @@ def hard_cases(rows: list[Row]) -> str:
     return table(["scene", "ms", "", "beside"], lines)
 
 
+def living(rows: list[Row]) -> str:
+    """Return what each call of a frame costs."""
+    lines = (
+        [row["scene"], row["call"], *(figure(1e3 * float(row[at])) for at in ("low_s", "median_s"))]
+        for row in rows
+        if row["call"] != "entered and left"
+    )
+    return table(["", "", "ms, lower quartile", "ms, median"], lines).replace(
+        "| --- | ---:", "| --- | ---", 1
+    )
+
+
 def sprites(rows: list[Row]) -> str:
     """Return one line for each question and library, one column for each size of a group."""
     counts = sorted({int(row["count"]) for row in rows})
@@ -196,6 +208,15 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "growth": ("growth", growth),
     "share": ("share", share),
     "hard-cases": ("hard-cases", hard_cases),
+    **{
+        name: ("queries", lambda rows, kind=kind: by_count(scene(kind)(rows), frame))
+        for name, kind in (
+            ("query-rectangles", "rectangles"),
+            ("query-nearest", "nearest"),
+            ("query-rays", "rays"),
+        )
+    },
+    "space": ("space", living),
     "sprites": ("sprites", sprites),
 }
 

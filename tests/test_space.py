@@ -158,6 +158,13 @@ class LivingSpace(RuleBasedStateMachine):
                 self.space.pairs(max_pairs=len(expected) - 1)
         assert len(self.space.pairs(max_pairs=len(expected))) == len(expected)
 
+    @rule(mask=st.sampled_from([0, 1, 2, 5]))
+    def pairs_of_some(self, mask: int) -> None:
+        ours = {id for id, row in self.shapes.items() if row[3] & mask}
+        expected = sorted(pair for pair in self.touching() if ours.issuperset(pair))
+        found = self.space.pairs(sort=True, mask=mask, max_pairs=len(expected))
+        assert found.tolist() == [list(pair) for pair in expected]
+
     @rule(at=points, size=st.floats(0.125, 8), mask=masks)
     def ask(self, at: Any, size: float, mask: int | None) -> None:
         """The same shapes in a tree of their own answer the same."""

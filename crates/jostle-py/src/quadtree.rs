@@ -448,7 +448,8 @@ impl PyQuadtree {
     ///         infinity where there are fewer than k.
     ///     ids : ndarray of int64, shape (k,) or (n, k)
     ///         Row numbers, of shapes as near the smaller first; -1 where there are
-    ///         fewer than k.
+    ///         fewer than k: leave those out before you index with them. A point that is
+    ///         a shape of the tree has itself for its nearest.
     ///
     /// Raises
     /// ------

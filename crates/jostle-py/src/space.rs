@@ -398,6 +398,8 @@ impl PySpace {
     ///     order that depends on what was called before, and not on the number of threads.
     /// max_pairs : int, default 134217728
     ///     The most pairs to return; the default is two gibibytes of them.
+    /// mask : int, optional
+    ///     Find only pairs of which both have a category in this set of bits.
     ///
     /// Returns
     /// -------
@@ -417,19 +419,21 @@ impl PySpace {
     /// >>> space.pairs()
     /// array([[1, 2]])
     #[pyo3(
-        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING),
-        text_signature = "($self, *, sort=False, max_pairs=134217728)"
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
     )]
     fn pairs<'py>(
         &self,
         py: Python<'py>,
         sort: Given<'py>,
         max_pairs: Given<'py>,
+        mask: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        let mask = queries::mask(mask)?;
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         with_space!(self, space => {
             let pairs = py.detach(|| {
-                let mut pairs = lock(space).pairs(max_pairs)?;
+                let mut pairs = lock(space).pairs(mask, max_pairs)?;
                 if sort {
                     pairs.sort_unstable();
                 }

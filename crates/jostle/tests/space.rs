@@ -178,7 +178,7 @@ impl<T: Scalar> Trial<T> {
             Call::RemoveAll => self.remove(&self.space.ids()),
             Call::Update => self.update(),
             Call::Pairs => {
-                let mut found = self.space.pairs(DEFAULT_MAX_PAIRS).expect("they fit");
+                let mut found = self.space.pairs(None, DEFAULT_MAX_PAIRS).expect("they fit");
                 found.sort_unstable();
                 assert_eq!(found, pairs(&self.shapes));
             }
@@ -211,7 +211,7 @@ impl<T: Scalar> Trial<T> {
         let now = pairs(&self.shapes);
         if now.len() > 2 {
             // Too little room is refused, or there was enough; nothing is lost either way.
-            if let Err(error) = self.space.pairs(now.len() - 1) {
+            if let Err(error) = self.space.pairs(None, now.len() - 1) {
                 assert_eq!(error, Error::TooManyPairs { max_pairs: now.len() - 1 });
             } else {
                 panic!("there are {} pairs", now.len());
@@ -378,7 +378,7 @@ fn what_comes_and_goes_between_two_updates_never_shows() {
     space.add(&discs(&[[0.0, 0.0]], 1.0)).unwrap();
     space.update(9).unwrap();
     let ids = space.add(&discs(&[[0.5, 0.0]], 1.0)).unwrap();
-    assert_eq!(space.pairs(9).unwrap(), [[0, 1]]);
+    assert_eq!(space.pairs(None, 9).unwrap(), [[0, 1]]);
     space.remove(&ids).unwrap();
     let events = space.update(9).unwrap();
     assert!(events.entered.is_empty() && events.left.is_empty());
@@ -395,7 +395,7 @@ fn memory_follows_the_living() {
                 space.update(DEFAULT_MAX_PAIRS).unwrap();
             }
             if round % 50 == 0 {
-                space.pairs(DEFAULT_MAX_PAIRS).unwrap();
+                space.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
             }
             space.remove(&ids).unwrap();
             if round == 20 {
@@ -451,7 +451,7 @@ fn threads_change_nothing() {
             space.move_to(&some, &to).unwrap();
             told.push(space.update(DEFAULT_MAX_PAIRS).unwrap());
         }
-        (told, space.pairs(DEFAULT_MAX_PAIRS).unwrap())
+        (told, space.pairs(None, DEFAULT_MAX_PAIRS).unwrap())
     };
     assert_eq!(run(1), run(2));
 }

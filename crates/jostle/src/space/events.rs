@@ -74,7 +74,7 @@ impl<T: Scalar> Space<T> {
         let changed = &self.changes.changed;
         let wanted = |[a, b]: [u32; 2]| changed[a as usize] || changed[b as usize];
         for other in self.layers.indices() {
-            self.layers.join([front, other], wanted, most, &mut found)?;
+            self.layers.join([front, other], None, wanted, most, &mut found)?;
         }
         Ok(found)
     }

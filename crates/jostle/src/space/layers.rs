@@ -265,20 +265,23 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Adds the overlapping pairs of shapes of two layers that are `wanted`, or of one with
-    /// itself, as pairs of slots. There may be at most `max_pairs` in all.
+    /// itself, as pairs of slots; with a `mask` only those of which both have a category in
+    /// it. There may be at most `max_pairs` in all.
     pub(super) fn join(
         &self,
         [a, b]: [usize; 2],
+        mask: Option<u32>,
         wanted: impl Fn([u32; 2]) -> bool,
         max_pairs: usize,
         found: &mut Vec<[u32; 2]>,
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
-        let rows = if a == b {
-            pairs::within(&first.tree, left)
-        } else {
-            pairs::between(&first.tree, &second.tree, left)
+        let rows = match (a == b, mask) {
+            (true, None) => pairs::within(&first.tree, left),
+            (true, Some(mask)) => pairs::within_mask(&first.tree, mask, left),
+            (false, None) => pairs::between(&first.tree, &second.tree, left),
+            (false, Some(mask)) => pairs::between_mask(&first.tree, &second.tree, mask, left),
         };
         let rows = rows.map_err(|error| match error {
             Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },

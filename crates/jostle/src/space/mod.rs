@@ -161,23 +161,24 @@ impl<T: Scalar> Space<T> {
     }
 
     /// All overlapping pairs of ids, the smaller first, in no promised order; the same
-    /// whatever the number of threads.
-    pub fn pairs(&mut self, max_pairs: usize) -> Result<Vec<[Id; 2]>> {
+    /// whatever the number of threads. With a `mask` only those of which both have a category
+    /// in it.
+    pub fn pairs(&mut self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[Id; 2]>> {
         self.layers.fold(&self.slots, self.settings);
-        let found = self.all_pairs(max_pairs).or_else(|_| {
+        let found = self.all_pairs(mask, max_pairs).or_else(|_| {
             // Shapes that are dead may have been counted; now there are none.
             self.layers.part(&[], &self.slots, self.settings);
-            self.all_pairs(max_pairs)
+            self.all_pairs(mask, max_pairs)
         });
         Ok(found?.into_iter().map(|pair| self.pair_of_ids(pair)).collect())
     }
 
-    fn all_pairs(&self, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
+    fn all_pairs(&self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
         let mut found = Vec::new();
         let layers: Vec<usize> = self.layers.indices().collect();
         for (which, &a) in layers.iter().enumerate() {
             for &b in &layers[which..] {
-                self.layers.join([a, b], |_| true, max_pairs, &mut found)?;
+                self.layers.join([a, b], mask, |_| true, max_pairs, &mut found)?;
             }
         }
         Ok(found)
