@@ -15,6 +15,18 @@ from oracle import Shapes
 QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ignore"}
 
 
+# Beyond these, squares are too large or too small: numbers are brought into range by a power of
+# two, which costs no digit.
+RANGES = {"float32": (2.0**50, 2.0**-50, 2.0**70), "float64": (2.0**500, 2.0**-500, 2.0**600)}
+
+
+def into_range(largest: NDArray[Any]) -> NDArray[Any]:
+    """What numbers up to `largest` are multiplied by before they are squared."""
+    large, small, step = RANGES[str(largest.dtype)]
+    factor = np.where(largest > large, 1 / step, np.where(largest < small, step, 1.0))
+    return factor.astype(largest.dtype)
+
+
 def halves(shapes: Shapes) -> NDArray[Any]:
     """Half sizes, 0 for circles."""
     return np.zeros_like(shapes.centers) if shapes.half_sizes is None else shapes.half_sizes
@@ -57,8 +69,9 @@ def distance(shapes: Shapes, point: NDArray[Any]) -> NDArray[Any]:
     """How far a point is from the surface of each shape; 0 inside."""
     with np.errstate(**QUIET):
         outside = np.maximum(np.abs(shapes.centers - point) - halves(shapes), 0)
-        length = np.sqrt(outside[:, 0] ** 2 + outside[:, 1] ** 2)
-        return np.maximum(length - shapes.radii, 0)
+        into = into_range(outside.max(axis=1, initial=0))
+        x, y = outside[:, 0] * into, outside[:, 1] * into
+        return np.maximum(np.sqrt(x**2 + y**2) * (1 / into) - shapes.radii, 0)
 
 
 def along_ray(
@@ -72,6 +85,9 @@ def along_ray(
         u = scaled / np.sqrt(scaled[0] ** 2 + scaled[1] ** 2)
         m = origin - shapes.centers
         reach = shapes.radii + radius
+        largest = np.maximum(np.abs(m).max(axis=1, initial=0), half.max(axis=1, initial=0))
+        into = into_range(np.maximum(largest, reach))
+        m, half, reach = m * into[:, None], half * into[:, None], reach * into
         outside = np.maximum(np.abs(m) - half, 0)
         inside = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= reach**2
         ways = [
@@ -84,7 +100,7 @@ def along_ray(
         circle = (half == 0).all(axis=1)
         far = np.where(circle, _to_circle(m, u, reach), rounded)
         far = np.where(~circle & (reach == 0), _to_box(m, u, half), far)
-        return np.where(inside, nothing, far)
+        return np.where(inside, nothing, far * (1 / into))
 
 
 def _to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArray[Any]:

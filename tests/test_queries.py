@@ -23,16 +23,25 @@ directions = st.sampled_from(
 places = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6)
 
 
+SCALES = (1.0, 1.0, 1.0, 1e-30, 1e-24, 1e-20, 1e20, 1e25, 1e30)
+
+
 @st.composite
 def asked(draw: st.DrawFn) -> tuple[Shapes, NDArray[Any] | None, int | None, NDArray[Any], Any]:
     """Shapes, their categories, a mask, places in the same dtype, and a tree."""
     shapes = draw(any_shapes())
+    scale = shapes.centers.dtype.type(draw(st.sampled_from(SCALES)))
+    if scale != 1 and max(np.abs(x).max(initial=0) for x in shapes if x is not None) < 1e6:
+        shapes = Shapes(*(None if x is None else x * scale for x in shapes))
+    else:
+        scale = shapes.centers.dtype.type(1)
     categories = None
     if draw(st.booleans()):
         rng = np.random.default_rng(draw(st.integers(0, 99)))
         categories = rng.integers(0, 8, len(shapes.radii)).astype(np.uint32)
     tree = jostle.Quadtree(*shapes, categories=categories, leaf_capacity=draw(capacities))
     points = np.array(draw(places), np.float64).astype(shapes.centers.dtype)
+    points *= scale if np.abs(points).max() < 1e6 else 1
     if len(shapes.radii):  # Some of them on a shape, to the bit.
         points[0] = shapes.centers[draw(st.integers(0, len(shapes.radii) - 1))]
     return shapes, categories, draw(masks), points, tree
@@ -232,6 +241,34 @@ def test_a_ray_that_begins_inside_is_there() -> None:
     assert tree.raycast((0.4, 0), (1, 0), mask=2) == (-1, np.inf)
 
 
+@pytest.mark.parametrize("dtype", DTYPES)
+@pytest.mark.parametrize("scale", [1e-30, 1e-24, 1.0, 1e25, 1e30])
+def test_the_size_of_the_world_does_not_matter(dtype: Any, scale: float) -> None:
+    centers = (np.array([(0, 0), (3, 0), (5, 0)]) * scale).astype(dtype)
+    tree = jostle.Quadtree(centers, np.full(3, scale, dtype), leaf_capacity=1)
+    hit = tree.raycast((-4 * scale, 0), (1, 0))
+    assert hit.id == 0 and np.isclose(hit.distance, 3 * scale, rtol=1e-5)
+    near = tree.nearest((-2 * scale, 0), 2)
+    np.testing.assert_array_equal(near.ids, [0, 1])
+    np.testing.assert_allclose(near.distances, [scale, 4 * scale], rtol=1e-5)
+    square = np.array([(2.5, -0.1), (3.5, -0.1), (3.5, 0.1), (2.5, 0.1)]) * scale
+    boxes = jostle.Quadtree(centers, half_sizes=np.full((3, 2), scale, dtype))
+    np.testing.assert_array_equal(boxes.query_polygon(square), [1])
+
+
+def test_so_many_neighbours_that_there_is_no_memory_are_refused() -> None:
+    with pytest.raises(ValueError, match="^k is 134217729; k for each point"):
+        TREE.nearest((0, 0), k=2**27 + 1)
+
+
+def test_a_limit_counts_only_pairs_of_the_categories_asked_for() -> None:
+    categories = np.where(np.arange(600) % 30 == 0, 1, 2)
+    tree = jostle.Quadtree(np.zeros((600, 2)), 1.0, categories=categories)
+    assert len(tree.pairs(mask=1, max_pairs=190)) == 190
+    with pytest.raises(ValueError, match="more than max_pairs = 189"):
+        tree.pairs(mask=1, max_pairs=189)
+
+
 # ---- pairs with a mask ---------------------------------------------------------------------------
 
 
@@ -334,6 +371,7 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
             lambda: TREE.raycast(np.zeros((3, 2)), [(1, 0), (0, 1)]),
             "direction has shape (2, 2); it must be (2,) or (3, 2)",
         ),
+        (lambda: TREE.query_point((0, 0), mask=[1]), "mask has shape (1,); it must be an integer"),
         (lambda: TREE.query_point((0, 0), mask=-1), "mask is -1; it must be between 0 and"),
     ],
 )

@@ -161,7 +161,7 @@ impl<'py> Argument<'py> {
         match self.array.shape() {
             [width] if *width == W => Ok(Each::One(self.real_rows()?[0])),
             [_, width] if *width == W => Ok(Each::Rows(self.real_rows()?)),
-            [0] if !self.was_array => Ok(Each::Rows(Vec::new())),
+            [0] => Ok(Each::Rows(Vec::new())),
             _ => Err(self.wrong_shape(&format!("({W},) or (k, {W})"))),
         }
     }
@@ -170,7 +170,7 @@ impl<'py> Argument<'py> {
     pub fn one_or_more_lists<T: Scalar + Element>(&self) -> PyResult<Each<Vec<[T; 2]>>> {
         match *self.array.shape() {
             [_, 2] => Ok(Each::One(self.real_pairs()?)),
-            [0] if !self.was_array => Ok(Each::Rows(Vec::new())),
+            [0] => Ok(Each::Rows(Vec::new())),
             [lists, 0, 2] => Ok(Each::Rows(vec![Vec::new(); lists])),
             [_, len, 2] => {
                 let points = self.real_pairs()?;

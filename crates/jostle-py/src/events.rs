@@ -42,7 +42,7 @@ impl PyEvents {
     /// Pairs that overlap now and did not at the update before: ndarray of int64, shape (m, 2).
     #[getter]
     fn entered<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        kept(py, &self.entered, || Ok(self.events.entered.clone()))
+        kept(py, &self.entered, || Ok(py.detach(|| self.events.entered.clone())))
     }
 
     /// Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
@@ -65,7 +65,7 @@ impl PyEvents {
     /// removed: ndarray of int64, shape (m, 2).
     #[getter]
     fn left<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        kept(py, &self.left, || Ok(self.events.left.clone()))
+        kept(py, &self.left, || Ok(py.detach(|| self.events.left.clone())))
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -11,9 +11,10 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Given, table, truth};
 use crate::error::{refused, type_error};
+use crate::queries::{self, Asked, Maybe};
+use crate::results;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
-use crate::{queries, results};
 
 /// A quadtree over shapes that do not change.
 ///
@@ -74,9 +75,6 @@ pub struct PyQuadtree {
     tests: AtomicU64,
 }
 
-/// An argument of a question.
-type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
-
 /// The core's tree, in the precision of its shapes.
 enum Tree {
     Single(jostle::Quadtree<f32>),
@@ -132,12 +130,12 @@ impl PyQuadtree {
         py: Python<'py>,
         centers: &Bound<'py, PyAny>,
         radii: Given<'py>,
-        half_sizes: Option<&Bound<'py, PyAny>>,
-        categories: Option<&Bound<'py, PyAny>>,
-        masks: Option<&Bound<'py, PyAny>>,
+        half_sizes: Maybe<'_, 'py>,
+        categories: Maybe<'_, 'py>,
+        masks: Maybe<'_, 'py>,
         leaf_capacity: Given<'py>,
         max_depth: Given<'py>,
-        threads: Option<&Bound<'py, PyAny>>,
+        threads: Maybe<'_, 'py>,
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
         let shapes = Shapes::read(centers, &radii, half_sizes, categories, masks)?;
@@ -186,10 +184,10 @@ impl PyQuadtree {
     fn pairs<'py>(
         &self,
         py: Python<'py>,
-        other: Option<&Bound<'py, PyAny>>,
+        other: Maybe<'_, 'py>,
         sort: Given<'py>,
         max_pairs: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let mask = queries::mask(mask)?;
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
@@ -294,7 +292,7 @@ impl PyQuadtree {
         &self,
         py: Python<'py>,
         rect: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_tree!(&self.tree, tree => queries::rect(py, rect, |rects| {
@@ -337,7 +335,7 @@ impl PyQuadtree {
         py: Python<'py>,
         center: &Bound<'py, PyAny>,
         radius: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_tree!(&self.tree, tree => queries::circle(py, center, radius, |circles| {
@@ -379,7 +377,7 @@ impl PyQuadtree {
         &self,
         py: Python<'py>,
         point: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_tree!(&self.tree, tree => queries::point(py, point, |points| {
@@ -419,7 +417,7 @@ impl PyQuadtree {
         &self,
         py: Python<'py>,
         vertices: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_tree!(&self.tree, tree => queries::polygon(py, vertices, |polygons| {
@@ -473,7 +471,7 @@ impl PyQuadtree {
         point: &Bound<'py, PyAny>,
         k: Given<'py>,
         max_distance: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_tree!(&self.tree, tree => {
@@ -529,7 +527,7 @@ impl PyQuadtree {
         origin: &Bound<'py, PyAny>,
         direction: &Bound<'py, PyAny>,
         max_distance: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.cast(py, (origin, direction, None), &max_distance, mask)
     }
@@ -577,7 +575,7 @@ impl PyQuadtree {
         direction: &Bound<'py, PyAny>,
         radius: &Bound<'py, PyAny>,
         max_distance: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
     }
@@ -622,11 +620,13 @@ impl PyQuadtree {
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tests = self.tests.load(Ordering::Relaxed);
-        let stats = with_tree!(&self.tree, tree => Stats {
-            nodes: tree.nodes().len(),
-            leaves: tree.leaf_count(),
-            depth: tree.depth(),
-            tests,
+        let stats = py.detach(|| {
+            with_tree!(&self.tree, tree => Stats {
+                nodes: tree.nodes().len(),
+                leaves: tree.leaf_count(),
+                depth: tree.depth(),
+                tests,
+            })
         });
         results::stats(py, stats)
     }
@@ -651,9 +651,9 @@ impl PyQuadtree {
     fn cast<'py>(
         &self,
         py: Python<'py>,
-        (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Option<Asked<'_, 'py>>),
+        (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Maybe<'_, 'py>),
         max_distance: &Given<'py>,
-        mask: Option<Asked<'_, 'py>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_tree!(&self.tree, tree => {

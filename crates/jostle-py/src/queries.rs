@@ -6,16 +6,23 @@ use jostle::{Each, Error, Scalar};
 use numpy::Element;
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, count, number};
-use crate::error::{refused, value_error};
+use crate::arrays::{Argument, Given, column, count, number};
+use crate::error::refused;
 use crate::results;
 
+/// An argument of a question.
+pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
+
+/// An argument that may be left out or None.
+pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
+
 /// The categories that a question is about; None stands for all, and for what has none.
-pub fn mask(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<u32>> {
+pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
     let Some(value) = value else { return Ok(None) };
-    match Argument::integers("mask", value)?.bits_each(0)? {
+    let mask = Argument::integers("mask", value)?;
+    match mask.bits_each(1)? {
         Each::One(mask) => Ok(Some(mask)),
-        Each::Rows(_) => Err(value_error("mask", "an array", "one integer")),
+        Each::Rows(_) => Err(mask.wrong_shape("an integer")),
     }
 }
 
@@ -40,12 +47,12 @@ fn region<'py, V: Clone + Sync, R: Send, I: Send + Into<i64>>(
     regions: impl FnOnce(&[V]) -> jostle::Result<Vec<R>> + Send,
     ask: impl FnOnce(&[R]) -> jostle::Result<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let answer = |rows: &[V]| ask(&regions(rows)?);
+    let answer = |rows: &[V]| Ok(results::counted_by_numpy(ask(&regions(rows)?)?));
     match asked {
         Each::One(one) => {
             let one = std::slice::from_ref(one);
             let hits = py.detach(|| answer(one)).map_err(without_row).map_err(refused)?;
-            Ok(results::ids(py, hits.ids).into_any())
+            Ok(column(py, hits.ids).into_any())
         }
         Each::Rows(rows) => results::hits(py, py.detach(|| answer(rows)).map_err(refused)?),
     }
@@ -105,7 +112,7 @@ pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
         Each::One(vertices) => {
             let one = std::slice::from_ref(vertices);
             let hits = py.detach(|| ask(&polygons(one)?[..])).map_err(refused)?;
-            Ok(results::ids(py, hits.ids).into_any())
+            Ok(column(py, results::counted_by_numpy(hits).ids).into_any())
         }
         Each::Rows(_) => region(py, &asked, polygons, ask),
     }
@@ -153,7 +160,7 @@ pub fn cast<'py, T: Scalar + Element>(
     py: Python<'py>,
     origin: &Bound<'py, PyAny>,
     direction: &Bound<'py, PyAny>,
-    radius: Option<&Bound<'py, PyAny>>,
+    radius: Maybe<'_, 'py>,
     max_distance: &Given<'py>,
     ask: impl FnOnce(&[Ray<T>]) -> RayHits<T> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {

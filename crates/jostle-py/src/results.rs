@@ -3,7 +3,7 @@
 use jostle::Scalar;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
-use numpy::{Element, PyArray1};
+use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -22,13 +22,13 @@ pub fn nodes<'py, T: Scalar>(
     tree: &jostle::Quadtree<T>,
 ) -> PyResult<Bound<'py, PyAny>> {
     static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let all = tree.nodes();
-    let fields = (
-        table(py, tree.cells())?,
-        column(py, all.iter().map(|node| u32::from(node.depth)).collect()),
-        column(py, all.iter().map(|node| node.len() as u32).collect()),
-        column(py, all.iter().map(jostle::Node::is_leaf).collect()),
-    );
+    let (cells, depths, counts, is_leaf) = py.detach(|| {
+        let all = tree.nodes();
+        let depths: Vec<u32> = all.iter().map(|node| u32::from(node.depth)).collect();
+        let counts: Vec<u32> = all.iter().map(|node| node.len() as u32).collect();
+        (tree.cells(), depths, counts, all.iter().map(jostle::Node::is_leaf).collect())
+    });
+    let fields = (table(py, cells)?, column(py, depths), column(py, counts), column(py, is_leaf));
     NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
 }
 
@@ -39,17 +39,17 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
 }
 
-/// Ids, as NumPy counts.
-pub fn ids<I: Into<i64>>(py: Python<'_>, ids: Vec<I>) -> Bound<'_, PyArray1<i64>> {
-    column(py, ids.into_iter().map(Into::into).collect())
+/// The same with ids as NumPy counts; needs no Python.
+pub fn counted_by_numpy<I: Into<i64>>(all: Hits<I>) -> Hits<i64> {
+    let Hits { offsets, ids, tests } = all;
+    Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests }
 }
 
 /// `jostle.Hits`.
-pub fn hits<I: Into<i64>>(py: Python<'_>, all: Hits<I>) -> PyResult<Bound<'_, PyAny>> {
+pub fn hits(py: Python<'_>, all: Hits<i64>) -> PyResult<Bound<'_, PyAny>> {
     static HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
-    let fields = (column(py, offsets), ids(py, all.ids));
-    HITS.import(py, "jostle.results", "Hits")?.call1(fields)
+    HITS.import(py, "jostle.results", "Hits")?.call1((column(py, offsets), column(py, all.ids)))
 }
 
 /// `jostle.Neighbors`; many points have a shape.

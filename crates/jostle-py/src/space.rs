@@ -10,11 +10,12 @@ use numpy::{Element, PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 
 use crate::arrays::{Argument, Given, column, long_ids, table, truth};
 use crate::error::{refused, value_error};
 use crate::events::PyEvents;
-use crate::queries::{self, without_row};
+use crate::queries::{self, Asked, Maybe, without_row};
 use crate::settings;
 
 /// A living collection of shapes: they come, move, change and go, and pairs are told as they
@@ -66,12 +67,6 @@ use crate::settings;
 pub struct PySpace {
     space: Either,
 }
-
-/// An argument that may be left out or None.
-type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
-
-/// An argument of a question.
-type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// The core's space, in one precision or the other.
 enum Either {
@@ -169,8 +164,8 @@ impl PySpace {
         masks: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => {
-            let (centers, len) = centers_of("centers", centers)?;
-            let filters = [categories.value(), masks.value()];
+            let (centers, len) = centers_of(centers)?;
+            let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
             let new = Draft {
                 radii: reals("radii", radii.value(), len.unwrap_or(1))?,
                 half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
@@ -427,7 +422,7 @@ impl PySpace {
         py: Python<'py>,
         sort: Given<'py>,
         max_pairs: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyArray2<Id>>> {
         let mask = queries::mask(mask)?;
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
@@ -484,7 +479,7 @@ impl PySpace {
         &self,
         py: Python<'py>,
         rect: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::rect(py, rect, |rects| {
@@ -528,7 +523,7 @@ impl PySpace {
         py: Python<'py>,
         center: &Bound<'py, PyAny>,
         radius: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::circle(py, center, radius, |circles| {
@@ -571,7 +566,7 @@ impl PySpace {
         &self,
         py: Python<'py>,
         point: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::point(py, point, |points| {
@@ -612,7 +607,7 @@ impl PySpace {
         &self,
         py: Python<'py>,
         vertices: &Bound<'py, PyAny>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::polygon(py, vertices, |polygons| {
@@ -666,7 +661,7 @@ impl PySpace {
         point: &Bound<'py, PyAny>,
         k: Given<'py>,
         max_distance: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::nearest(py, point, &k, &max_distance, |points, wanted| {
@@ -719,7 +714,7 @@ impl PySpace {
         origin: &Bound<'py, PyAny>,
         direction: &Bound<'py, PyAny>,
         max_distance: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.cast(py, (origin, direction, None), &max_distance, mask)
     }
@@ -768,7 +763,7 @@ impl PySpace {
         direction: &Bound<'py, PyAny>,
         radius: &Bound<'py, PyAny>,
         max_distance: Given<'py>,
-        mask: Option<&Bound<'py, PyAny>>,
+        mask: Maybe<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
     }
@@ -905,7 +900,8 @@ impl PySpace {
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
-        let Ok(id) = id.extract::<Id>() else { return Ok(false) };
+        let number = if id.is_instance_of::<PyBool>() { None } else { id.extract::<Id>().ok() };
+        let Some(id) = number else { return Ok(false) };
         with_space!(self, space => Ok(py.detach(|| lock(space).contains(id))))
     }
 
@@ -1028,10 +1024,9 @@ impl<T: Scalar> Draft<T> {
 
 /// Centres, and how many; none where it is one that stands alone.
 fn centers_of<T: Scalar + Element>(
-    name: &'static str,
     value: &Bound<'_, PyAny>,
 ) -> PyResult<(Vec<[T; 2]>, Option<usize>)> {
-    let given = Argument::reals(name, value)?.one_or_rows()?;
+    let given = Argument::reals("centers", value)?.one_or_rows()?;
     let len = given.len();
     Ok((given.rows(1), len))
 }

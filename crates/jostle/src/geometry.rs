@@ -27,6 +27,10 @@ pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
     const EPSILON: Self;
     /// The smallest square with all its digits.
     const SMALLEST_SQUARE: Self;
+    /// Numbers above the first have squares that may be too large, those below the second
+    /// squares that may be too small; both are good after a division, or a multiplication, by
+    /// the third. It is a power of two, so no digit is lost.
+    const RANGE: [Self; 3];
     /// The absolute value.
     fn abs(self) -> Self;
     /// The square root, correctly rounded.
@@ -56,7 +60,7 @@ pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
 }
 
 macro_rules! scalar {
-    ($t:ty) => {
+    ($t:ty, $range:expr) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -64,6 +68,7 @@ macro_rules! scalar {
             const MAX_SIZE: Self = <$t>::MAX / 8.0;
             const EPSILON: Self = <$t>::EPSILON;
             const SMALLEST_SQUARE: Self = <$t>::MIN_POSITIVE;
+            const RANGE: [Self; 3] = $range;
             #[inline(always)]
             fn abs(self) -> Self {
                 <$t>::abs(self)
@@ -99,8 +104,35 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32);
-scalar!(f64);
+scalar!(f32, [two_to(50) as f32, two_to(-50) as f32, two_to(70) as f32]);
+scalar!(f64, [two_to(500), two_to(-500), two_to(600)]);
+
+/// A power of two.
+const fn two_to(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// What numbers up to `largest` have to be multiplied by for their squares to be good, and by
+/// what to go back.
+#[inline(always)]
+pub fn into_range<T: Scalar>(largest: T) -> [T; 2] {
+    let [large, small, step] = T::RANGE;
+    if largest > large {
+        [step.recip(), step]
+    } else if largest < small {
+        [step, step.recip()]
+    } else {
+        [T::ONE; 2]
+    }
+}
+
+/// √(x² + y²) of two numbers that are not negative, however large or small. Grows with both.
+#[inline(always)]
+pub fn length<T: Scalar>(x: T, y: T) -> T {
+    let [into, back] = into_range(x.most(y));
+    let (x, y) = (x * into, y * into);
+    (x * x + y * y).sqrt() * back
+}
 
 /// Whether two rounded boxes overlap, from the distance of their centres along
 /// each axis, the sums of their half sizes and the sum of their radii.

@@ -78,7 +78,8 @@ impl<V: Copy> Each<V> {
         }
     }
 
-    fn check_len(&self, argument: &'static str, expected: usize) -> Result<()> {
+    /// Refuses another number of rows.
+    pub fn check_len(&self, argument: &'static str, expected: usize) -> Result<()> {
         match self {
             Self::Rows(values) if values.len() != expected => {
                 Err(Error::Length { argument, found: values.len(), expected })

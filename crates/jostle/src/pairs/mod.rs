@@ -13,11 +13,11 @@ mod output;
 use std::ops::Range;
 
 use crate::columns::Columns;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{self, Scalar};
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::settings::{DEFAULT_MAX_PAIRS, Method, Settings};
+use crate::settings::{Method, Settings};
 use crate::shapes::Shapes;
 use crate::simd::{Simd, Work};
 use join::Join;
@@ -90,7 +90,7 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
     join.run(max_pairs, |a, b| {
         let (i, j) = (rows[a as usize], rows[b as usize]);
-        [i.min(j), i.max(j)]
+        Some([i.min(j), i.max(j)])
     })
 }
 
@@ -98,16 +98,16 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
 /// that comes from the trees.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: None };
-    join.run(max_pairs, |i, j| [a.rows()[i as usize], b.rows()[j as usize]])
+    join.run(max_pairs, |i, j| Some([a.rows()[i as usize], b.rows()[j as usize]]))
 }
 
 /// As [`within`], only pairs of which both have a category in `mask`.
 pub fn within_mask<T: Scalar>(tree: &Quadtree<T>, mask: u32, max_pairs: usize) -> Result<Found> {
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: Some(mask) };
-    let rows = tree.rows();
-    selected(&join, max_pairs, |a, b| {
+    let (rows, selected) = (tree.rows(), |place| has_category(tree, place, mask));
+    join.run(max_pairs, |a, b| {
         let (i, j) = (rows[a as usize], rows[b as usize]);
-        [i.min(j), i.max(j)]
+        (selected(a) && selected(b)).then(|| [i.min(j), i.max(j)])
     })
 }
 
@@ -119,24 +119,14 @@ pub fn between_mask<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: Some(mask) };
-    selected(&join, max_pairs, |i, j| [a.rows()[i as usize], b.rows()[j as usize]])
+    join.run(max_pairs, |i, j| {
+        let both = has_category(a, i, mask) && has_category(b, j, mask);
+        both.then(|| [a.rows()[i as usize], b.rows()[j as usize]])
+    })
 }
 
-/// The pairs of a join of which both sides have a category in its mask.
-fn selected<T: Scalar>(
-    join: &Join<'_, T>,
-    max_pairs: usize,
-    finish: impl Fn(u32, u32) -> [u32; 2],
-) -> Result<Found> {
-    let mask = join.mask.unwrap_or(u32::MAX);
-    let mut found = join.run(max_pairs.max(DEFAULT_MAX_PAIRS), as_they_are)?;
-    let has = |columns: &Columns<T>, place: u32| columns.shape(place as usize).category & mask != 0;
-    found.pairs.retain(|&[a, b]| has(join.a.columns(), a) && has(join.b.columns(), b));
-    if found.pairs.len() > max_pairs {
-        return Err(Error::TooManyPairs { max_pairs });
-    }
-    found.pairs.iter_mut().for_each(|pair| *pair = finish(pair[0], pair[1]));
-    Ok(found)
+fn has_category<T: Scalar>(tree: &Quadtree<T>, place: u32, mask: u32) -> bool {
+    tree.columns().shape(place as usize).category & mask != 0
 }
 
 /// The pairs of [`within`] with the geometry of their overlap.
@@ -231,8 +221,9 @@ pub fn brute_between<T: Scalar>(
 }
 
 /// Pairs that are wanted as they were found.
-fn as_they_are(first: u32, second: u32) -> [u32; 2] {
-    [first, second]
+#[expect(clippy::unnecessary_wraps, reason = "others do not want every pair")]
+fn as_they_are(first: u32, second: u32) -> Option<[u32; 2]> {
+    Some([first, second])
 }
 
 /// Every one of `rows` against all others, or all behind it where both sides are the same.

@@ -10,9 +10,9 @@ use crate::simd::for_each_lane;
 /// New pairs are reported to the common count in portions of this size.
 const PORTION: usize = 1 << 16;
 
-/// What becomes of a pair of places before it is handed out.
-pub(super) trait Finish: Fn(u32, u32) -> [u32; 2] + Sync + Send {}
-impl<F: Fn(u32, u32) -> [u32; 2] + Sync + Send> Finish for F {}
+/// What becomes of a pair of places before it is handed out; nothing if it is not wanted.
+pub(super) trait Finish: Fn(u32, u32) -> Option<[u32; 2]> + Sync + Send {}
+impl<F: Fn(u32, u32) -> Option<[u32; 2]> + Sync + Send> Finish for F {}
 
 /// How many pairs all tasks together may still find.
 pub(super) struct Budget {
@@ -89,7 +89,7 @@ impl<'a, F: Finish> Output<'a, F> {
     ) {
         for &(row, bits) in &self.notes[..count.min(NOTES)] {
             let first = first(row);
-            for_each_lane(bits, |lane| self.pairs.push((self.finish)(first, second(lane))));
+            for_each_lane(bits, |lane| self.pairs.extend((self.finish)(first, second(lane))));
         }
         if self.pairs.len() - self.reported >= PORTION.min(self.budget.max_pairs) {
             self.report();

@@ -16,7 +16,7 @@ mod rect;
 mod region;
 
 pub use circle::Circle;
-pub use nearest::{Nearest, Neighbors, distance, nearest, nearest_by};
+pub use nearest::{Nearest, Neighbors, check_nearest, distance, nearest, nearest_by};
 pub use point::Point;
 pub use polygon::Polygon;
 pub use ray::{FirstHit, Ray, RayHits, first_hits, first_hits_by, hit};

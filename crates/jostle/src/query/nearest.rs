@@ -8,7 +8,7 @@ use super::region::{MOST_IDS, selects};
 use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape};
+use crate::geometry::{Cover, Scalar, Shape, length};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::shapes::{MOST_ROWS, check_finite};
@@ -20,8 +20,7 @@ pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
     let away = |axis: usize| {
         ((shape.center[axis] - point[axis]).abs() - shape.half_size[axis]).most(T::ZERO)
     };
-    let (x, y) = (away(0), away(1));
-    ((x * x + y * y).sqrt() - shape.radius).most(T::ZERO)
+    (length(away(0), away(1)) - shape.radius).most(T::ZERO)
 }
 
 /// At most how near a shape of `cover` can be; monotone, so never too much.
@@ -31,8 +30,7 @@ fn least_distance<T: Scalar>(point: [T; 2], cover: &Cover<T>) -> T {
         let (below, above) = (cover.min[axis] - point[axis], point[axis] - cover.max[axis]);
         (below.most(above) - cover.half_size[axis]).most(T::ZERO)
     };
-    let (x, y) = (away(0), away(1));
-    ((x * x + y * y).sqrt() - cover.radius).most(T::ZERO)
+    (length(away(0), away(1)) - cover.radius).most(T::ZERO)
 }
 
 /// A shape and how far it is. The nearer comes first, and of two as near the smaller id.
@@ -240,7 +238,7 @@ pub struct Neighbors<T> {
 }
 
 /// Refuses points, distances and counts that no search can follow.
-fn check<T: Scalar>(points: &[[T; 2]], k: usize, max_distance: T) -> Result<()> {
+pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)) -> Result<()> {
     check_finite("point", points)?;
     check_reach(max_distance)?;
     if k > MOST_ROWS || k.saturating_mul(points.len()) > MOST_IDS {
@@ -270,41 +268,32 @@ pub fn nearest_by<T: Scalar>(
     threads: Option<usize>,
     look: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
 ) -> Result<Neighbors<T>> {
-    check(points, k, max_distance)?;
+    check_nearest(points, (k, max_distance))?;
     let threads = worthwhile(threads, points.len());
     let order = along_a_curve(points.iter().copied());
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
-        let mut found = Neighbors::default();
-        for &question in parts[part] {
+        let found = |&question: &u32| {
             let mut best = Nearest::new(k, max_distance);
             look(points[question as usize], &mut best);
-            found.push(best);
-        }
-        found
+            (best.tests, best.found.into_sorted_vec())
+        };
+        parts[part].iter().map(found).collect::<Vec<_>>()
     });
     let len = k * points.len();
-    let mut all = Neighbors { distances: vec![T::INFINITY; len], ids: vec![-1; len], tests: 0 };
-    for (part, found) in parts.iter().zip(found) {
-        for (place, &question) in part.iter().enumerate() {
-            let (from, to) = (k * place..k * (place + 1), k * question as usize);
-            all.distances[to..to + k].copy_from_slice(&found.distances[from.clone()]);
-            all.ids[to..to + k].copy_from_slice(&found.ids[from]);
+    let no_memory = |_| Error::of("k", k, "there is no memory for so many neighbours");
+    let mut all = Neighbors { distances: Vec::new(), ids: Vec::new(), tests: 0 };
+    all.distances.try_reserve_exact(len).map_err(no_memory)?;
+    all.ids.try_reserve_exact(len).map_err(no_memory)?;
+    all.distances.resize(len, T::INFINITY);
+    all.ids.resize(len, -1);
+    for (&question, (tests, neighbors)) in order.iter().zip(found.into_iter().flatten()) {
+        let start = k * question as usize;
+        for (place, Neighbor { distance, id }) in (start..).zip(neighbors) {
+            all.distances[place] = distance;
+            all.ids[place] = id as i64;
         }
-        all.tests += found.tests;
+        all.tests += tests;
     }
     Ok(all)
-}
-
-impl<T: Scalar> Neighbors<T> {
-    fn push(&mut self, best: Nearest<T>) {
-        let full = self.ids.len() + best.wanted;
-        for Neighbor { distance, id } in best.found.into_sorted_vec() {
-            self.distances.push(distance);
-            self.ids.push(id as i64);
-        }
-        self.distances.resize(full, T::INFINITY);
-        self.ids.resize(full, -1);
-        self.tests += best.tests;
-    }
 }

@@ -6,10 +6,13 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
 
 /// A convex polygon; what only touches its border does not overlap it.
+///
+/// Sides and corners are tested in float64 for either type, in which the products of float32
+/// are neither rounded away nor too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon<T> {
     /// Corners; the inside is on the left of the way from one to the next.
-    vertices: Vec<[T; 2]>,
+    vertices: Vec<[f64; 2]>,
     window: Window<T>,
 }
 
@@ -40,40 +43,36 @@ impl<T: Scalar> Polygon<T> {
             [along(0).unwrap_or(T::ZERO), along(1).unwrap_or(T::ZERO)]
         };
         let window = Window { min: corner(T::least), max: corner(T::most), radius: T::ZERO };
-        Ok(Self { vertices: vertices_left, window })
+        let vertices = vertices_left.into_iter().map(|vertex| vertex.map(T::to_f64)).collect();
+        Ok(Self { vertices, window })
     }
 
     /// Where each side begins, and the way along it.
-    fn sides(&self) -> impl Iterator<Item = ([T; 2], [T; 2])> + '_ {
+    fn sides(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
         let next = self.vertices.iter().cycle().skip(1);
         self.vertices.iter().zip(next).map(|(&a, &b)| (a, [b[0] - a[0], b[1] - a[1]]))
     }
 
     /// Whether the box inside the shape and the inside of the polygon overlap: no side
     /// has all of the box on its right. The sides of the box have been asked before.
-    fn overlaps_core(&self, shape: &Shape<T>) -> bool {
-        let [hx, hy] = shape.half_size;
+    fn overlaps_core(&self, center: [f64; 2], [hx, hy]: [f64; 2]) -> bool {
         self.sides().all(|(start, way)| {
-            let (x, y) = (shape.center[0] - start[0], shape.center[1] - start[1]);
+            let (x, y) = (center[0] - start[0], center[1] - start[1]);
             let outside = way[1] * x - way[0] * y;
-            outside - (way[1].abs() * hx + way[0].abs() * hy) < T::ZERO
+            outside - (way[1].abs() * hx + way[0].abs() * hy) < 0.0
         })
     }
 
     /// Whether a corner of the polygon is nearer to the box inside the shape than its radius,
     /// or a corner of that box to a side.
-    fn is_within_radius(&self, shape: &Shape<T>) -> bool {
-        let reach = shape.radius * shape.radius;
-        let [cx, cy] = shape.center;
-        let [hx, hy] = shape.half_size;
-        let from_box = |&[x, y]: &[T; 2]| {
-            let dx = ((cx - x).abs() - hx).most(T::ZERO);
-            let dy = ((cy - y).abs() - hy).most(T::ZERO);
+    fn is_within(&self, radius: f64, [cx, cy]: [f64; 2], [hx, hy]: [f64; 2]) -> bool {
+        let reach = radius * radius;
+        let from_box = |&[x, y]: &[f64; 2]| {
+            let (dx, dy) = (((cx - x).abs() - hx).max(0.0), ((cy - y).abs() - hy).max(0.0));
             dx * dx + dy * dy
         };
-        let corners =
-            [[cx - hx, cy - hy], [cx + hx, cy - hy], [cx - hx, cy + hy], [cx + hx, cy + hy]];
-        let corners = if hx == T::ZERO && hy == T::ZERO { &corners[..1] } else { &corners[..] };
+        let corners = [(-hx, -hy), (hx, -hy), (-hx, hy), (hx, hy)].map(|(x, y)| [cx + x, cy + y]);
+        let corners = if hx == 0.0 && hy == 0.0 { &corners[..1] } else { &corners[..] };
         self.vertices.iter().any(|vertex| from_box(vertex) < reach)
             || self.sides().any(|(start, way)| {
                 corners.iter().any(|&corner| from_side(corner, start, way) < reach)
@@ -82,11 +81,11 @@ impl<T: Scalar> Polygon<T> {
 }
 
 /// Squared distance of a point from a side.
-fn from_side<T: Scalar>(point: [T; 2], start: [T; 2], way: [T; 2]) -> T {
+fn from_side(point: [f64; 2], start: [f64; 2], way: [f64; 2]) -> f64 {
     let (x, y) = (point[0] - start[0], point[1] - start[1]);
     let length = way[0] * way[0] + way[1] * way[1];
-    let along = if length > T::ZERO { (x * way[0] + y * way[1]) * length.recip() } else { T::ZERO };
-    let along = along.most(T::ZERO).least(T::ONE);
+    let along = if length > 0.0 { (x * way[0] + y * way[1]) / length } else { 0.0 };
+    let along = along.clamp(0.0, 1.0);
     let (x, y) = (x - along * way[0], y - along * way[1]);
     x * x + y * y
 }
@@ -146,24 +145,27 @@ impl<T: Scalar> Region<T> for Polygon<T> {
         if !inside && x * x + y * y >= shape.radius * shape.radius {
             return false;
         }
-        (inside && self.overlaps_core(shape)) || self.is_within_radius(shape)
+        let [center, half_size] = [shape.center, shape.half_size].map(|pair| pair.map(T::to_f64));
+        (inside && self.overlaps_core(center, half_size))
+            || self.is_within(shape.radius.to_f64(), center, half_size)
     }
 
     /// Whether a side has the whole cover on its right, by more than rounding could do.
     fn misses(&self, cover: &Cover<T>) -> bool {
         let Window { min, max, .. } = self.window;
-        let span = (max[0] - min[0]) + (max[1] - min[1]);
-        let roundings = T::from_f64(32.0 + 8.0 * self.vertices.len() as f64) * T::EPSILON;
+        let span = (max[0].to_f64() - min[0].to_f64()) + (max[1].to_f64() - min[1].to_f64());
+        let roundings = (32.0 + 8.0 * self.vertices.len() as f64) * T::EPSILON.to_f64();
         self.sides().any(|(start, way)| {
             // Along the outward normal of the side, x and y.
             let normal = [way[1], -way[0]];
-            let (mut outside, mut size) = (T::ZERO, T::ZERO);
+            let (mut outside, mut size) = (0.0, 0.0);
             for axis in 0..2 {
-                let least = if normal[axis] < T::ZERO { cover.max[axis] } else { cover.min[axis] };
-                let reach = cover.half_size[axis] + cover.radius;
+                let side = if normal[axis] < 0.0 { cover.max[axis] } else { cover.min[axis] };
+                let least = side.to_f64();
+                let reach = (cover.half_size[axis] + cover.radius).to_f64();
                 let steep = normal[axis].abs();
-                outside = outside + (normal[axis] * (least - start[axis]) - steep * reach);
-                size = size + steep * (least.abs() + start[axis].abs() + reach + span);
+                outside += normal[axis] * (least - start[axis]) - steep * reach;
+                size += steep * (least.abs() + start[axis].abs() + reach + span);
             }
             outside > size * roundings
         })

@@ -7,7 +7,7 @@ use super::region::selects;
 use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape};
+use crate::geometry::{Cover, Scalar, Shape, into_range};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Each, check_finite, check_sizes};
@@ -69,8 +69,16 @@ fn unit<T: Scalar>(direction: [T; 2]) -> [T; 2] {
 /// larger circle; for a box a box as wide, a box as high, and a circle at each corner.
 pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
     let m = [ray.origin[0] - shape.center[0], ray.origin[1] - shape.center[1]];
-    let [hx, hy] = shape.half_size;
     let reach = shape.radius + ray.radius;
+    let half_size = shape.half_size[0].most(shape.half_size[1]);
+    let [into, back] = into_range(m[0].abs().most(m[1].abs()).most(half_size).most(reach));
+    let m = m.map(|v| v * into);
+    hit_in_range(m, shape.half_size.map(|v| v * into), reach * into, ray).map(|far| far * back)
+}
+
+/// [`hit`] from `m`, as seen from the middle of a shape that is as large as `reach` more than
+/// `half_size`.
+fn hit_in_range<T: Scalar>(m: [T; 2], [hx, hy]: [T; 2], reach: T, ray: &Ray<T>) -> Option<T> {
     let (x, y) = ((m[0].abs() - hx).most(T::ZERO), (m[1].abs() - hy).most(T::ZERO));
     if x * x + y * y <= reach * reach {
         return Some(T::ZERO);
@@ -149,7 +157,8 @@ impl<T: Scalar> Beam<T> {
                 + cover.half_size[axis]
         };
         let all = size(0) + size(1) + cover.radius + self.ray.radius;
-        all * T::EPSILON * T::from_f64(ROUNDINGS)
+        // The last term is for numbers that are too small for all their digits.
+        all * T::EPSILON * T::from_f64(ROUNDINGS) + T::SMALLEST_SQUARE
     }
 
     /// At most how far it is to a shape of `cover`; `None` if it passes by all of them.

@@ -7,7 +7,7 @@
 use super::Space;
 use super::layers::Layers;
 use super::slots::Id;
-use super::touching::{NONE, Touching};
+use super::touching::{MOST_RECORDS, NONE, Touching};
 use crate::error::Result;
 use crate::geometry::Scalar;
 
@@ -50,6 +50,7 @@ impl<T: Scalar> Space<T> {
     /// The pairs that formed and those that parted since the last update. Looks at no more
     /// than `max_pairs` of the pairs of what changed; if there are more, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
+        let max_pairs = max_pairs.min(MOST_RECORDS);
         let present = self.changes.present(&self.layers);
         let front = self.layers.layer_of(&present).or_else(|| {
             // What is fresh has changed; so most often this is all that has.

@@ -246,7 +246,7 @@ impl<T: Scalar> Layers<T> {
         self.fresh = mem::take(&mut old.slots);
         self.fresh.clear();
         slots.gather(&rows, &mut self.shapes);
-        let fitting = settings.leaf_capacity * rows.len() / slots.len();
+        let fitting = settings.leaf_capacity.saturating_mul(rows.len()) / slots.len();
         let settings = Settings { leaf_capacity: fitting.max(FEWEST), ..settings };
         rebuild(&mut old.tree, &self.shapes, settings);
         if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {

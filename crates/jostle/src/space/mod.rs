@@ -100,7 +100,10 @@ impl<T: Scalar> Space<T> {
     /// Gives shapes other centres. Refuses ids that no shape has or that are named twice, and
     /// centres that are not finite; then nothing moves.
     pub fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()> {
-        check_len("centers", Some(centers.len()), ids)?;
+        if centers.len() != ids.len() {
+            let (found, expected) = (centers.len(), ids.len());
+            return Err(Error::Length { argument: "centers", found, expected });
+        }
         check_finite("centers", centers)?;
         self.change(ids, |slots, slot, row| slots.set_center(slot, centers[row]))
     }
@@ -113,11 +116,11 @@ impl<T: Scalar> Space<T> {
         half_sizes: Option<&Each<[T; 2]>>,
     ) -> Result<()> {
         if let Some(radii) = radii {
-            check_len("radii", rows(radii), ids)?;
+            radii.check_len("radii", ids.len())?;
             radii.check(|radii| check_sizes("radii", "a radius", radii))?;
         }
         if let Some(half_sizes) = half_sizes {
-            check_len("half_sizes", rows(half_sizes), ids)?;
+            half_sizes.check_len("half_sizes", ids.len())?;
             check_each_half_size(half_sizes)?;
         }
         self.change(ids, |slots, slot, row| {
@@ -135,7 +138,7 @@ impl<T: Scalar> Space<T> {
         masks: Option<&Each<u32>>,
     ) -> Result<()> {
         for (argument, bits) in [("categories", categories), ("masks", masks)] {
-            check_len(argument, bits.map_or(Some(ids.len()), rows), ids)?;
+            bits.map_or(Ok(()), |bits| bits.check_len(argument, ids.len()))?;
         }
         self.change(ids, |slots, slot, row| {
             let old = slots.shape(slot);
@@ -220,22 +223,5 @@ impl<T: Scalar> Space<T> {
     /// Says what is wrong with it, if anything is. For tests: it looks at everything.
     pub fn check(&self) -> std::result::Result<(), String> {
         self.layers.check(&self.slots)
-    }
-}
-
-/// The number of rows of a value for each; none where one is for all.
-fn rows<V>(values: &Each<V>) -> Option<usize> {
-    match values {
-        Each::One(_) => None,
-        Each::Rows(values) => Some(values.len()),
-    }
-}
-
-fn check_len(argument: &'static str, found: Option<usize>, ids: &[Id]) -> Result<()> {
-    match found {
-        Some(found) if found != ids.len() => {
-            Err(Error::Length { argument, found, expected: ids.len() })
-        }
-        _ => Ok(()),
     }
 }

@@ -65,6 +65,7 @@ impl<T: Scalar> Space<T> {
         wanted: (usize, T),
         mask: Option<u32>,
     ) -> Result<Neighbors<T>> {
+        query::check_nearest(points, wanted)?;
         self.prepare(points.len());
         query::nearest_by(points, wanted, self.settings.threads, |point, best| {
             self.look_around(point, mask, best);

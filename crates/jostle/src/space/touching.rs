@@ -6,6 +6,10 @@
 /// No record, or no slot.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Most pairs of the shapes that change at a time: half of what numbers of records can tell
+/// apart, so that as many others fit beside them.
+pub(super) const MOST_RECORDS: usize = 1 << 31;
+
 /// Fewer records than this are never moved together.
 const FEW: usize = 1024;
 
