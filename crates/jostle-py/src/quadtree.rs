@@ -276,7 +276,8 @@ impl PyQuadtree {
     /// Notes
     /// -----
     /// Every question is read in the tree's dtype and answered as brute force would, in
-    /// that arithmetic. Many questions are answered on all threads of the tree.
+    /// that arithmetic. Many questions are answered on all threads of the tree. A shape
+    /// of no category (0) is found only where no mask is given.
     ///
     /// Examples
     /// --------

@@ -8,8 +8,8 @@ mod read;
 mod rules;
 mod search;
 
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
-use pyo3::exceptions::PyException;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyType};
 
@@ -135,6 +135,9 @@ pub fn sprite_dict<'py>(
     keys: &Bound<'py, PyList>,
     values: &Bound<'py, PyList>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    if pairs.shape()[1] != 2 {
+        return Err(PyValueError::new_err("pairs must have two columns"));
+    }
     let rows: Vec<[u32; 2]> = pairs.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect();
     let found = PyDict::new(py);
     for run in rows.chunk_by(|a, b| a[0] == b[0]) {

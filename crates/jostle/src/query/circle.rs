@@ -1,6 +1,7 @@
 //! Discs.
 
-use super::region::{Region, Window};
+use super::region::Region;
+use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
 use crate::shapes::{Each, check_finite, check_sizes};

@@ -8,12 +8,14 @@
 //! are answered on all threads, in their order.
 
 mod circle;
+mod frontier;
 mod nearest;
 mod point;
 mod polygon;
 mod ray;
 mod rect;
 mod region;
+mod window;
 
 pub use circle::Circle;
 pub use nearest::{Nearest, Neighbors, check_nearest, distance, nearest, nearest_by};

@@ -1,6 +1,7 @@
 //! Single points: which shapes are under the cursor?
 
-use super::region::{Region, Window};
+use super::region::Region;
+use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
 use crate::shapes::check_finite;

@@ -1,7 +1,8 @@
 //! Convex polygons.
 
 use super::rect::list;
-use super::region::{Region, Window};
+use super::region::Region;
+use super::window::Window;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
 

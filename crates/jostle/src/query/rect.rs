@@ -2,7 +2,8 @@
 
 use std::fmt::Display;
 
-use super::region::{Region, Window};
+use super::region::Region;
+use super::window::Window;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
 

@@ -2,117 +2,17 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::frontier::{Frontier, GROUP};
+use super::window::Window;
 use super::{QUESTIONS, along_a_curve, worthwhile};
-use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
 use crate::parallel;
 use crate::quadtree::{Node, Quadtree};
-use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
+use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 
 /// Most ids in one answer, a gibibyte of them.
 pub const MOST_IDS: usize = 1 << 27;
-
-/// A rectangle and a distance from it: what lies beyond touches nothing in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window<T> {
-    pub(super) min: [T; 2],
-    pub(super) max: [T; 2],
-    pub(super) radius: T,
-}
-
-impl<T: Scalar> Window<T> {
-    /// How far each axis of a shape with this centre and half size lies outside;
-    /// negative inside.
-    #[inline(always)]
-    pub(super) fn gap(&self, center: [T; 2], half_size: [T; 2]) -> [T; 2] {
-        let along = |axis: usize| {
-            let below = self.min[axis] - center[axis];
-            let above = center[axis] - self.max[axis];
-            below.most(above) - half_size[axis]
-        };
-        [along(0), along(1)]
-    }
-
-    /// What holds both.
-    fn join(self, other: Self) -> Self {
-        let both = |f: fn(T, T) -> T, a: [T; 2], b: [T; 2]| [f(a[0], b[0]), f(a[1], b[1])];
-        Self {
-            min: both(T::least, self.min, other.min),
-            max: both(T::most, self.max, other.max),
-            radius: self.radius.most(other.radius),
-        }
-    }
-
-    /// Whether some shape of `cover` could touch it.
-    #[inline(always)]
-    fn meets(&self, cover: &Cover<T>) -> bool {
-        let beyond = |axis: usize| {
-            let below = self.min[axis] - cover.max[axis];
-            let above = cover.min[axis] - self.max[axis];
-            (below.most(above) - cover.half_size[axis]).most(T::ZERO)
-        };
-        let (x, y) = (beyond(0), beyond(1));
-        let reach = self.radius + cover.radius;
-        x * x + y * y <= reach * reach
-    }
-
-    /// Whether every shape whose centre is in `cover` overlaps it, however small.
-    #[inline(always)]
-    fn holds(&self, cover: &Cover<T>) -> bool {
-        let beyond =
-            |axis: usize| (self.min[axis] - cover.min[axis]).most(cover.max[axis] - self.max[axis]);
-        let (dx, dy) = (beyond(0), beyond(1));
-        let (x, y) = (dx.most(T::ZERO), dy.most(T::ZERO));
-        (x * x + y * y < self.radius * self.radius) | ((dx < T::ZERO) & (dy < T::ZERO))
-    }
-
-    /// A bit for each shape of a block that overlaps it; where it is not `plain`, for each
-    /// that could touch what it is around.
-    #[inline(always)]
-    fn lanes<S: Simd<T>>(
-        &self,
-        simd: S,
-        shapes: &Columns<T>,
-        first: usize,
-        (round, plain): (bool, bool),
-    ) -> u32 {
-        let zero = simd.splat(T::ZERO);
-        let dx = self.gaps(simd, 0, &shapes.x, &shapes.half_x, first);
-        let dy = self.gaps(simd, 1, &shapes.y, &shapes.half_y, first);
-        let (x, y) = (simd.most(dx, zero), simd.most(dy, zero));
-        let mut reach = simd.splat(self.radius);
-        if round {
-            reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
-        }
-        let (reach, away) = (simd.mul(reach, reach), simd.add(simd.mul(x, x), simd.mul(y, y)));
-        if plain {
-            simd.less(away, reach) | (simd.less(dx, zero) & simd.less(dy, zero))
-        } else {
-            !simd.less(reach, away)
-        }
-    }
-
-    /// [`Window::gap`] for the shapes of a block, along one axis.
-    #[inline(always)]
-    fn gaps<S: Simd<T>>(
-        &self,
-        simd: S,
-        axis: usize,
-        centers: &[T],
-        half_sizes: &[T],
-        first: usize,
-    ) -> S::Block {
-        let center = simd.load(block(centers, first));
-        let below = simd.sub(simd.splat(self.min[axis]), center);
-        let above = simd.sub(center, simd.splat(self.max[axis]));
-        let gap = simd.most(below, above);
-        if half_sizes.is_empty() {
-            return gap;
-        }
-        simd.sub(gap, simd.load(block(half_sizes, first)))
-    }
-}
 
 /// A part of the plane that shapes may overlap.
 pub trait Region<T>: Sync {
@@ -375,102 +275,5 @@ fn sort(ids: &mut [u32]) {
     }
     for (id, rank) in all[..ids.len()].iter().zip(ranks) {
         ids[rank as usize] = *id;
-    }
-}
-
-/// Questions side by side that go down the tree together.
-const GROUP: usize = 16;
-
-/// Nodes at which they part at the latest.
-const MOST_NODES: usize = 3 * LANES;
-
-/// Room for the nodes that come of the last one that is opened, and for a whole block.
-const ROOM: usize = MOST_NODES + 4 + LANES;
-
-/// Nodes below which some neighbouring questions have everything to find, with their covers
-/// in columns: a question asks a block of them at once.
-struct Frontier<T> {
-    len: usize,
-    nodes: [u32; ROOM],
-    min: [[T; ROOM]; 2],
-    max: [[T; ROOM]; 2],
-    half_size: [[T; ROOM]; 2],
-    radius: [T; ROOM],
-}
-
-impl<T: Scalar> Default for Frontier<T> {
-    fn default() -> Self {
-        let none = [[T::ZERO; ROOM]; 2];
-        let (min, max, half_size) = (none, none, none);
-        Self { len: 0, nodes: [0; ROOM], min, max, half_size, radius: [T::ZERO; ROOM] }
-    }
-}
-
-impl<T: Scalar> Frontier<T> {
-    /// Opens nodes that meet `window`, the whole of the questions, as long as there is room.
-    #[inline(always)]
-    fn fill(&mut self, tree: &Quadtree<T>, window: &Window<T>) {
-        let (nodes, covers) = (tree.nodes(), tree.covers());
-        self.len = usize::from(!nodes.is_empty());
-        self.nodes[0] = 0;
-        // Leaves stay, everything else makes way for its children, level by level.
-        let mut opened = true;
-        while opened && self.len <= MOST_NODES {
-            opened = false;
-            let mut place = 0;
-            let mut end = self.len;
-            while place < end && self.len <= MOST_NODES {
-                let node = &nodes[self.nodes[place] as usize];
-                if node.is_leaf() {
-                    place += 1;
-                    continue;
-                }
-                opened = true;
-                end -= 1;
-                self.len -= 1;
-                self.nodes[place] = self.nodes[end];
-                self.nodes[end] = self.nodes[self.len];
-                for child in node.children() {
-                    self.nodes[self.len] = child as u32;
-                    self.len += usize::from(window.meets(&covers[child]));
-                }
-            }
-        }
-        for place in 0..self.len {
-            let cover = &covers[self.nodes[place] as usize];
-            for axis in 0..2 {
-                self.min[axis][place] = cover.min[axis];
-                self.max[axis][place] = cover.max[axis];
-                self.half_size[axis][place] = cover.half_size[axis];
-            }
-            self.radius[place] = cover.radius;
-        }
-    }
-
-    /// A bit for each node of a block of which some shape could touch the window.
-    #[inline(always)]
-    fn lanes<S: Simd<T>>(&self, simd: S, window: &Window<T>, first: usize) -> u32 {
-        let x = self.beyond(simd, window, 0, first);
-        let y = self.beyond(simd, window, 1, first);
-        let reach = simd.add(simd.splat(window.radius), simd.load(block(&self.radius, first)));
-        !simd.less(simd.mul(reach, reach), simd.add(simd.mul(x, x), simd.mul(y, y)))
-    }
-
-    /// How far the window is from the nodes of a block along one axis; 0 inside.
-    #[inline(always)]
-    fn beyond<S: Simd<T>>(
-        &self,
-        simd: S,
-        window: &Window<T>,
-        axis: usize,
-        first: usize,
-    ) -> S::Block {
-        let min = simd.load(block(&self.min[axis], first));
-        let max = simd.load(block(&self.max[axis], first));
-        let below = simd.sub(simd.splat(window.min[axis]), max);
-        let above = simd.sub(min, simd.splat(window.max[axis]));
-        let gap = simd.most(below, above);
-        let gap = simd.sub(gap, simd.load(block(&self.half_size[axis], first)));
-        simd.most(gap, simd.splat(T::ZERO))
     }
 }
