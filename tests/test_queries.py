@@ -257,7 +257,7 @@ def test_the_size_of_the_world_does_not_matter(dtype: Any, scale: float) -> None
 
 
 def test_so_many_neighbours_that_there_is_no_memory_are_refused() -> None:
-    with pytest.raises(ValueError, match="^k is 134217729; k for each point"):
+    with pytest.raises(ValueError, match="k is 134217729; k for each point"):
         TREE.nearest((0, 0), k=2**27 + 1)
 
 
@@ -349,7 +349,10 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
         (lambda: TREE.query_circle([(0, 0), (1, 1)], [1, -2]), "radius[1] is -2; a radius must"),
         (lambda: TREE.query_circle([(0, 0), (1, 1)], [1, 2, 3]), "radius has shape (3,); it must"),
         (lambda: TREE.query_point((0, np.inf)), "point is (0, inf); both coordinates must be"),
-        (lambda: TREE.query_polygon([(0, 0), (1, 1)]), "vertices is 2; a polygon has at least 3"),
+        (
+            lambda: TREE.query_polygon([(0, 0), (1, 1)]),
+            "vertices is a list of 2; a polygon has at least 3",
+        ),
         (
             lambda: TREE.query_polygon([(0, 0), (4, 0), (1, 1), (0, 4)]),
             "vertices[2] is (1, 1); the polygon is not convex there",
@@ -378,6 +381,32 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
 def test_refusals_name_argument_index_and_value(call: Any, sentence: str) -> None:
     with pytest.raises(ValueError, match="^" + re.escape(sentence)):
         call()
+
+
+class Sides:
+    """A rectangle as pygame has it: unpacked it is x, y, width and height."""
+
+    left, top, right, bottom = 2, -1, 6, 3
+
+    def __getitem__(self, index: int) -> int:
+        return (2, -1, 4, 4)[index]
+
+    def __len__(self) -> int:
+        return 4
+
+
+def test_a_rectangle_that_knows_its_sides_is_read_by_them() -> None:
+    tree = jostle.Quadtree([(5.5, 0)], 0.4)
+    assert tree.query_rect(Sides()).tolist() == [0]
+    assert [ids.tolist() for ids in tree.query_rect([Sides(), Sides()]).lists()] == [[0], [0]]
+    assert tree.query_rect((2, -1, 4, 4)).tolist() == []
+
+
+def test_ids_in_a_set_have_no_order() -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 1)])
+    with pytest.raises(TypeError, match="ids must be a list or an array"):
+        space.remove({0, 1})
 
 
 @pytest.mark.parametrize(

@@ -293,8 +293,10 @@ def test_membership_and_length() -> None:
     space = jostle.Space()
     ids = space.add([(0, 0), (1, 1)])
     assert ids[0] in space and 1 in space and np.uint8(1) in space
-    for other in (2, -1, 1 << 70, "0", None, 0.5, (0,)):
+    for other in (2, -1, 1 << 70, "0", None, 0.5, True):
         assert other not in space
+    with pytest.raises(TypeError, match="must be one id"):
+        assert ids in space
     assert len(space) == 2
     assert repr(space) == "<jostle.Space of 2 shapes, float64>"
 

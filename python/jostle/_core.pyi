@@ -2,13 +2,23 @@
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, TypeAlias, final, overload
+from typing import (
+    Any,
+    Final,
+    Literal,
+    Protocol,
+    SupportsFloat,
+    SupportsIndex,
+    TypeAlias,
+    final,
+    overload,
+)
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
+from jostle.results import Contacts, Neighbors, Nodes, RayHit, Stats
 
 __all__ = [
     "Box",
@@ -33,7 +43,14 @@ __all__ = [
 __version__: Final[str]
 
 _Number: TypeAlias = SupportsFloat | SupportsIndex
-_Point: TypeAlias = tuple[_Number, _Number]
+
+class _Pair(Protocol):
+    """Two numbers, such as a vector of pygame."""
+
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> float: ...
+
+_Point: TypeAlias = tuple[_Number, _Number] | _Pair
 _Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
@@ -89,7 +106,7 @@ class Quadtree:
     @overload
     def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> _Ids | Hits: ...
+    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
     @overload
     def query_circle(
         self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
@@ -97,16 +114,12 @@ class Quadtree:
     @overload
     def query_circle(
         self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits: ...
+    ) -> Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_point(
-        self, point: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits: ...
-    def query_polygon(
-        self, vertices: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits: ...
+    def query_point(self, point: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
     def nearest(
         self,
         point: ArrayLike,
@@ -132,7 +145,7 @@ class Quadtree:
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits: ...
+    ) -> Any: ...
     @overload
     def circle_cast(
         self,
@@ -152,7 +165,7 @@ class Quadtree:
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits: ...
+    ) -> Any: ...
     def nodes(self) -> Nodes: ...
     @property
     def stats(self) -> Stats: ...
@@ -213,7 +226,7 @@ class Space:
     @overload
     def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> _Ids | Hits: ...
+    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
     @overload
     def query_circle(
         self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
@@ -221,16 +234,12 @@ class Space:
     @overload
     def query_circle(
         self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits: ...
+    ) -> Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_point(
-        self, point: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits: ...
-    def query_polygon(
-        self, vertices: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits: ...
+    def query_point(self, point: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
     def nearest(
         self,
         point: ArrayLike,
@@ -256,7 +265,7 @@ class Space:
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits: ...
+    ) -> Any: ...
     @overload
     def circle_cast(
         self,
@@ -276,7 +285,7 @@ class Space:
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits: ...
+    ) -> Any: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     @overload

@@ -32,7 +32,7 @@ class Hits(NamedTuple):
     """Ids for each of many questions, one list behind the other.
 
     The ids of question q are ``ids[offsets[q]:offsets[q + 1]]``, ascending;
-    ``np.diff(offsets)`` counts them.
+    ``np.diff(offsets)`` counts them, `lists` parts them.
 
     Attributes
     ----------
@@ -44,6 +44,23 @@ class Hits(NamedTuple):
 
     offsets: NDArray[np.int64]
     ids: NDArray[np.int64]
+
+    def lists(self) -> list[NDArray[np.int64]]:
+        """Part the ids by question.
+
+        Returns
+        -------
+        list of ndarray of int64
+            The ids of each question, ascending; views of `ids`.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+        >>> tree.query_circle([(0, 0), (3.5, 0), (9, 9)], 1.0).lists()
+        [array([0]), array([1, 2]), array([], dtype=int64)]
+        """
+        return np.split(self.ids, self.offsets[1:-1])
 
 
 class Neighbors(NamedTuple):

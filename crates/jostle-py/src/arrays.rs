@@ -15,7 +15,7 @@ use numpy::{
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyInt};
+use pyo3::types::{PyBool, PyFrozenSet, PyInt, PySet};
 
 use crate::error::{type_error, value_error};
 
@@ -95,6 +95,13 @@ impl<'py> Argument<'py> {
 
     fn new(name: &'static str, value: &Bound<'py, PyAny>, kind: Kind) -> PyResult<Self> {
         let was_array = value.cast::<PyUntypedArray>().is_ok();
+        if value.is_instance_of::<PySet>() || value.is_instance_of::<PyFrozenSet>() {
+            return Err(type_error(
+                name,
+                "a list or an array, in which things have a place",
+                value,
+            ));
+        }
         let array = as_array(name, value)?;
         let found = array.dtype();
         // An empty list has no type of its own; NumPy makes it float64.

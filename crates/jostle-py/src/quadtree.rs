@@ -257,7 +257,8 @@ impl PyQuadtree {
     /// Parameters
     /// ----------
     /// rect : array_like, shape (4,) or (k, 4)
-    ///     min_x, min_y, max_x, max_y.
+    ///     min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
+    ///     `top`, `right` and `bottom`, as pygame's Rect, is read by them, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
@@ -502,7 +503,7 @@ impl PyQuadtree {
     /// -------
     /// RayHit or RayHits
     ///     Row number and distance, of shapes as far the smaller row; -1 and infinity
-    ///     where nothing is hit. The distance is that to the surface, 0 where a ray begins
+    ///     where nothing is hit, so look at the row before you index with it. The distance is that to the surface, 0 where a ray begins
     ///     in a shape. Arrays of them for many rays. A ray that touches an edge hits it.
     ///
     /// Raises

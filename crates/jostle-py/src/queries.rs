@@ -5,6 +5,7 @@ use jostle::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect}
 use jostle::{Each, Error, Scalar};
 use numpy::Element;
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 
 use crate::arrays::{Argument, Given, column, count, number};
 use crate::error::refused;
@@ -64,8 +65,28 @@ pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     rect: &Bound<'py, PyAny>,
     ask: impl FnOnce(&[Rect<T>]) -> jostle::Result<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let asked: Each<[T; 4]> = Argument::reals("rect", rect)?.one_or_rows()?;
+    let sides = sides(rect)?;
+    let asked: Each<[T; 4]> =
+        Argument::reals("rect", sides.as_ref().unwrap_or(rect))?.one_or_rows()?;
     region(py, &asked, Rect::all, ask)
+}
+
+/// The sides of a rectangle that knows them, or of a list of such: one like pygame's would be
+/// read as x, y, width and height.
+fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let names = ["left", "top", "right", "bottom"];
+    if rect.hasattr(names[3])? {
+        let sides = names.map(|name| rect.getattr(name));
+        let sides = sides.into_iter().collect::<PyResult<Vec<_>>>()?;
+        return Ok(Some(PyTuple::new(rect.py(), sides)?.into_any()));
+    }
+    let list = rect.cast::<PyList>().ok().filter(|list| !list.is_empty());
+    let Some(list) = list else { return Ok(None) };
+    if !list.get_item(0)?.hasattr(names[3])? {
+        return Ok(None);
+    }
+    let all = list.iter().map(|rect| Ok(sides(&rect)?.unwrap_or(rect)));
+    Ok(Some(PyList::new(list.py(), all.collect::<PyResult<Vec<_>>>()?)?.into_any()))
 }
 
 /// `query_point`.

@@ -10,10 +10,10 @@ use numpy::{Element, PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
+use pyo3::types::{PyBool, PyString};
 
 use crate::arrays::{Argument, Given, column, long_ids, table, truth};
-use crate::error::{refused, value_error};
+use crate::error::{refused, type_error, value_error};
 use crate::events::PyEvents;
 use crate::queries::{self, Asked, Maybe, without_row};
 use crate::settings;
@@ -443,7 +443,8 @@ impl PySpace {
     /// Parameters
     /// ----------
     /// rect : array_like, shape (4,) or (k, 4)
-    ///     min_x, min_y, max_x, max_y.
+    ///     min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
+    ///     `top`, `right` and `bottom`, as pygame's Rect, is read by them, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
@@ -900,6 +901,10 @@ impl PySpace {
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
+        if !id.is_instance_of::<PyString>() && id.len().is_ok() {
+            let rule = "one id; np.isin(ids, space.ids) asks about many";
+            return Err(type_error("the left side of `in`", rule, id));
+        }
         let number = if id.is_instance_of::<PyBool>() { None } else { id.extract::<Id>().ok() };
         let Some(id) = number else { return Ok(false) };
         with_space!(self, space => Ok(py.detach(|| lock(space).contains(id))))

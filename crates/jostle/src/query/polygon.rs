@@ -25,7 +25,11 @@ impl<T: Scalar> Polygon<T> {
             Err(Error::at("vertices", index, list(&vertices[index]), rule))
         };
         if vertices.len() < 3 {
-            return Err(Error::of("vertices", vertices.len(), "a polygon has at least 3"));
+            return Err(Error::of(
+                "vertices",
+                format!("a list of {}", vertices.len()),
+                "a polygon has at least 3",
+            ));
         }
         let infinite = |vertex: &[T; 2]| !vertex.iter().all(|v| v.is_finite());
         if let Some(index) = vertices.iter().position(infinite) {
