@@ -44,13 +44,15 @@ __version__: Final[str]
 
 _Number: TypeAlias = SupportsFloat | SupportsIndex
 
-class _Pair(Protocol):
-    """Two numbers, such as a vector of pygame."""
+class _Vector(Protocol):
+    """Two numbers with names, such as a vector of pygame."""
 
-    def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> float: ...
+    @property
+    def x(self) -> float: ...
+    @property
+    def y(self) -> float: ...
 
-_Point: TypeAlias = tuple[_Number, _Number] | _Pair
+_Point: TypeAlias = tuple[_Number, _Number] | _Vector
 _Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
@@ -122,7 +124,7 @@ class Quadtree:
     def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
     def nearest(
         self,
-        point: ArrayLike,
+        point: ArrayLike | _Vector,
         k: SupportsIndex = 1,
         *,
         max_distance: _Number = math.inf,
@@ -194,14 +196,14 @@ class Space:
     @overload
     def add(
         self,
-        centers: ArrayLike,
+        centers: ArrayLike | _Vector,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> Any: ...
-    def move(self, ids: ArrayLike, centers: ArrayLike) -> None: ...
+    def move(self, ids: ArrayLike, centers: ArrayLike | _Vector) -> None: ...
     def resize(
         self,
         ids: ArrayLike,
@@ -242,7 +244,7 @@ class Space:
     def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
     def nearest(
         self,
-        point: ArrayLike,
+        point: ArrayLike | _Vector,
         k: SupportsIndex = 1,
         *,
         max_distance: _Number = math.inf,
