@@ -187,6 +187,8 @@ struct ForceMemory {
     old_accelerations: Vec<[f32; 2]>,
     /// How far springs may carry each particle aside; empty where there is none.
     reaches: Vec<f32>,
+    /// What hangs together by springs.
+    roots: Vec<u32>,
     sprung: Sprung,
 }
 
@@ -481,11 +483,11 @@ impl World {
             memory.halfway.extend(all.map(|(&p, &v)| wrap(integrate::halfway(p, v, h))));
             accelerate(&self.forces, particles, settings, memory);
         }
-        let ForceMemory { places, reaches, .. } = memory;
-        for springs in springs(&self.forces) {
-            reaches.resize(particles.len(), 0.0);
+        let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
+        if all.peek().is_some() {
+            let ForceMemory { places, roots, reaches, .. } = memory;
             let bodies = bodies(particles, &particles.positions, places, settings);
-            forces::springs::widen(springs, &bodies, &particles.velocities, dt, reaches);
+            forces::springs::reach(all, &bodies, &particles.velocities, dt, roots, reaches);
         }
     }
 
@@ -733,7 +735,7 @@ impl World {
 }
 
 /// The springs among the forces.
-fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> {
+fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
     forces.iter().filter_map(|force| match force {
         Force::Springs(springs) => Some(springs),
         _ => None,

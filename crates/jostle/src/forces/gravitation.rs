@@ -49,7 +49,7 @@ pub struct Gravitation {
     pub g: f32,
     /// Below this distance the pull weakens.
     pub softening: f32,
-    /// Width of a box over its distance, up to which it counts as one body; 0 never.
+    /// Diagonal of a box over its distance, up to which it counts as one body; 0 never.
     pub theta: f32,
 }
 
@@ -312,7 +312,8 @@ impl Walk<'_> {
     /// Whether a node counts as one body for everything in the box of a group.
     fn is_far(&self, target: &Cover<f32>, index: usize) -> bool {
         let cover = &self.tree.covers()[index];
-        let width = (cover.max[0] - cover.min[0]).max(cover.max[1] - cover.min[1]);
+        let sides = [0, 1].map(|k| cover.max[k] - cover.min[k]);
+        let width = (sides[0] * sides[0] + sides[1] * sides[1]).sqrt();
         if width == 0.0 {
             return true;
         }

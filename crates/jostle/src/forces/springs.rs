@@ -93,27 +93,51 @@ fn length(spring: &Spring, bodies: &Bodies<'_>) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Raises `reaches[place]` to how far a step of `dt` may carry each end aside.
-pub fn widen(
-    springs: &Springs,
+/// Writes how far springs may carry each particle aside in a step of `dt`, into
+/// `reaches[place]`. What hangs together shares its fastest, for a blow to one end
+/// arrives at the other within the step.
+pub fn reach<'a>(
+    springs: impl Iterator<Item = &'a Spring> + Clone,
     bodies: &Bodies<'_>,
     velocities: &[[f32; 2]],
     dt: f32,
-    reaches: &mut [f32],
+    roots: &mut Vec<u32>,
+    reaches: &mut Vec<f32>,
 ) {
-    for spring in &springs.0 {
-        let places = spring.pair.map(|row| bodies.places[row as usize] as usize);
+    roots.clear();
+    roots.extend(0..bodies.positions.len() as u32);
+    reaches.clear();
+    reaches.resize(roots.len(), 0.0);
+    let places = |spring: &Spring| spring.pair.map(|row| bodies.places[row as usize] as usize);
+    for spring in springs.clone() {
+        let [a, b] = places(spring).map(|place| root(roots, place));
+        roots[a] = b as u32;
+    }
+    for spring in springs.clone() {
+        let places = places(spring);
         let speed = |place: usize| {
             let [x, y] = velocities[place].map(f64::from);
             (x * x + y * y).sqrt()
         };
-        let lightness: f64 =
-            places.iter().map(|&place| 1.0 / f64::from(bodies.masses[place])).sum();
+        let masses = places.map(|place| f64::from(bodies.masses[place]));
         let stretch = (length(spring, bodies) - f64::from(spring.length)).abs();
-        let swing = stretch * (f64::from(spring.stiffness) * lightness).sqrt();
-        let way = ((speed(places[0]).max(speed(places[1])) + swing) * f64::from(dt)) as f32;
-        places.iter().for_each(|&place| reaches[place] = reaches[place].max(way));
+        let swing = stretch * (f64::from(spring.stiffness) / masses[0].min(masses[1])).sqrt();
+        let fastest = speed(places[0]).max(speed(places[1])) + swing;
+        let of_all = &mut reaches[root(roots, places[0])];
+        *of_all = of_all.max((fastest * f64::from(dt)) as f32);
     }
+    for place in springs.flat_map(places) {
+        reaches[place] = reaches[root(roots, place)];
+    }
+}
+
+/// What stands for everything that hangs together with a particle.
+fn root(roots: &mut [u32], mut place: usize) -> usize {
+    while roots[place] as usize != place {
+        roots[place] = roots[roots[place] as usize];
+        place = roots[place] as usize;
+    }
+    place
 }
 
 /// The springs of a world during one step, in an order that comes from the state.
