@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::motion::Motions;
 
 /// Parts of a sub-step at most.
-const MOST_PARTS: f64 = 128.0;
+const MOST_PARTS: f64 = 32.0;
 
 /// Swing of the fastest spring in one part, in radians: its period is right to 0.2 %.
 const SWING: f64 = 0.2;
