@@ -45,7 +45,7 @@ use crate::particles::reals;
 /// >>> world = jostle.World([(3, 0)], [(0, 0)], radii=1.0, forces=[pull])
 /// >>> world.step(0.0078539816, steps=200)  # half a swing, π/2 seconds
 /// >>> world.positions.round(3)
-/// array([[-3., -0.]], dtype=float32)
+/// array([[-3.,  0.]], dtype=float32)
 /// >>> jostle.Attractor(particle=0, strength=9.0, law="inverse_square")
 /// Attractor(None, 9.0, 'inverse_square', particle=0)
 #[pyclass(module = "jostle", name = "Attractor", frozen, eq)]
