@@ -435,7 +435,7 @@ impl World {
     /// The order of a step, spelled once: positions → sweeps → tree → candidate
     /// pairs → contacts → resolved velocities and positions.
     fn step_once(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
-        self.feel(dt);
+        self.feel(dt)?;
         self.sweep(dt);
         watch(Stage::Integrate);
         self.build();
@@ -462,7 +462,7 @@ impl World {
 
     /// Finds out what the forces do in the first sub-step. It does not depend on the
     /// order of the particles, which is not yet that of the step.
-    fn feel(&mut self, dt: f32) {
+    fn feel(&mut self, dt: f32) -> Result<()> {
         let (particles, settings) = (&mut self.particles, &self.settings);
         for position in &mut particles.positions {
             *position = settings.container.wrap(*position);
@@ -471,7 +471,7 @@ impl World {
         memory.accelerations.clear();
         memory.reaches.clear();
         if self.forces.is_empty() {
-            return;
+            return Ok(());
         }
         find_places(&self.forces, &self.rows, &mut memory.places);
         let h = dt / settings.substeps as f32;
@@ -489,6 +489,16 @@ impl World {
             let bodies = bodies(particles, &particles.positions, places, settings);
             forces::springs::reach(all, &bodies, &particles.velocities, dt, roots, reaches);
         }
+        let ForceMemory { accelerations, reaches, .. } = &*memory;
+        let ways = (0..particles.len())
+            .filter_map(|place| aside(accelerations.get(place), reaches.get(place), dt));
+        let longest = ways.fold(0.0, f32::max);
+        if longest <= particles::FARTHEST {
+            return Ok(());
+        }
+        let most = particles::FARTHEST;
+        let rule = format!("forces would move a particle by {longest:e}, more than {most:e}");
+        Err(Error::of("dt", dt, &rule))
     }
 
     /// Removes springs that are stretched too far.

@@ -543,18 +543,32 @@ fn what_cannot_be_is_refused_by_name() {
     }
 }
 
+#[test]
+fn a_step_too_long_for_the_forces_is_refused() {
+    let bodies = particles(uniform(3, 0), vec![[0.0; 2]; 3], vec![1.0; 3]);
+    let pull = attractor(Pole::Point([1e6, 0.0]), 1.0, Law::Harmonic);
+    let tie = Force::Springs(Springs(vec![spring([0, 1], 1e6, 1.0)]));
+    for force in [pull, tie] {
+        let mut world = world(bodies.clone(), WorldSettings::default(), vec![force]);
+        let error = world.step(1e20, 1, &mut |_| ()).expect_err("too long").to_string();
+        assert!(error.contains("forces would move a particle by"), "{error}");
+        assert_eq!(world.positions(), bodies.positions);
+        run(&mut world, 0.01, 1);
+    }
+}
+
 /// `cargo test --release -p jostle --test forces -- --ignored --nocapture`
 #[test]
 #[ignore = "a measurement"]
 fn how_fast_gravitation_is() {
     for count in [256, 512, 1024, 2048, 10_000, 100_000] {
         let positions = uniform(count, 1);
-        for theta in [0.0, 0.5] {
+        for (theta, threads) in [(0.0, 2), (0.5, 1), (0.5, 2)] {
             if theta == 0.0 && count > 10_000 {
                 continue;
             }
             let mut settings = WorldSettings { substeps: 1, ..WorldSettings::default() };
-            settings.tree.threads = Some(2);
+            settings.tree.threads = Some(threads);
             let bodies = particles(positions.clone(), vec![[0.0; 2]; count], vec![1.0; count]);
             let force = Gravitation { g: 1e-4, softening: 0.1, theta };
             let mut world = world(bodies, settings, vec![Force::Gravitation(force)]);
@@ -563,7 +577,9 @@ fn how_fast_gravitation_is() {
             let start = std::time::Instant::now();
             run(&mut world, 0.01, steps);
             let ms = start.elapsed().as_secs_f64() * 1e3 / steps as f64;
-            println!("{count} bodies, theta {theta}: {ms:.3} ms a step of one sub-step");
+            println!(
+                "{count} bodies, theta {theta}, {threads} threads: {ms:.3} ms a step of one sub-step"
+            );
         }
     }
 }
