@@ -8,7 +8,8 @@
     Shapes that come, move and go under ids, and the `Events` of their pairs.
 `World`
     Particles that move, collide and bounce off a `Box`, a `Circle` or the seams of
-    a `Torus`; `jostle.scenes` has some ready.
+    a `Torus`; `jostle.scenes` has some ready. `Attractor`, `Gravitation`, `Springs`
+    and `Thermostat` are the forces that it may have.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     What some of these answer.
 `article`
@@ -17,11 +18,15 @@
 
 from jostle import article, scenes
 from jostle._core import (
+    Attractor,
     Box,
     Circle,
     Events,
+    Gravitation,
     Quadtree,
     Space,
+    Springs,
+    Thermostat,
     Torus,
     World,
     __version__,
@@ -30,10 +35,12 @@ from jostle._core import (
 from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
 
 __all__ = [
+    "Attractor",
     "Box",
     "Circle",
     "Contacts",
     "Events",
+    "Gravitation",
     "Hits",
     "Neighbors",
     "Nodes",
@@ -41,7 +48,9 @@ __all__ = [
     "RayHit",
     "RayHits",
     "Space",
+    "Springs",
     "Stats",
+    "Thermostat",
     "Torus",
     "World",
     "__version__",

@@ -219,6 +219,14 @@ impl<'py> Argument<'py> {
         self.unsigned()
     }
 
+    /// Pairs of row numbers.
+    pub fn id_pairs(&self) -> PyResult<Vec<[u32; 2]>> {
+        match self.array.shape() {
+            [_, 2] | [0] => Ok(self.unsigned()?.as_chunks::<2>().0.to_vec()),
+            _ => Err(self.wrong_shape("(m, 2)")),
+        }
+    }
+
     /// Ids of 63 bits: one, or a row of them.
     pub fn long_ids(&self) -> PyResult<Each<i64>> {
         let ids = if self.array.dtype().kind() == b'u' {

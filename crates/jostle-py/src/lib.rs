@@ -14,6 +14,7 @@ mod events;
 mod sprites;
 mod containers;
 mod particles;
+mod forces;
 mod world;
 mod scenes;
 
@@ -31,6 +32,8 @@ mod _core {
     use super::events::PyEvents;
     #[pymodule_export]
     use super::find_pairs::find_pairs;
+    #[pymodule_export]
+    use super::forces::{PyAttractor, PyGravitation, PySprings, PyThermostat};
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]

@@ -9,11 +9,12 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
 use crate::containers;
 use crate::error::refused;
+use crate::forces;
 use crate::particles::{Draft, reals, truths, vectors};
 use crate::results;
 use crate::settings;
@@ -58,6 +59,8 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 ///     its own.
 /// container : Box, Circle, Torus or None, optional
 ///     The walls. A particle outside is brought in by the first step.
+/// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
+///     What accelerates particles, apart from gravity and contacts.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found, never which.
 /// threads : int, optional
@@ -104,13 +107,13 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
-            container=None, method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING,
-            max_depth=Given::NOTHING, substeps=Given::NOTHING,
+            container=None, forces=Given::NOTHING, method=Given::NOTHING, threads=None,
+            leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, method='quadtree', threads=None, leaf_capacity=96, \
-                          max_depth=4096, substeps=4)"
+                          container=None, forces=(), method='quadtree', threads=None, \
+                          leaf_capacity=96, max_depth=4096, substeps=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -125,6 +128,7 @@ impl PyWorld {
         drag: Given<'py>,
         restitution: Given<'py>,
         container: Option<&Bound<'py, PyAny>>,
+        forces: Given<'py>,
         method: Given<'py>,
         threads: Option<&Bound<'py, PyAny>>,
         leaf_capacity: Given<'py>,
@@ -152,7 +156,12 @@ impl PyWorld {
             Some(Each::One(one)) => rules.restitution = one,
             rows => draft.restitutions = rows,
         }
-        let world = py.detach(|| World::new(draft.particles(len)?, rules));
+        let forces = forces.value().map_or(Ok(Vec::new()), forces::read)?;
+        let world = py.detach(|| {
+            let mut world = World::new(draft.particles(len)?, rules)?;
+            world.set_forces(forces)?;
+            Ok(world)
+        });
         Ok(Self::of(world.map_err(refused)?))
     }
 
@@ -249,7 +258,8 @@ impl PyWorld {
         Ok(column(py, ids.map_err(refused)?.collect()))
     }
 
-    /// Remove particles; the rows behind them close up.
+    /// Remove particles; the rows behind them close up, and the springs and attractors
+    /// that name them go too.
     ///
     /// Parameters
     /// ----------
@@ -464,6 +474,20 @@ impl PyWorld {
     fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let container = containers::read(value)?;
         self.change_rules(py, |rules| rules.container = container)
+    }
+
+    /// What accelerates particles: a tuple of `Attractor`, `Gravitation`, `Springs` and
+    /// `Thermostat`. Assign any sequence of them. They name particles by id; when one is
+    /// removed, its attractors and springs go with it.
+    #[getter]
+    fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        forces::show(py, self.long(py, |state| state.world.forces().to_vec())?)
+    }
+
+    #[setter]
+    fn set_forces(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let forces = forces::read(value)?;
+        self.long(py, |state| state.world.set_forces(forces))?.map_err(refused)
     }
 
     /// How pairs are found: "quadtree" or "brute".

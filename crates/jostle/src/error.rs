@@ -56,6 +56,16 @@ impl Error {
         }
     }
 
+    /// The same refusal of a value, once it is known in which row it stands.
+    pub fn in_row(self, row: usize) -> Self {
+        match self {
+            Self::Value { argument, value, rule, .. } => {
+                Self::Value { argument, index: Some(row), value, rule }
+            }
+            other => other,
+        }
+    }
+
     /// Refuses `argument` as a whole.
     pub fn of(argument: &'static str, value: impl fmt::Display, rule: &str) -> Self {
         Self::Value { argument, index: None, value: value.to_string(), rule: rule.to_string() }

@@ -35,6 +35,11 @@ impl Sweep {
         Self { low, high }
     }
 
+    /// The same with `more` room to every side.
+    pub fn widened(self, more: f32) -> Self {
+        Self { low: self.low.map(|v| v - more), high: self.high.map(|v| v + more) }
+    }
+
     /// The sweep of what nothing can move.
     pub fn still(position: [f32; 2]) -> Self {
         Self { low: position, high: position }
@@ -62,6 +67,28 @@ pub fn kick(motion: Motion, gravity: [f32; 2], drag: f32, h: f32) -> Motion {
     let keep = 1.0 / (1.0 + drag * h);
     let velocity = [0, 1].map(|k| (motion.velocity[k] + gravity[k] * h) * keep);
     Motion { velocity, travel: velocity.map(|v| v * h), since: 0.0, turn: 0, ..motion }
+}
+
+/// As [`kick`] with the `acceleration` that forces give halfway along the sub-step (see
+/// [`halfway`]): for them this is a leapfrog, so that orbits close.
+#[inline]
+pub fn kick_and_pull(
+    motion: Motion,
+    gravity: [f32; 2],
+    acceleration: [f32; 2],
+    drag: f32,
+    h: f32,
+) -> Motion {
+    let both = [0, 1].map(|k| gravity[k] + acceleration[k]);
+    let kicked = kick(motion, both, drag, h);
+    let way = |k: usize| kicked.travel[k] - 0.5 * h * h * acceleration[k];
+    Motion { travel: [way(0), way(1)], ..kicked }
+}
+
+/// Where a particle would be in the middle of a sub-step of `h` seconds.
+#[inline]
+pub fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
+    [0, 1].map(|k| position[k] + velocity[k] * (0.5 * h))
 }
 
 /// Ends the way where the sweep or a wall ends. Speeds are left alone: what was

@@ -12,7 +12,8 @@ use std::ops::Range;
 use crate::contacts::Contacts;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
-use crate::integrate::Sweep;
+use crate::forces::{self, Bodies, Force, springs::Sprung};
+use crate::integrate::{self, Sweep};
 use crate::motion::{Motion, Motions};
 use crate::pairs::{self, SortScratch};
 use crate::parallel;
@@ -143,6 +144,7 @@ pub struct Touch {
 #[derive(Debug, Default)]
 pub struct World {
     settings: WorldSettings,
+    forces: Vec<Force>,
     /// In canonical order, as everything below.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
@@ -169,6 +171,25 @@ struct Memory {
     rows: Vec<u32>,
     wall_pushes: Vec<[f32; MAX_WALLS]>,
     old_sweeps: Vec<Sweep>,
+    forces: ForceMemory,
+}
+
+/// What forces need; none of it is used in a world without them.
+#[derive(Debug, Default)]
+struct ForceMemory {
+    all: forces::Memory,
+    /// The place of each row, where forces name rows.
+    places: Vec<u32>,
+    /// Where the particles are halfway along the sub-step.
+    halfway: Vec<[f32; 2]>,
+    /// What forces give there; empty where none does.
+    accelerations: Vec<[f32; 2]>,
+    old_accelerations: Vec<[f32; 2]>,
+    /// How far springs may carry each particle aside; empty where there is none.
+    reaches: Vec<f32>,
+    /// What hangs together by springs.
+    roots: Vec<u32>,
+    sprung: Sprung,
 }
 
 impl World {
@@ -206,6 +227,19 @@ impl World {
         Ok(())
     }
 
+    /// The forces.
+    pub fn forces(&self) -> &[Force] {
+        &self.forces
+    }
+
+    /// Changes the forces. They name particles by their rows. Refused forces leave the
+    /// old ones.
+    pub fn set_forces(&mut self, forces: Vec<Force>) -> Result<()> {
+        forces::validate(&forces, self.len())?;
+        self.forces = forces;
+        Ok(())
+    }
+
     /// Adds particles behind the others and returns their rows.
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
         particles.validate()?;
@@ -221,7 +255,8 @@ impl World {
         Ok(old as u32..new as u32)
     }
 
-    /// Removes the particles in `rows`; the rows behind them close up.
+    /// Removes the particles in `rows`; the rows behind them close up. Springs and
+    /// attractors that name one go with it.
     pub fn remove(&mut self, rows: &[u32]) -> Result<()> {
         self.check_rows(rows)?;
         let mut gone = vec![false; self.len()];
@@ -242,6 +277,9 @@ impl World {
         self.contacts.retain(&keep);
         self.rows.retain(|&row| !gone[row as usize]);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+        let moved: Vec<Option<u32>> =
+            gone.iter().zip(shifted).map(|(&gone, new)| (!gone).then_some(new)).collect();
+        forces::follow(&mut self.forces, &moved);
         Ok(())
     }
 
@@ -397,6 +435,7 @@ impl World {
     /// The order of a step, spelled once: positions → sweeps → tree → candidate
     /// pairs → contacts → resolved velocities and positions.
     fn step_once(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
+        self.feel(dt)?;
         self.sweep(dt);
         watch(Stage::Integrate);
         self.build();
@@ -416,18 +455,70 @@ impl World {
         );
         watch(Stage::Contacts);
         self.resolve(dt);
+        self.break_springs();
         watch(Stage::Resolve);
         Ok(())
+    }
+
+    /// Finds out what the forces do in the first sub-step. It does not depend on the
+    /// order of the particles, which is not yet that of the step.
+    fn feel(&mut self, dt: f32) -> Result<()> {
+        let (particles, settings) = (&mut self.particles, &self.settings);
+        for position in &mut particles.positions {
+            *position = settings.container.wrap(*position);
+        }
+        let memory = &mut self.memory.forces;
+        memory.accelerations.clear();
+        memory.reaches.clear();
+        if self.forces.is_empty() {
+            return Ok(());
+        }
+        find_places(&self.forces, &self.rows, &mut memory.places);
+        let h = dt / settings.substeps as f32;
+        let particles = &self.particles;
+        if forces::pull(&self.forces) {
+            let all = particles.positions.iter().zip(&particles.velocities);
+            memory.halfway.clear();
+            let wrap = |there| settings.container.wrap(there);
+            memory.halfway.extend(all.map(|(&p, &v)| wrap(integrate::halfway(p, v, h))));
+            accelerate(&self.forces, particles, settings, memory);
+        }
+        let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
+        if all.peek().is_some() {
+            let ForceMemory { places, roots, reaches, .. } = memory;
+            let bodies = bodies(particles, &particles.positions, places, settings);
+            forces::springs::reach(all, &bodies, &particles.velocities, dt, roots, reaches);
+        }
+        let ForceMemory { accelerations, reaches, .. } = &*memory;
+        let ways = (0..particles.len())
+            .filter_map(|place| aside(accelerations.get(place), reaches.get(place), dt));
+        let longest = ways.fold(0.0, f32::max);
+        if longest <= particles::FARTHEST {
+            return Ok(());
+        }
+        let most = particles::FARTHEST;
+        let rule = format!("forces would move a particle by {longest:e}, more than {most:e}");
+        Err(Error::of("dt", dt, &rule))
+    }
+
+    /// Removes springs that are stretched too far.
+    fn break_springs(&mut self) {
+        let (particles, settings) = (&self.particles, &self.settings);
+        for force in &mut self.forces {
+            if let Force::Springs(springs) = force {
+                let places = &self.memory.forces.places;
+                let bodies = bodies(particles, &particles.positions, places, settings);
+                springs.break_stretched(&bodies);
+            }
+        }
     }
 
     /// Finds out how far each particle may get.
     fn sweep(&mut self, dt: f32) {
         let threads = self.threads();
-        let Memory { sweeps, shapes, .. } = &mut self.memory;
-        let (particles, settings) = (&mut self.particles, &self.settings);
-        for position in &mut particles.positions {
-            *position = settings.container.wrap(*position);
-        }
+        let Memory { sweeps, shapes, forces, .. } = &mut self.memory;
+        let ForceMemory { accelerations, reaches, .. } = &*forces;
+        let (particles, settings) = (&self.particles, &self.settings);
         let len = particles.len();
         sweeps.resize(len, Sweep::default());
         parallel::for_chunks(threads, sweeps, |first, sweeps| {
@@ -435,7 +526,12 @@ impl World {
                 let position = particles.positions[place];
                 *sweep = if particles.movable[place] {
                     let (velocity, radius) = (particles.velocities[place], particles.radii[place]);
-                    Sweep::new(position, velocity, radius, settings.gravity, dt)
+                    let sweep = Sweep::new(position, velocity, radius, settings.gravity, dt);
+                    let (by, reach) = (accelerations.get(place), reaches.get(place));
+                    match aside(by, reach, dt) {
+                        None => sweep,
+                        Some(way) => sweep.widened(way.min(settings.container.reach())),
+                    }
                 } else {
                     Sweep::still(position)
                 };
@@ -470,6 +566,17 @@ impl World {
         gather(&mut memory.rows, &mut self.rows, order, threads);
         gather(&mut memory.wall_pushes, &mut self.wall_pushes, order, threads);
         gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
+        if self.forces.is_empty() {
+            return;
+        }
+        let forces = &mut memory.forces;
+        if !forces.accelerations.is_empty() {
+            gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
+        }
+        find_places(&self.forces, &self.rows, &mut forces.places);
+        let all = springs(&self.forces).flat_map(|springs| &springs.0);
+        let inverse_mass = |place: usize| self.particles.inverse_mass(place);
+        forces.sprung.prepare(all, &forces.places, self.settings.container, inverse_mass);
     }
 
     /// The pairs of places whose sweeps overlap, sorted: first those of the plane,
@@ -517,6 +624,7 @@ impl World {
             restitution: settings.restitution,
             container: settings.container,
             rest_speed: REST_STEPS * dt * (gx * gx + gy * gy).sqrt(),
+            thermostat: forces::thermostat(&self.forces),
             threads: self.threads(),
         };
         let memory = &mut self.memory;
@@ -535,8 +643,23 @@ impl World {
             wall_pushes: &mut self.wall_pushes,
             memory: &mut memory.resolving,
         };
-        for _ in 0..settings.substeps {
-            resolve::substep(&mut scene, &rules, dt / settings.substeps as f32);
+        let forces = &mut memory.forces;
+        let h = dt / settings.substeps as f32;
+        for substep in 0..settings.substeps {
+            if substep > 0 && forces::pull(&self.forces) {
+                for (place, halfway) in forces.halfway.iter_mut().enumerate() {
+                    let (position, velocity) =
+                        (motions.position(place as u32), motions.velocity(place as u32));
+                    let there = integrate::halfway(position, velocity, h);
+                    *halfway = settings.container.wrap(there);
+                }
+                accelerate(&self.forces, scene.particles, settings, forces);
+            }
+            resolve::kick(&scene, &rules, &forces.accelerations, h);
+            if !self.forces.is_empty() {
+                forces.sprung.act(motions, h);
+            }
+            resolve::substep(&mut scene, &rules, h);
         }
         resolve::measure_touching(&mut scene, &rules);
         self.contacts.remember(self.particles.len());
@@ -618,6 +741,64 @@ impl World {
             mix(u32::from(all.movable[row]));
         }
         hash
+    }
+}
+
+/// The springs among the forces.
+fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
+    forces.iter().filter_map(|force| match force {
+        Force::Springs(springs) => Some(springs),
+        _ => None,
+    })
+}
+
+/// Writes the place of each row, if any force asks for it.
+fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>) {
+    places.clear();
+    if forces::name_rows(forces) {
+        places.resize(rows.len(), 0);
+        for (place, &row) in rows.iter().enumerate() {
+            places[row as usize] = place as u32;
+        }
+    }
+}
+
+/// The particles as forces see them, at some positions.
+fn bodies<'a>(
+    particles: &'a Particles,
+    positions: &'a [[f32; 2]],
+    places: &'a [u32],
+    settings: &WorldSettings,
+) -> Bodies<'a> {
+    let (container, threads) = (settings.container, settings.tree.threads);
+    Bodies {
+        positions,
+        masses: &particles.masses,
+        radii: &particles.radii,
+        places,
+        container,
+        threads,
+    }
+}
+
+/// Finds the accelerations halfway along the sub-step.
+fn accelerate(
+    all: &[Force],
+    particles: &Particles,
+    settings: &WorldSettings,
+    memory: &mut ForceMemory,
+) {
+    let ForceMemory { all: scratch, places, halfway, accelerations, .. } = memory;
+    let bodies = bodies(particles, halfway, places, settings);
+    forces::accelerate(all, &bodies, scratch, accelerations);
+}
+
+/// How far forces may carry a particle aside from its straight way in `dt` seconds.
+fn aside(acceleration: Option<&[f32; 2]>, reach: Option<&f32>, dt: f32) -> Option<f32> {
+    let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
+    match (pulled, reach) {
+        (None, None) => None,
+        (a, b) => Some(a.unwrap_or(0.0) + b.copied().unwrap_or(0.0)),
     }
 }
 

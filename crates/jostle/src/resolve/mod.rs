@@ -1,6 +1,6 @@
 //! Contacts change velocities and ways: one sub-step, in six acts.
 //!
-//! 1. *kick*: gravity and drag, the straight way.
+//! 1. *kick*: gravity, forces and drag, the straight way. Springs act right after it.
 //! 2. *impact*: what meets at speed bounces at the moment of impact.
 //! 3. *rest*: what leans on each other is held apart, softly started from the
 //!    impulses of the step before.
@@ -24,6 +24,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::contacts::{COLOURS, Colours, Contact, Contacts};
 use crate::container::{Container, MAX_WALLS};
+use crate::forces::Thermostat;
 use crate::integrate::{self, Sweep};
 use crate::motion::{Motion, Motions, Velocities};
 use crate::parallel;
@@ -51,6 +52,8 @@ pub struct Rules {
     pub container: Container,
     /// Slower than this against each other, things do not bounce but lean, and come to rest.
     pub rest_speed: f32,
+    /// What walls do to the speed of what bounces off them.
+    pub thermostat: Option<Thermostat>,
     /// Threads to use.
     pub threads: Option<usize>,
 }
@@ -79,9 +82,8 @@ pub struct Memory {
     velocities: Velocities,
 }
 
-/// One sub-step of `h` seconds.
+/// The sub-step of `h` seconds that [`kick`] has begun.
 pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
-    kick(scene, rules, h);
     measure_all(scene, rules);
     bounce(scene, rules, h);
     if rules.rest_speed > 0.0 {
@@ -103,10 +105,17 @@ fn each_particle(scene: &Scene<'_>, rules: &Rules, act: impl Fn(u32) + Sync + Se
     });
 }
 
-fn kick(scene: &Scene<'_>, rules: &Rules, h: f32) {
-    let motions = scene.motions;
+/// Begins a sub-step of `h` seconds. `accelerations` are those by forces, halfway along
+/// it; empty where there are none.
+pub fn kick(scene: &Scene<'_>, rules: &Rules, accelerations: &[[f32; 2]], h: f32) {
+    let (motions, Rules { gravity, drag, .. }) = (scene.motions, *rules);
     each_particle(scene, rules, |place| {
-        motions.set(place, integrate::kick(motions.get(place), rules.gravity, rules.drag, h));
+        let motion = motions.get(place);
+        let kicked = match accelerations.get(place as usize) {
+            None => integrate::kick(motion, gravity, drag, h),
+            Some(&by) => integrate::kick_and_pull(motion, gravity, by, drag, h),
+        };
+        motions.set(place, kicked);
     });
 }
 
@@ -171,6 +180,7 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
                 let radius = particles.radii[place as usize];
                 let bounced = impact::against_walls(motion, radius, restitution, rules, h);
                 if let Some(bounced) = bounced {
+                    let bounced = rules.thermostat.map_or(bounced, |t| t.drive(bounced, h));
                     motions.set(place, Motion { turn: turn(round, walls), ..bounced });
                     any.store(true, Ordering::Relaxed);
                 }

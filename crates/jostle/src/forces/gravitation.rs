@@ -1,0 +1,335 @@
+//! All bodies pull each other: Barnes and Hut's method on the quadtree.
+//!
+//! The bodies are sorted by a tree of their own, so the order of every sum comes
+//! from where they are. A *group* is a node of few bodies. For each group the tree is
+//! walked once: a node that looks smaller than `theta` from the nearest point of
+//! the group's box counts as one body at its centre of mass, a larger one is
+//! opened. What the walk has found then pulls every body of the group.
+//!
+//! Nodes that are looked at from one side only break Newton's third law a little.
+//! The mean acceleration, which ought to be 0, is taken off everything, so momentum
+//! is kept to rounding.
+
+use std::cmp::Ordering;
+
+use super::{Bodies, check_number, nearest, nearest_on};
+use crate::columns::Columns;
+use crate::container::Container;
+use crate::error::{Error, Result};
+use crate::geometry::Cover;
+use crate::parallel;
+use crate::particles::FARTHEST;
+use crate::quadtree::{Node, Quadtree};
+use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
+use crate::shapes::{Each, Shapes};
+use crate::simd::LANES;
+
+/// Up to so many bodies, each pulls each: that is faster.
+const DIRECT: usize = 512;
+
+/// Bodies that walk the tree together.
+const GROUP: usize = 32;
+
+/// Bodies in a leaf of the tree.
+const LEAF: usize = 16;
+
+/// Sources whose pulls are summed in float32, before the sum goes on in float64.
+const RUN: usize = 16 * LANES;
+
+/// Distances squared are at least this, so that no pull overflows.
+const LEAST_SQUARE: f32 = 1e-24;
+
+/// The default of [`Gravitation::theta`].
+pub const DEFAULT_THETA: f32 = 0.5;
+
+/// a = Σ G m d / (d² + softening²)^³⁄₂ over all others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gravitation {
+    /// The constant of gravitation.
+    pub g: f32,
+    /// Below this distance the pull weakens.
+    pub softening: f32,
+    /// Diagonal of a box over its distance, up to which it counts as one body; 0 never.
+    pub theta: f32,
+}
+
+impl Gravitation {
+    /// Refuses numbers that no world can work with.
+    pub fn validate(&self) -> Result<()> {
+        check_number("G", self.g, -FARTHEST)?;
+        check_number("softening", self.softening, 0.0)?;
+        if (0.0..=1.0).contains(&self.theta) {
+            return Ok(());
+        }
+        Err(Error::of("theta", self.theta, "it must lie between 0 and 1"))
+    }
+}
+
+/// What [`add`] needs and the next call uses again.
+#[derive(Debug, Default)]
+pub struct Memory {
+    shapes: Shapes<f32>,
+    tree: Quadtree<f32>,
+    all: Sources,
+    moments: Vec<Moment>,
+    groups: Vec<u32>,
+    stack: Vec<u32>,
+    pulls: Vec<[f64; 2]>,
+}
+
+/// A node as one body.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moment {
+    center: [f32; 2],
+    mass: f32,
+}
+
+/// Adds the pull of all on each.
+pub fn add(
+    gravitation: &Gravitation,
+    bodies: &Bodies<'_>,
+    memory: &mut Memory,
+    accelerations: &mut [[f32; 2]],
+) {
+    sort(bodies, memory);
+    if memory.tree.is_empty() {
+        return;
+    }
+    find_groups(memory);
+    let Memory { tree, all, moments, groups, pulls, .. } = memory;
+    let direct = tree.len() <= DIRECT || gravitation.theta == 0.0;
+    if !direct {
+        weigh(tree, &all.mass, moments);
+    }
+    let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
+    pulls.clear();
+    pulls.resize(tree.len(), [0.0; 2]);
+    // Groups follow each other in the order of the bodies.
+    let mut left = pulls.as_mut_slice();
+    let mut tasks = Vec::with_capacity(groups.len());
+    for &group in groups.iter() {
+        let (own, rest) = left.split_at_mut(tree.nodes()[group as usize].len());
+        tasks.push((group, own));
+        left = rest;
+    }
+    let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
+    parallel::for_each(threads, &mut tasks, |(group, pulls)| walk.pull(*group, direct, pulls));
+    balance(pulls, &all.mass);
+    let g = f64::from(gravitation.g);
+    for (pull, &row) in pulls.iter().zip(tree.rows()) {
+        let to = &mut accelerations[row as usize];
+        *to = [0, 1].map(|k| to[k] + (g * pull[k]) as f32);
+    }
+}
+
+/// Brings the bodies into the order of their tree.
+fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
+    let Memory { shapes, tree, all, .. } = memory;
+    shapes.centers.clear();
+    shapes.centers.extend_from_slice(bodies.positions);
+    shapes.radii = Each::One(0.0);
+    let settings =
+        Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
+    let tie = |a: usize, b: usize| -> Ordering { bodies.masses[a].total_cmp(&bodies.masses[b]) };
+    tree.rebuild(shapes, settings, &tie);
+    all.clear();
+    let Columns { x, y, .. } = tree.columns();
+    for (place, &row) in tree.rows().iter().enumerate() {
+        all.push([x[place], y[place]], bodies.masses[row as usize]);
+    }
+    all.pad();
+}
+
+/// The largest nodes of at most [`GROUP`] bodies, and leaves, in order.
+fn find_groups(memory: &mut Memory) {
+    let Memory { tree, groups, stack, .. } = memory;
+    groups.clear();
+    stack.push(0);
+    while let Some(index) = stack.pop() {
+        let node = &tree.nodes()[index as usize];
+        if node.is_leaf() || node.len() <= GROUP {
+            groups.push(index);
+        } else {
+            stack.extend(node.children().rev().map(|child| child as u32));
+        }
+    }
+}
+
+/// Mass and centre of mass of every node, from the leaves up.
+fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
+    let Columns { x, y, .. } = tree.columns();
+    moments.clear();
+    moments.resize(tree.nodes().len(), Moment::default());
+    for (index, node) in tree.nodes().iter().enumerate().rev() {
+        let mut sum = [0.0f64; 3];
+        let mut add = |[px, py]: [f32; 2], mass: f32| {
+            let mass = f64::from(mass);
+            let terms = [mass, mass * f64::from(px), mass * f64::from(py)];
+            (0..3).for_each(|k| sum[k] += terms[k]);
+        };
+        if node.is_leaf() {
+            node.range().for_each(|place| add([x[place], y[place]], masses[place]));
+        } else {
+            let children = &moments[node.children()];
+            children.iter().for_each(|child| add(child.center, child.mass));
+        }
+        let [mass, mx, my] = sum;
+        moments[index] =
+            Moment { center: [(mx / mass) as f32, (my / mass) as f32], mass: mass as f32 };
+    }
+}
+
+/// Takes the mean acceleration off everything.
+fn balance(pulls: &mut [[f64; 2]], masses: &[f32]) {
+    let mut sum = [0.0f64; 3];
+    for (pull, &mass) in pulls.iter().zip(masses) {
+        let mass = f64::from(mass);
+        let terms = [mass, mass * pull[0], mass * pull[1]];
+        (0..3).for_each(|k| sum[k] += terms[k]);
+    }
+    let mean = [sum[1] / sum[0], sum[2] / sum[0]];
+    if mean.iter().all(|v| v.is_finite()) {
+        pulls.iter_mut().for_each(|pull| *pull = [pull[0] - mean[0], pull[1] - mean[1]]);
+    }
+}
+
+/// Bodies that pull, in columns whose length is a multiple of [`LANES`] once padded.
+#[derive(Debug, Default)]
+struct Sources {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    mass: Vec<f32>,
+}
+
+impl Sources {
+    fn clear(&mut self) {
+        [&mut self.x, &mut self.y, &mut self.mass].into_iter().for_each(Vec::clear);
+    }
+
+    #[inline(always)]
+    fn push(&mut self, [x, y]: [f32; 2], mass: f32) {
+        self.x.push(x);
+        self.y.push(y);
+        self.mass.push(mass);
+    }
+
+    fn extend(&mut self, other: &Self, range: std::ops::Range<usize>) {
+        self.x.extend_from_slice(&other.x[range.clone()]);
+        self.y.extend_from_slice(&other.y[range.clone()]);
+        self.mass.extend_from_slice(&other.mass[range]);
+    }
+
+    /// Adds bodies without mass until blocks are full.
+    fn pad(&mut self) {
+        while !self.x.len().is_multiple_of(LANES) {
+            self.push([0.0; 2], 0.0);
+        }
+    }
+
+    /// What they pull at `position`; `wrap` brings offsets to the nearest image.
+    #[inline(always)]
+    fn pull(
+        &self,
+        [px, py]: [f32; 2],
+        soft_square: f32,
+        wrap: impl Fn([f32; 2]) -> [f32; 2],
+    ) -> [f64; 2] {
+        let mut total = [0.0f64; 2];
+        let runs = self.x.chunks(RUN).zip(self.y.chunks(RUN)).zip(self.mass.chunks(RUN));
+        for ((x, y), mass) in runs {
+            let mut sums = [[0.0f32; LANES]; 2];
+            let (x, y, mass) =
+                (x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0, mass.as_chunks::<LANES>().0);
+            for ((x, y), mass) in x.iter().zip(y).zip(mass) {
+                for lane in 0..LANES {
+                    let [dx, dy] = wrap([x[lane] - px, y[lane] - py]);
+                    let square = (dx * dx + dy * dy + soft_square).max(LEAST_SQUARE);
+                    let inverse = 1.0 / square.sqrt();
+                    let strength = mass[lane] * (inverse * inverse);
+                    sums[0][lane] += strength * (dx * inverse);
+                    sums[1][lane] += strength * (dy * inverse);
+                }
+            }
+            for k in 0..2 {
+                total[k] += sums[k].iter().fold(0.0f64, |sum, &v| sum + f64::from(v));
+            }
+        }
+        total
+    }
+}
+
+/// What all groups look at.
+struct Walk<'a> {
+    gravitation: &'a Gravitation,
+    tree: &'a Quadtree<f32>,
+    all: &'a Sources,
+    moments: &'a [Moment],
+    container: Container,
+}
+
+impl Walk<'_> {
+    /// Writes what pulls at each body of a group.
+    fn pull(&self, group: u32, direct: bool, pulls: &mut [[f64; 2]]) {
+        let mut found = Sources::default();
+        let sources = if direct {
+            self.all
+        } else {
+            self.collect(group, &mut found);
+            &found
+        };
+        let soft_square = self.gravitation.softening * self.gravitation.softening;
+        let range = self.tree.nodes()[group as usize].range();
+        for (pull, place) in pulls.iter_mut().zip(range) {
+            let position = [self.all.x[place], self.all.y[place]];
+            *pull = match self.container {
+                Container::Torus { size: [w, h] } => {
+                    sources
+                        .pull(position, soft_square, |[x, y]| [nearest_on(x, w), nearest_on(y, h)])
+                }
+                _ => sources.pull(position, soft_square, |offset| offset),
+            };
+        }
+    }
+
+    /// Lists what pulls at a group: bodies that are near, nodes that are far.
+    fn collect(&self, group: u32, found: &mut Sources) {
+        let target = &self.tree.covers()[group as usize];
+        let mut stack = vec![0u32];
+        while let Some(index) = stack.pop() {
+            let index = index as usize;
+            let node: &Node = &self.tree.nodes()[index];
+            if self.is_far(target, index) {
+                found.push(self.moments[index].center, self.moments[index].mass);
+            } else if node.is_leaf() {
+                found.extend(self.all, node.range());
+            } else {
+                stack.extend(node.children().rev().map(|child| child as u32));
+            }
+        }
+        found.pad();
+    }
+
+    /// Whether a node counts as one body for everything in the box of a group.
+    fn is_far(&self, target: &Cover<f32>, index: usize) -> bool {
+        let cover = &self.tree.covers()[index];
+        let sides = [0, 1].map(|k| cover.max[k] - cover.min[k]);
+        let width = (sides[0] * sides[0] + sides[1] * sides[1]).sqrt();
+        if width == 0.0 {
+            return true;
+        }
+        let middle = [0, 1].map(|k| 0.5 * target.min[k] + 0.5 * target.max[k]);
+        let half = [0, 1].map(|k| 0.5 * target.max[k] - 0.5 * target.min[k]);
+        let center = self.moments[index].center;
+        let offset = nearest(&self.container, [0, 1].map(|k| center[k] - middle[k]));
+        if let Container::Torus { size } = self.container {
+            // Seen from one side of the group or the other, the nearest image is the same.
+            let same = |k: usize| offset[k].abs() + half[k] + width < 0.5 * size[k];
+            if !same(0) || !same(1) {
+                return false;
+            }
+        }
+        let [x, y] = [0, 1].map(|k| (offset[k].abs() - half[k]).max(0.0));
+        let theta = self.gravitation.theta;
+        width * width < theta * theta * (x * x + y * y)
+    }
+}

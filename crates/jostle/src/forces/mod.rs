@@ -1,0 +1,202 @@
+//! Forces: what accelerates particles, apart from gravity and contacts.
+//!
+//! [`accelerate`] sums the accelerations that attractors and gravitation give at
+//! some positions; springs act by themselves ([`springs::Sprung`]), in parts of a
+//! sub-step that are short enough for them, and the thermostat acts where particles
+//! bounce off walls. Every sum runs in an order that comes from the state.
+
+pub mod attractor;
+pub mod gravitation;
+pub mod springs;
+pub mod thermostat;
+
+pub use attractor::{Attractor, Law, Pole};
+pub use gravitation::Gravitation;
+pub use springs::{Spring, Springs};
+pub use thermostat::Thermostat;
+
+use crate::container::Container;
+use crate::error::{Error, Result};
+use crate::parallel;
+use crate::particles::FARTHEST;
+
+/// Something that accelerates particles.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Force {
+    /// A pull to a point or to a particle.
+    Attractor(Attractor),
+    /// All pull each other by their masses.
+    Gravitation(Gravitation),
+    /// Some pairs are tied together.
+    Springs(Springs),
+    /// Walls drive what bounces off them towards a speed.
+    Thermostat(Thermostat),
+}
+
+impl Force {
+    /// Refuses numbers that no world can work with.
+    pub fn validate(&self) -> Result<()> {
+        match self {
+            Self::Attractor(attractor) => attractor.validate(),
+            Self::Gravitation(gravitation) => gravitation.validate(),
+            Self::Springs(springs) => springs.validate(),
+            Self::Thermostat(thermostat) => thermostat.validate(),
+        }
+    }
+
+    /// The rows of particles that it names.
+    fn rows(&self) -> Vec<u32> {
+        match self {
+            Self::Attractor(Attractor { pole: Pole::Particle(row), .. }) => vec![*row],
+            Self::Springs(springs) => springs.0.iter().flat_map(|spring| spring.pair).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether it names particles by their rows.
+    fn names_rows(&self) -> bool {
+        match self {
+            Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
+            Self::Springs(springs) => !springs.0.is_empty(),
+            Self::Gravitation(_) | Self::Thermostat(_) => false,
+        }
+    }
+}
+
+/// Refuses forces that a world of `len` particles cannot have.
+pub fn validate(forces: &[Force], len: usize) -> Result<()> {
+    let mut thermostats = 0;
+    for (index, force) in forces.iter().enumerate() {
+        force.validate()?;
+        if let Some(row) = force.rows().into_iter().find(|&row| row as usize >= len) {
+            let value = format!("a force on particle {row}");
+            return Err(Error::at("forces", index, value, &format!("there are {len} particles")));
+        }
+        thermostats += usize::from(matches!(force, Force::Thermostat(_)));
+        if thermostats > 1 {
+            let rule = "a world has one thermostat at most";
+            return Err(Error::at("forces", index, "another Thermostat", rule));
+        }
+    }
+    Ok(())
+}
+
+/// Follows the removal of particles: `moved[row]` is the new row, none if it is gone.
+/// What is tied to a particle that is gone goes with it.
+pub fn follow(forces: &mut Vec<Force>, moved: &[Option<u32>]) {
+    forces.retain_mut(|force| match force {
+        Force::Attractor(Attractor { pole: Pole::Particle(row), .. }) => {
+            let new = moved[*row as usize];
+            *row = new.unwrap_or(*row);
+            new.is_some()
+        }
+        Force::Springs(springs) => {
+            springs.follow(moved);
+            true
+        }
+        _ => true,
+    });
+}
+
+/// Whether any of them names particles by their rows.
+pub fn name_rows(forces: &[Force]) -> bool {
+    forces.iter().any(Force::names_rows)
+}
+
+/// Whether any of them has accelerations that [`accelerate`] would find.
+pub fn pull(forces: &[Force]) -> bool {
+    forces.iter().any(|force| matches!(force, Force::Attractor(_) | Force::Gravitation(_)))
+}
+
+/// The thermostat among them.
+pub fn thermostat(forces: &[Force]) -> Option<Thermostat> {
+    forces.iter().find_map(|force| match force {
+        Force::Thermostat(thermostat) => Some(*thermostat),
+        _ => None,
+    })
+}
+
+/// Particles in any order, as forces see them.
+#[derive(Clone, Copy, Debug)]
+pub struct Bodies<'a> {
+    /// Where they are.
+    pub positions: &'a [[f32; 2]],
+    /// What they weigh.
+    pub masses: &'a [f32],
+    /// Their radii.
+    pub radii: &'a [f32],
+    /// `places[row]` is the place of the particle that a force calls `row`; may be
+    /// empty where no force names rows.
+    pub places: &'a [u32],
+    /// On a torus, everything pulls from its nearest image.
+    pub container: Container,
+    /// Threads to use.
+    pub threads: Option<usize>,
+}
+
+/// What [`accelerate`] needs and the next call uses again.
+#[derive(Debug, Default)]
+pub struct Memory {
+    gravitation: gravitation::Memory,
+}
+
+/// Writes the sum of all accelerations of each body. They are finite, and the same
+/// whatever the order of the bodies.
+pub fn accelerate(
+    forces: &[Force],
+    bodies: &Bodies<'_>,
+    memory: &mut Memory,
+    accelerations: &mut Vec<[f32; 2]>,
+) {
+    accelerations.clear();
+    accelerations.resize(bodies.positions.len(), [0.0; 2]);
+    for force in forces {
+        match force {
+            Force::Attractor(attractor) => attractor::add(attractor, bodies, accelerations),
+            Force::Gravitation(gravitation) => {
+                gravitation::add(gravitation, bodies, &mut memory.gravitation, accelerations);
+            }
+            Force::Springs(_) | Force::Thermostat(_) => {}
+        }
+    }
+    let threads = parallel::worthwhile(bodies.threads, bodies.positions.len());
+    parallel::for_chunks(threads, accelerations, |_, chunk| {
+        chunk.iter_mut().for_each(|acceleration| *acceleration = acceleration.map(bounded));
+    });
+}
+
+/// A number that a world can hold; 0 where infinities have met.
+fn bounded(value: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
+}
+
+/// The offset to the nearest image of what is at `offset`.
+#[inline(always)]
+fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
+    let Container::Torus { size } = container else { return offset };
+    [0, 1].map(|k| nearest_on(offset[k], size[k]))
+}
+
+#[inline(always)]
+fn nearest_on(offset: f32, side: f32) -> f32 {
+    if offset > 0.5 * side {
+        offset - side
+    } else if offset < -0.5 * side {
+        offset + side
+    } else {
+        offset
+    }
+}
+
+/// Refuses a number that is not finite or beyond what a world can hold.
+fn check_number(argument: &'static str, value: f32, least: f32) -> Result<()> {
+    if (least..=FARTHEST).contains(&value) {
+        return Ok(());
+    }
+    let rule = if least == 0.0 {
+        format!("it must be finite and between 0 and {FARTHEST:e}")
+    } else {
+        format!("it must be finite and within ±{FARTHEST:e}")
+    };
+    Err(Error::of(argument, value, &rule))
+}

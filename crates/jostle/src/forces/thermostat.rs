@@ -1,0 +1,40 @@
+//! Walls that drive what bounces off them towards a speed.
+
+use super::check_number;
+use crate::error::{Error, Result};
+use crate::motion::Motion;
+
+/// Every bounce off a wall changes the speed s to s + rate · (speed − s), as in the
+/// article's lesson about gases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thermostat {
+    /// The speed that the walls have.
+    pub speed: f32,
+    /// Their share in a bounce, 0 to 1.
+    pub rate: f32,
+}
+
+impl Thermostat {
+    /// Refuses numbers that no world can work with.
+    pub fn validate(&self) -> Result<()> {
+        check_number("speed", self.speed, 0.0)?;
+        if (0.0..=1.0).contains(&self.rate) {
+            return Ok(());
+        }
+        Err(Error::of("rate", self.rate, "it must lie between 0 and 1"))
+    }
+
+    /// The motion after the bounce off a wall that it has just had.
+    pub fn drive(&self, motion: Motion, h: f32) -> Motion {
+        let [x, y] = motion.velocity.map(f64::from);
+        let speed = (x * x + y * y).sqrt();
+        if speed == 0.0 {
+            return motion;
+        }
+        let new = speed + f64::from(self.rate) * (f64::from(self.speed) - speed);
+        let velocity = [x, y].map(|v| (v * (new / speed)) as f32);
+        let left = h - motion.since;
+        let way = |k: usize| motion.travel[k] + (velocity[k] - motion.velocity[k]) * left;
+        Motion { velocity, travel: [way(0), way(1)], ..motion }
+    }
+}

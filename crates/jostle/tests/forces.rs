@@ -1,0 +1,585 @@
+//! The gates of forces, each against an answer that does not come from the world:
+//! analysis, conservation laws, sums in float64.
+
+use std::f64::consts::PI;
+
+use jostle::forces::{
+    self, Attractor, Bodies, Gravitation, Law, Pole, Spring, Springs, Thermostat,
+};
+use jostle::scenes::random::Random;
+use jostle::{Container, Force, Method, Particles, World, WorldSettings};
+
+fn particles(positions: Vec<[f32; 2]>, velocities: Vec<[f32; 2]>, masses: Vec<f32>) -> Particles {
+    let len = positions.len();
+    let mut all = Particles::new(positions, velocities, vec![0.01; len], 1.0);
+    all.masses = masses;
+    all
+}
+
+fn world(particles: Particles, settings: WorldSettings, forces: Vec<Force>) -> World {
+    let mut world = World::new(particles, settings).expect("the test's particles are valid");
+    world.set_forces(forces).expect("the test's forces are valid");
+    world
+}
+
+fn run(world: &mut World, dt: f64, steps: usize) {
+    world.step(dt, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
+    let [x, y] = [0, 1].map(|k| f64::from(a[k]) - f64::from(b[k]));
+    (x * x + y * y).sqrt()
+}
+
+fn gravitation(theta: f32) -> Gravitation {
+    Gravitation { g: 1.0, softening: 0.0, theta }
+}
+
+fn spring(pair: [u32; 2], length: f32, stiffness: f32) -> Spring {
+    Spring { pair, length, stiffness, damping: 0.0, max_stretch: f32::INFINITY }
+}
+
+fn attractor(pole: Pole, strength: f32, law: Law) -> Force {
+    Force::Attractor(Attractor { pole, strength, law })
+}
+
+// ---- gravitation ---------------------------------------------------------------------------------
+
+fn uniform(count: usize, seed: u64) -> Vec<[f32; 2]> {
+    let mut random = Random::new(seed);
+    (0..count).map(|_| [random.between(0.0, 100.0), random.between(0.0, 100.0)]).collect()
+}
+
+fn clustered(count: usize, seed: u64) -> Vec<[f32; 2]> {
+    let mut random = Random::new(seed);
+    let centers = uniform(10, seed + 1);
+    let around = |random: &mut Random| {
+        let step = random.between(0.0, 1.0);
+        [random.between(-1.0, 1.0) * step * step, random.between(-1.0, 1.0) * step * step]
+    };
+    let mut at = |row: usize| {
+        let [x, y] = around(&mut random);
+        [centers[row % 10][0] + 3.0 * x, centers[row % 10][1] + 3.0 * y]
+    };
+    (0..count).map(&mut at).collect()
+}
+
+fn mixed_masses(count: usize) -> Vec<f32> {
+    let mut random = Random::new(3);
+    (0..count).map(|_| 10f32.powi(random.between(-2.0, 3.0) as i32)).collect()
+}
+
+fn accelerations(
+    gravitation: Gravitation,
+    positions: &[[f32; 2]],
+    masses: &[f32],
+    container: Container,
+    threads: Option<usize>,
+) -> Vec<[f32; 2]> {
+    let radii = vec![0.0; masses.len()];
+    let bodies = Bodies { positions, masses, radii: &radii, places: &[], container, threads };
+    let mut found = Vec::new();
+    let force = Force::Gravitation(gravitation);
+    forces::accelerate(&[force], &bodies, &mut forces::Memory::default(), &mut found);
+    found
+}
+
+/// The sum over all, in float64.
+fn exact(positions: &[[f32; 2]], masses: &[f32], softening: f64) -> Vec<[f64; 2]> {
+    let pull = |at: &[f32; 2]| {
+        let mut sum = [0.0; 2];
+        for (from, &mass) in positions.iter().zip(masses) {
+            let [x, y] = [0, 1].map(|k| f64::from(from[k]) - f64::from(at[k]));
+            let square = x * x + y * y + softening * softening;
+            if square > 0.0 {
+                let factor = f64::from(mass) / (square * square.sqrt());
+                sum = [sum[0] + x * factor, sum[1] + y * factor];
+            }
+        }
+        sum
+    };
+    positions.iter().map(pull).collect()
+}
+
+/// Root of the mean square of the error, over that of the acceleration.
+fn rms(found: &[[f32; 2]], exact: &[[f64; 2]]) -> f64 {
+    let square = |[x, y]: [f64; 2]| x * x + y * y;
+    let errors =
+        found.iter().zip(exact).map(|(a, b)| square([0, 1].map(|k| f64::from(a[k]) - b[k])));
+    let all: f64 = exact.iter().map(|&a| square(a)).sum();
+    (errors.sum::<f64>() / all).sqrt()
+}
+
+/// The same, each body's error over its own acceleration.
+fn median_error(found: &[[f32; 2]], exact: &[[f64; 2]]) -> f64 {
+    let length = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
+    let pairs = found.iter().zip(exact);
+    let mut all: Vec<f64> =
+        pairs.map(|(a, b)| length([0, 1].map(|k| f64::from(a[k]) - b[k])) / length(*b)).collect();
+    all.sort_by(f64::total_cmp);
+    all[all.len() / 2]
+}
+
+#[test]
+fn gravitation_is_within_a_percent_of_the_sum_over_all() {
+    let count = 5000;
+    for (name, positions) in [("uniform", uniform(count, 1)), ("clustered", clustered(count, 2))] {
+        for (kind, masses) in [("equal", vec![1.0; count]), ("mixed", mixed_masses(count))] {
+            for softening in [0.0, 0.5] {
+                let gravitation = Gravitation { softening, ..gravitation(0.5) };
+                let found = accelerations(gravitation, &positions, &masses, Container::None, None);
+                let exact = exact(&positions, &masses, f64::from(softening));
+                let (error, median) = (rms(&found, &exact), median_error(&found, &exact));
+                println!("{name}, {kind}, softening {softening}: {error:.5}, median {median:.5}");
+                assert!(error < 0.01 && median < 0.02, "{name}, {kind}, {softening}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn theta_0_and_few_bodies_are_the_sum_over_all() {
+    for (count, theta) in [(2, 0.5), (300, 1.0), (3000, 0.0)] {
+        let (positions, masses) = (clustered(count, 5), mixed_masses(count));
+        let gravitation = Gravitation { softening: 0.01, ..gravitation(theta) };
+        let found = accelerations(gravitation, &positions, &masses, Container::None, None);
+        let error = rms(&found, &exact(&positions, &masses, f64::from(0.01f32)));
+        assert!(error < 1e-6, "{count} bodies: {error}");
+    }
+}
+
+#[test]
+fn on_a_torus_everything_pulls_from_its_nearest_image() {
+    let (count, side) = (3000, 100.0f32);
+    let (positions, masses) = (uniform(count, 8), mixed_masses(count));
+    let torus = Container::Torus { size: [side; 2] };
+    let tree = accelerations(gravitation(0.5), &positions, &masses, torus, None);
+    let direct = accelerations(gravitation(0.0), &positions, &masses, torus, None);
+    let direct: Vec<[f64; 2]> = direct.iter().map(|a| a.map(f64::from)).collect();
+    let error = rms(&tree, &direct);
+    assert!(error < 0.01, "{error}");
+    let pair = [[1.0, 50.0], [99.0, 50.0]];
+    let found = accelerations(gravitation(0.5), &pair, &[1.0; 2], torus, None);
+    assert_eq!(found, [[-0.25, 0.0], [0.25, 0.0]]);
+}
+
+#[test]
+fn coincident_and_absurd_bodies_leave_finite_accelerations() {
+    let coincident = vec![[3.0, 4.0]; 2000];
+    let found =
+        accelerations(gravitation(0.5), &coincident, &vec![1.0; 2000], Container::None, None);
+    assert!(found.iter().all(|a| *a == [0.0; 2]));
+    let near = [[0.0, 0.0], [1e-30, 0.0], [1e18, -1e18], [1e-20, 1e18]];
+    let found = accelerations(gravitation(0.5), &near, &[1e30; 4], Container::None, None);
+    assert!(found.iter().flatten().all(|v| v.is_finite()), "{found:?}");
+}
+
+#[test]
+fn two_bodies_close_their_orbit_after_a_hundred_revolutions() {
+    // Masses 3 and 1 at distance 4: the period is 2π √(4³ / (3 + 1)).
+    let period = 2.0 * PI * 4.0;
+    let speed = 1.0f32; // of one against the other: √(4 / 4)
+    for softer in [1.0f32, 0.8] {
+        // Slower than in a circle, the orbit is an ellipse: 1/a = 2/d − v²/GM.
+        let speed = softer * speed;
+        let axis = 1.0 / (2.0 / 4.0 - f64::from(speed * speed) / 4.0);
+        let period = period * (axis / 4.0).powf(1.5);
+        let start = vec![[-1.0, 0.0], [3.0, 0.0]];
+        let velocities = vec![[0.0, -0.25 * speed], [0.0, 0.75 * speed]];
+        let bodies = particles(start.clone(), velocities, vec![3.0, 1.0]);
+        let forces = vec![Force::Gravitation(gravitation(0.5))];
+        let mut world = world(bodies, WorldSettings::default(), forces);
+        let steps = 250 * 100; // of four sub-steps
+        run(&mut world, 100.0 * period / steps as f64, steps);
+        let end = world.positions();
+        let error = distance(end[1], start[1]) / axis;
+        println!("orbit with speed {softer}: off by {error:.5} of its axis");
+        assert!(error < 0.01, "off by {error}: {end:?}");
+        assert!(world.momentum().iter().all(|p| p.abs() < 1e-4), "{:?}", world.momentum());
+    }
+}
+
+#[test]
+fn momentum_is_kept() {
+    let count = 3000;
+    let mut bodies = particles(clustered(count, 4), vec![[0.0; 2]; count], mixed_masses(count));
+    bodies.velocities = uniform(count, 6).iter().map(|v| v.map(|v| v * 0.01)).collect();
+    let ties = (0..2000).map(|i| spring([i, i + 1], 0.5, 50.0)).collect();
+    let force = Gravitation { g: 0.01, softening: 0.05, theta: 0.5 };
+    let forces = vec![Force::Gravitation(force), Force::Springs(Springs(ties))];
+    let scale: f64 = {
+        let pairs = bodies.masses.iter().zip(&bodies.velocities);
+        pairs.map(|(&m, v)| f64::from(m) * f64::from(v[0].hypot(v[1]))).sum()
+    };
+    let mut world = world(bodies, WorldSettings::default(), forces);
+    let before = world.momentum();
+    run(&mut world, 0.002, 50);
+    let after = world.momentum();
+    let error = (0..2).map(|k| (after[k] - before[k]).abs()).fold(0.0, f64::max) / scale;
+    println!("momentum after 50 steps: off by {error:e}");
+    assert!(error < 1e-6, "{before:?} became {after:?}");
+}
+
+// ---- attractors ----------------------------------------------------------------------------------
+
+#[test]
+fn a_harmonic_attractor_swings_with_its_period() {
+    let bodies = particles(vec![[3.0, 1.0]], vec![[0.0, 0.0]], vec![7.0]);
+    let pole = Pole::Point([1.0, 1.0]);
+    let mut world =
+        world(bodies, WorldSettings::default(), vec![attractor(pole, 4.0, Law::Harmonic)]);
+    run(&mut world, PI / 2.0 / 100.0, 100); // half a period of 2π / √4
+    assert!(distance(world.positions()[0], [-1.0, 1.0]) < 1e-3, "{:?}", world.positions());
+    run(&mut world, PI / 2.0 / 100.0, 100);
+    assert!(distance(world.positions()[0], [3.0, 1.0]) < 1e-3, "{:?}", world.positions());
+}
+
+#[test]
+fn an_inverse_square_attractor_holds_an_orbit() {
+    let bodies = particles(vec![[2.0, 0.0]], vec![[0.0, 1.0]], vec![1.0]);
+    let pole = Pole::Point([0.0, 0.0]);
+    let forces = vec![attractor(pole, 2.0, Law::InverseSquare)];
+    let mut world = world(bodies, WorldSettings::default(), forces);
+    run(&mut world, 4.0 * PI / 200.0, 200 * 10);
+    assert!(distance(world.positions()[0], [2.0, 0.0]) < 0.02, "{:?}", world.positions());
+}
+
+#[test]
+fn nothing_is_flung_out_of_an_inverse_square_attractor() {
+    let mut bodies = particles(vec![[1.0, 0.0]], vec![[0.0, 0.0]], vec![1.0]);
+    bodies.radii = vec![0.1];
+    let forces = vec![attractor(Pole::Point([0.0, 0.0]), 1.0, Law::InverseSquare)];
+    let mut world = world(bodies, WorldSettings::default(), forces);
+    for _ in 0..500 {
+        run(&mut world, 0.01, 1);
+        assert!(distance(world.positions()[0], [0.0, 0.0]) < 1.05, "{:?}", world.positions());
+    }
+}
+
+#[test]
+fn an_attractor_follows_its_particle_and_goes_with_it() {
+    let bodies = particles(
+        vec![[50.0, 50.0], [0.0, 0.0], [1.0, 0.0]],
+        vec![[0.0; 2], [1.0, 0.0], [1.0, 0.0]],
+        vec![1.0; 3],
+    );
+    let mut world = world(
+        bodies,
+        WorldSettings::default(),
+        vec![
+            attractor(Pole::Particle(1), 1.0, Law::Harmonic),
+            attractor(Pole::Particle(2), 1.0, Law::Harmonic),
+        ],
+    );
+    world.remove(&[0]).expect("it is there");
+    let poles = [0, 1].map(|row| attractor(Pole::Particle(row), 1.0, Law::Harmonic));
+    assert_eq!(world.forces(), poles);
+    world.remove(&[1]).expect("it is there");
+    assert_eq!(world.forces(), &poles[..1]);
+    run(&mut world, 0.5, 2);
+    assert_eq!(world.positions(), [[1.0, 0.0]]); // its own attractor does not move it
+}
+
+// ---- springs -------------------------------------------------------------------------------------
+
+/// Seconds between the first two upward crossings of `middle` by the end's x.
+fn period(world: &mut World, row: usize, middle: f32, dt: f64) -> f64 {
+    let mut crossings = Vec::new();
+    let mut last = world.positions()[row][0];
+    while crossings.len() < 11 {
+        run(world, dt, 1);
+        let now = world.positions()[row][0];
+        if last < middle && now >= middle {
+            crossings.push(world.time() - dt * f64::from((now - middle) / (now - last)));
+        }
+        last = now;
+        assert!(world.time() < 1e4, "it does not swing");
+    }
+    (crossings[10] - crossings[0]) / 10.0
+}
+
+#[test]
+fn a_spring_swings_with_its_period() {
+    for (stiffness, mass) in [(1.0f32, 1.0f32), (40.0, 2.5), (1e4, 1.0)] {
+        let expected = 2.0 * PI * f64::from(mass / stiffness).sqrt();
+        let dt = expected / 37.3;
+        for free in [false, true] {
+            let mut bodies =
+                particles(vec![[0.0, 0.0], [2.2, 0.0]], vec![[0.0; 2]; 2], vec![3.0 * mass, mass]);
+            bodies.movable[0] = free;
+            let forces = vec![Force::Springs(Springs(vec![spring([0, 1], 2.0, stiffness)]))];
+            let mut world = world(bodies, WorldSettings::default(), forces);
+            // Two free ends swing as one of the reduced mass does.
+            let expected = if free { expected * 0.75f64.sqrt() } else { expected };
+            let middle = if free { 1.5 * 0.1 + 2.0 - 0.1 } else { 2.0 };
+            let found = period(&mut world, 1, middle, dt);
+            println!("k {stiffness}, m {mass}, free {free}: {found:.6} for {expected:.6}");
+            assert!((found / expected - 1.0).abs() < 0.01, "{found} instead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn stiff_springs_stay_bounded() {
+    for stiffness in [1e4f32, 1e8, 1e14] {
+        // A cloth of 10 × 10, and a blow to its corner.
+        let at = |i: u32| [(i % 10) as f32, (i / 10) as f32];
+        let mut bodies = particles((0..100).map(at).collect(), vec![[0.0; 2]; 100], vec![1.0; 100]);
+        bodies.radii = vec![0.0; 100]; // nothing touches: the springs alone
+        bodies.velocities[0] = [30.0, 10.0];
+        let right = (0..100).filter(|i| i % 10 < 9).map(|i| spring([i, i + 1], 1.0, stiffness));
+        let down = (0..90).map(|i| spring([i, i + 10], 1.0, stiffness));
+        let springs = right.chain(down).map(|tie| Spring { damping: 1e-3 * stiffness, ..tie });
+        let mut world = world(
+            bodies,
+            WorldSettings::default(),
+            vec![Force::Springs(Springs(springs.collect()))],
+        );
+        let energy = world.kinetic_energy();
+        run(&mut world, 1.0 / 60.0, 600);
+        assert!(world.kinetic_energy() < energy, "{stiffness}: {}", world.kinetic_energy());
+        let momentum = world.momentum();
+        assert!((momentum[0] - 30.0).abs() < 0.01 && (momentum[1] - 10.0).abs() < 0.01);
+        let [a, b] = [world.positions()[0], world.positions()[99]];
+        assert!(distance(a, b) < 40.0, "{stiffness}: {a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_spring_breaks_where_it_is_stretched_too_far() {
+    for (speed, breaks) in [(0.9f32, false), (1.1, true)] {
+        let mut bodies =
+            particles(vec![[0.0, 0.0], [1.0, 0.0]], vec![[0.0; 2], [speed, 0.0]], vec![1.0; 2]);
+        bodies.movable[0] = false;
+        // It swings out by v √(m/k).
+        let tie = Spring { max_stretch: 0.5, ..spring([0, 1], 1.0, 4.0) };
+        let mut world =
+            world(bodies, WorldSettings::default(), vec![Force::Springs(Springs(vec![tie]))]);
+        run(&mut world, 0.01, 1000);
+        assert_eq!(
+            world.forces(),
+            [Force::Springs(Springs(if breaks { vec![] } else { vec![tie] }))]
+        );
+        assert_eq!(world.positions()[1][0] > 2.0, breaks);
+    }
+}
+
+#[test]
+fn a_spring_goes_with_either_end() {
+    let bodies = particles(uniform(5, 0), vec![[0.0; 2]; 5], vec![1.0; 5]);
+    let ties = vec![spring([0, 1], 1.0, 1.0), spring([4, 2], 1.0, 1.0), spring([2, 3], 1.0, 1.0)];
+    let mut world = world(bodies, WorldSettings::default(), vec![Force::Springs(Springs(ties))]);
+    world.remove(&[3, 0]).expect("they are there");
+    assert_eq!(world.forces(), [Force::Springs(Springs(vec![spring([2, 1], 1.0, 1.0)]))]);
+    run(&mut world, 0.1, 10);
+}
+
+#[test]
+fn springs_reach_over_the_seam_of_a_torus() {
+    let bodies = particles(vec![[1.0, 5.0], [9.0, 5.0]], vec![[0.0; 2]; 2], vec![1.0; 2]);
+    let settings =
+        WorldSettings { container: Container::Torus { size: [10.0; 2] }, ..Default::default() };
+    let tie = Spring { damping: 2.0, ..spring([0, 1], 1.0, 5.0) };
+    let mut world = world(bodies, settings, vec![Force::Springs(Springs(vec![tie]))]);
+    run(&mut world, 0.05, 400);
+    let [a, b] = [world.positions()[0], world.positions()[1]];
+    assert!((a[0] - 0.5).abs() < 1e-3 && (b[0] - 9.5).abs() < 1e-3, "{a:?} {b:?}");
+}
+
+// ---- thermostat ----------------------------------------------------------------------------------
+
+fn gas(count: usize) -> Particles {
+    let mut random = Random::new(11);
+    let mut number = |most: f32| random.between(-most, most);
+    let positions = (0..count).map(|_| [number(9.0), number(9.0)]).collect();
+    let velocities = (0..count).map(|_| [number(0.2), number(0.2)]).collect();
+    Particles::new(positions, velocities, vec![0.1; count], 1.0)
+}
+
+#[test]
+fn a_thermostat_reaches_its_speed() {
+    let walls = Container::Box { min: [-10.0; 2], max: [10.0; 2] };
+    let round = Container::Circle { center: [0.0; 2], radius: 14.0 };
+    for container in [walls, round] {
+        let settings = WorldSettings { container, ..WorldSettings::default() };
+        let forces = vec![Force::Thermostat(Thermostat { speed: 3.0, rate: 0.2 })];
+        let alone = particles(vec![[0.0, 0.0]], vec![[0.3, 0.1]], vec![1.0]);
+        let mut world = world(alone, settings, forces.clone());
+        run(&mut world, 0.1, 10_000);
+        let [x, y] = world.velocities()[0].map(f64::from);
+        let speed = (x * x + y * y).sqrt();
+        assert!((speed - 3.0).abs() < 1e-3, "{speed} in {container:?}");
+        let mut gas = self::world(gas(200), settings, forces);
+        run(&mut gas, 0.05, 4000);
+        let mass: f32 = gas.masses().iter().sum();
+        let speed = (2.0 * gas.kinetic_energy() / f64::from(mass)).sqrt();
+        println!("a gas has the speed {speed:.3} in {container:?}");
+        assert!((2.0..4.5).contains(&speed), "{speed} in {container:?}");
+    }
+}
+
+// ---- the same bits -------------------------------------------------------------------------------
+
+/// Every kind of force; `row` says where a particle stands.
+fn all_forces(count: u32, row: impl Fn(u32) -> u32) -> Vec<Force> {
+    let tie = |i: u32| Spring {
+        pair: [row(i), row((i * 7 + 1) % count)],
+        length: 1.0,
+        stiffness: 10.0 + (i % 9) as f32,
+        damping: 0.1,
+        max_stretch: 60.0,
+    };
+    let mut springs: Vec<Spring> =
+        (0..count / 2).filter(|i| (i * 7 + 1) % count != *i).map(tie).collect();
+    springs.sort_by_key(|spring| spring.pair); // another order in every world
+    vec![
+        attractor(Pole::Point([40.0, 60.0]), 0.1, Law::Harmonic),
+        attractor(Pole::Particle(row(17)), 3.0, Law::InverseSquare),
+        Force::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
+        Force::Springs(Springs(springs)),
+        Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
+    ]
+}
+
+fn crowd(count: usize) -> Particles {
+    let mut all = particles(clustered(count, 9), vec![[0.0; 2]; count], mixed_masses(count));
+    all.velocities = uniform(count, 10).iter().map(|v| v.map(|v| v * 0.05)).collect();
+    all.radii = vec![0.2; count];
+    all.movable[5] = false;
+    all
+}
+
+fn containers() -> [Container; 3] {
+    let walls = Container::Box { min: [-10.0; 2], max: [120.0; 2] };
+    [Container::None, walls, Container::Torus { size: [110.0; 2] }]
+}
+
+#[test]
+fn threads_and_methods_do_not_show() {
+    for container in containers() {
+        let hash = |count, threads, method| {
+            let mut settings = WorldSettings { container, method, ..WorldSettings::default() };
+            settings.tree.threads = threads;
+            let mut world = world(crowd(count), settings, all_forces(count as u32, |i| i));
+            run(&mut world, 0.01, 3);
+            world.state_hash()
+        };
+        let many = 13_000; // enough to wake other threads
+        let one = hash(many, Some(1), Method::Quadtree);
+        assert_eq!(one, hash(many, Some(2), Method::Quadtree), "{container:?}");
+        let one = hash(2000, Some(1), Method::Quadtree);
+        assert_eq!(one, hash(2000, Some(3), Method::Brute), "{container:?}");
+    }
+}
+
+#[test]
+fn the_order_of_adding_does_not_show() {
+    for (container, count) in containers().into_iter().flat_map(|c| [(c, 300), (c, 2000)]) {
+        let all = crowd(count);
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        let mut random = Random::new(12);
+        for i in (1..count).rev() {
+            order.swap(i, random.between(0.0, (i + 1) as f32) as usize % (i + 1));
+        }
+        let mut shuffled = Particles::default();
+        shuffled.gather(&all, &order, Some(1));
+        let mut row_of = vec![0; count];
+        order.iter().enumerate().for_each(|(row, &i)| row_of[i as usize] = row as u32);
+        let settings = WorldSettings { container, ..WorldSettings::default() };
+        let mut first = world(all, settings, all_forces(count as u32, |i| i));
+        let mut second =
+            world(shuffled, settings, all_forces(count as u32, |i| row_of[i as usize]));
+        run(&mut first, 0.01, 20);
+        run(&mut second, 0.01, 20);
+        let (first, second) = (first.particles(), second.particles());
+        let mut back = Particles::default();
+        back.gather(&second, &row_of, Some(1));
+        assert!(back == first, "{count} in {container:?}");
+    }
+}
+
+#[test]
+fn many_steps_in_one_call_are_the_same() {
+    let make = || world(crowd(500), WorldSettings::default(), all_forces(500, |i| i));
+    let (mut once, mut often) = (make(), make());
+    run(&mut once, 0.01, 20);
+    (0..20).for_each(|_| run(&mut often, 0.01, 1));
+    assert_eq!(once.state_hash(), often.state_hash());
+}
+
+#[test]
+fn forces_can_be_taken_away() {
+    let mut world = world(crowd(500), WorldSettings::default(), all_forces(500, |i| i));
+    run(&mut world, 0.01, 5);
+    let mut without = World::new(world.particles(), *world.settings()).expect("valid");
+    world.set_forces(Vec::new()).expect("none is fine");
+    run(&mut world, 0.01, 1);
+    run(&mut without, 0.01, 1);
+    assert_eq!(world.state_hash(), without.state_hash());
+}
+
+// ---- refusals ------------------------------------------------------------------------------------
+
+#[test]
+fn what_cannot_be_is_refused_by_name() {
+    let bodies = particles(uniform(3, 0), vec![[0.0; 2]; 3], vec![1.0; 3]);
+    let mut world = world(bodies, WorldSettings::default(), Vec::new());
+    let thermostat = Force::Thermostat(Thermostat { speed: 1.0, rate: 0.5 });
+    let wrong = [
+        (
+            vec![attractor(Pole::Particle(3), 1.0, Law::Harmonic)],
+            "forces[0] is a force on particle 3",
+        ),
+        (vec![attractor(Pole::Point([f32::NAN, 0.0]), 1.0, Law::Harmonic)], "point is (NaN, 0)"),
+        (vec![Force::Gravitation(gravitation(1.5))], "theta is 1.5"),
+        (vec![Force::Springs(Springs(vec![spring([1, 1], 1.0, 1.0)]))], "pairs[0] is (1, 1)"),
+        (vec![Force::Springs(Springs(vec![spring([0, 1], -1.0, 1.0)]))], "lengths[0] is -1"),
+        (vec![thermostat.clone(), thermostat], "forces[1] is another Thermostat"),
+    ];
+    for (forces, said) in wrong {
+        let error = world.set_forces(forces).expect_err(said).to_string();
+        assert!(error.starts_with(said), "{error}");
+        assert!(world.forces().is_empty());
+    }
+}
+
+#[test]
+fn a_step_too_long_for_the_forces_is_refused() {
+    let bodies = particles(uniform(3, 0), vec![[0.0; 2]; 3], vec![1.0; 3]);
+    let pull = attractor(Pole::Point([1e6, 0.0]), 1.0, Law::Harmonic);
+    let tie = Force::Springs(Springs(vec![spring([0, 1], 1e6, 1.0)]));
+    for force in [pull, tie] {
+        let mut world = world(bodies.clone(), WorldSettings::default(), vec![force]);
+        let error = world.step(1e20, 1, &mut |_| ()).expect_err("too long").to_string();
+        assert!(error.contains("forces would move a particle by"), "{error}");
+        assert_eq!(world.positions(), bodies.positions);
+        run(&mut world, 0.01, 1);
+    }
+}
+
+/// `cargo test --release -p jostle --test forces -- --ignored --nocapture`
+#[test]
+#[ignore = "a measurement"]
+fn how_fast_gravitation_is() {
+    for count in [256, 512, 1024, 2048, 10_000, 100_000] {
+        let positions = uniform(count, 1);
+        for (theta, threads) in [(0.0, 2), (0.5, 1), (0.5, 2)] {
+            if theta == 0.0 && count > 10_000 {
+                continue;
+            }
+            let mut settings = WorldSettings { substeps: 1, ..WorldSettings::default() };
+            settings.tree.threads = Some(threads);
+            let bodies = particles(positions.clone(), vec![[0.0; 2]; count], vec![1.0; count]);
+            let force = Gravitation { g: 1e-4, softening: 0.1, theta };
+            let mut world = world(bodies, settings, vec![Force::Gravitation(force)]);
+            run(&mut world, 0.01, 2);
+            let steps = (200_000 / count).clamp(3, 200);
+            let start = std::time::Instant::now();
+            run(&mut world, 0.01, steps);
+            let ms = start.elapsed().as_secs_f64() * 1e3 / steps as f64;
+            println!(
+                "{count} bodies, theta {theta}, {threads} threads: {ms:.3} ms a step of one sub-step"
+            );
+        }
+    }
+}

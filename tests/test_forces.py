@@ -1,0 +1,166 @@
+"""`jostle.Attractor`, `Gravitation`, `Springs`, `Thermostat`, and a world that has them."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jostle
+
+FOLLOWER = jostle.Attractor(particle=1, strength=3, law="inverse_square")
+SPRINGS = jostle.Springs([(0, 1), (1, 2)], [1, 2.5], stiffness=40, damping=0.1, max_stretch=3)
+ALL = [
+    jostle.Attractor((1, 0.1), 4),
+    FOLLOWER,
+    jostle.Gravitation(0.1, softening=0.2, theta=0.7),
+    SPRINGS,
+    jostle.Thermostat(3, 0.2),
+]
+
+
+def make(n: int = 3, **options: Any) -> jostle.World:
+    positions = 10.0 * np.arange(2 * n).reshape(n, 2)
+    return jostle.World(positions, np.zeros((n, 2)), radii=0.5, masses=1.0, **options)
+
+
+def test_attributes_are_the_arguments() -> None:
+    point = jostle.Attractor((1, 0.1), 4)
+    assert (point.point, point.strength, point.law) == ((1, 0.1), 4, "harmonic")
+    assert point.particle is None
+    assert (FOLLOWER.point, FOLLOWER.particle, FOLLOWER.law) == (None, 1, "inverse_square")
+    gravitation = jostle.Gravitation(G=0.1)
+    assert (gravitation.G, gravitation.softening, gravitation.theta) == (0.1, 0, 0.5)
+    warm = jostle.Thermostat(speed=3, rate=0.2)
+    assert (warm.speed, warm.rate) == (3, 0.2)
+
+
+def test_springs_are_columns() -> None:
+    assert len(SPRINGS) == 2
+    np.testing.assert_array_equal(SPRINGS.pairs, [(0, 1), (1, 2)])
+    assert SPRINGS.pairs.dtype == np.uint32
+    np.testing.assert_array_equal(SPRINGS.lengths, np.float32([1, 2.5]))
+    np.testing.assert_array_equal(SPRINGS.stiffness, np.float32([40, 40]))
+    np.testing.assert_array_equal(SPRINGS.damping, np.float32([0.1, 0.1]))
+    np.testing.assert_array_equal(SPRINGS.max_stretch, np.float32([3, 3]))
+    assert np.isinf(jostle.Springs([(0, 1)], 1, 1).max_stretch).all()
+    assert len(jostle.Springs([], 1, 1)) == 0
+
+
+def test_representations() -> None:
+    assert repr(ALL[0]) == "Attractor((1.0, 0.1), 4.0, 'harmonic')"
+    assert repr(FOLLOWER) == "Attractor(None, 3.0, 'inverse_square', particle=1)"
+    assert repr(ALL[2]) == "Gravitation(0.1, 0.2, 0.7)"
+    assert repr(SPRINGS) == "<jostle.Springs between 2 pairs>"
+    assert repr(ALL[4]) == "Thermostat(3.0, 0.2)"
+
+
+@pytest.mark.parametrize("force", ALL, ids=repr)
+def test_equal_by_value_copied_and_pickled(force: Any) -> None:
+    for same in (copy.copy(force), copy.deepcopy(force), pickle.loads(pickle.dumps(force))):
+        assert same == force
+        if not isinstance(force, jostle.Springs):
+            assert hash(same) == hash(force)
+            assert eval(repr(force), vars(jostle)) == force
+    assert all(other != force for other in ALL if other is not force)
+    with pytest.raises(AttributeError):
+        force.strength = 1.0
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "said"),
+    [
+        (lambda: jostle.Attractor(), TypeError, "either a point or a particle"),
+        (lambda: jostle.Attractor((0, 0), 1, particle=0), TypeError, "either a point or"),
+        (lambda: jostle.Attractor((0, 0)), TypeError, "needs a strength"),
+        (lambda: jostle.Attractor((0, 0), "much"), TypeError, "strength must be a number"),
+        (lambda: jostle.Attractor((0, math.inf), 1), ValueError, "point is (0, inf)"),
+        (lambda: jostle.Attractor((0, 0), math.nan), ValueError, "strength is NaN"),
+        (lambda: jostle.Attractor((0, 0), 1, "linear"), ValueError, "law is 'linear'"),
+        (lambda: jostle.Attractor(particle=-1, strength=1), ValueError, "particle is -1"),
+        (lambda: jostle.Gravitation(math.inf), ValueError, "G is inf"),
+        (lambda: jostle.Gravitation(1, -1), ValueError, "softening is -1"),
+        (lambda: jostle.Gravitation(1, theta=2), ValueError, "theta is 2"),
+        (lambda: jostle.Springs([(0, 1, 2)], 1, 1), ValueError, "pairs has shape (1, 3)"),
+        (lambda: jostle.Springs([(0.5, 1)], 1, 1), TypeError, "pairs must hold integers"),
+        (lambda: jostle.Springs([(0, 1), (2, 2)], 1, 1), ValueError, "pairs[1] is (2, 2)"),
+        (lambda: jostle.Springs([(0, 1)], [1, 2], 1), ValueError, "lengths has shape (2,)"),
+        (lambda: jostle.Springs([(0, 1)] * 2, [1, -2], 1), ValueError, "lengths[1] is -2"),
+        (lambda: jostle.Springs([(0, 1)], 1, math.nan), ValueError, "stiffness[0] is NaN"),
+        (lambda: jostle.Springs([(0, 1)], 1, 1, max_stretch=-1), ValueError, "max_stretch[0]"),
+        (lambda: jostle.Thermostat(-1, 0.5), ValueError, "speed is -1"),
+        (lambda: jostle.Thermostat(1, 1.5), ValueError, "rate is 1.5"),
+        (lambda: make(forces=3), TypeError, "forces must be a sequence of forces, not int"),
+        (lambda: make(forces=[ALL[0], 3]), TypeError, "forces[1] must be a jostle.Attractor"),
+        (lambda: make(1, forces=[FOLLOWER]), ValueError, "forces[0] is a force on particle 1"),
+        (lambda: make(forces=ALL[-1:] * 2), ValueError, "forces[1] is another Thermostat"),
+    ],
+)
+def test_refuses_by_name(call: Any, error: type[Exception], said: str) -> None:
+    with pytest.raises(error, match=re.escape(said)):
+        call()
+
+
+def test_a_world_has_forces() -> None:
+    assert make().forces == ()
+    world = make(forces=ALL)
+    assert world.forces == tuple(ALL)
+    world.forces = iter(ALL[:2])
+    assert world.forces == tuple(ALL[:2])
+    with pytest.raises(ValueError, match=r"forces\[0\]"):
+        world.forces = [jostle.Attractor(particle=9, strength=1)]
+    assert world.forces == tuple(ALL[:2])
+    world.forces = ()
+    before = world.positions
+    world.step(0.1, 10)
+    np.testing.assert_array_equal(world.positions, before)
+
+
+def test_what_names_a_removed_particle_goes_with_it() -> None:
+    world = make(forces=[FOLLOWER, SPRINGS])
+    world.remove([0])
+    follower, springs = world.forces
+    assert isinstance(follower, jostle.Attractor)
+    assert isinstance(springs, jostle.Springs)
+    assert follower.particle == 0
+    np.testing.assert_array_equal(springs.pairs, [(0, 1)])
+    world.remove([0])
+    (springs,) = world.forces
+    assert isinstance(springs, jostle.Springs)
+    assert len(springs) == 0
+
+
+def test_gravitation_pulls_two_bodies_together() -> None:
+    world = jostle.World([(-1, 0), (1, 0)], [(0, 0)] * 2, 0.01, masses=[1, 3])
+    world.forces = [jostle.Gravitation(2.0)]
+    world.step(1e-3)
+    np.testing.assert_allclose(world.velocities[:, 0], [1.5e-3, -0.5e-3], rtol=1e-5)
+
+
+def test_a_spring_breaks() -> None:
+    world = jostle.World([(0, 0), (2, 0)], [(0, 0), (9, 0)], 0.1, masses=1.0)
+    world.forces = [jostle.Springs([(0, 1)], 2, stiffness=1, max_stretch=1)]
+    world.step(0.01, 100)
+    (springs,) = world.forces
+    assert isinstance(springs, jostle.Springs)
+    assert len(springs) == 0
+
+
+@pytest.mark.parametrize("container", [None, jostle.Box(-5, -5, 50, 50), jostle.Torus(60, 60)])
+def test_threads_and_methods_do_not_show(container: Any) -> None:
+    rng = np.random.default_rng(0)
+    positions, velocities = rng.uniform(0, 45, (2000, 2)), rng.normal(size=(2000, 2))
+    hashes = set()
+    for threads, method in [(1, "quadtree"), (2, "quadtree"), (None, "brute")]:
+        world = jostle.World(
+            positions, velocities, 0.2, container=container, forces=ALL, threads=threads
+        )
+        world.method = method  # type: ignore[assignment]
+        world.step(0.01, 5)
+        hashes.add(world.state_hash())
+    assert len(hashes) == 1
