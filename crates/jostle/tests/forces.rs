@@ -556,30 +556,3 @@ fn a_step_too_long_for_the_forces_is_refused() {
         run(&mut world, 0.01, 1);
     }
 }
-
-/// `cargo test --release -p jostle --test forces -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement"]
-fn how_fast_gravitation_is() {
-    for count in [256, 512, 1024, 2048, 10_000, 100_000] {
-        let positions = uniform(count, 1);
-        for (theta, threads) in [(0.0, 2), (0.5, 1), (0.5, 2)] {
-            if theta == 0.0 && count > 10_000 {
-                continue;
-            }
-            let mut settings = WorldSettings { substeps: 1, ..WorldSettings::default() };
-            settings.tree.threads = Some(threads);
-            let bodies = particles(positions.clone(), vec![[0.0; 2]; count], vec![1.0; count]);
-            let force = Gravitation { g: 1e-4, softening: 0.1, theta };
-            let mut world = world(bodies, settings, vec![Force::Gravitation(force)]);
-            run(&mut world, 0.01, 2);
-            let steps = (200_000 / count).clamp(3, 200);
-            let start = std::time::Instant::now();
-            run(&mut world, 0.01, steps);
-            let ms = start.elapsed().as_secs_f64() * 1e3 / steps as f64;
-            println!(
-                "{count} bodies, theta {theta}, {threads} threads: {ms:.3} ms a step of one sub-step"
-            );
-        }
-    }
-}
