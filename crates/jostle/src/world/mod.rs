@@ -6,13 +6,17 @@
 //! and every sum and every loop runs in an order that comes from the state.
 //! `rows` leads back to the order of adding, which is all that callers see.
 
+mod feel;
+mod settings;
+mod sums;
+
 use std::cmp::Ordering;
 use std::ops::Range;
 
 use crate::contacts::Contacts;
-use crate::container::{Container, MAX_WALLS};
+use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
-use crate::forces::{self, Bodies, Force, springs::Sprung};
+use crate::forces::{self, Force};
 use crate::integrate::{self, Sweep};
 use crate::motion::{Motion, Motions};
 use crate::pairs::{self, SortScratch};
@@ -20,8 +24,10 @@ use crate::parallel;
 use crate::particles::{self, Particles};
 use crate::quadtree::Quadtree;
 use crate::resolve::{self, Rules, Scene};
-use crate::settings::{Method, Settings};
+use crate::settings::Method;
 use crate::shapes::{MOST_ROWS, Shapes};
+use feel::{ForceMemory, accelerate, aside, find_places, springs};
+pub use settings::{DEFAULT_SUBSTEPS, WorldSettings};
 
 /// Bounces slower than this many steps' worth of gravity are not bounces.
 const REST_STEPS: f32 = 3.0;
@@ -34,62 +40,6 @@ const WORTH_WAKING: usize = 12_000;
 
 /// Parts into which a step on a torus is cut at most.
 const MAX_PARTS: f32 = 1000.0;
-
-/// The rules of a world, apart from its particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldSettings {
-    /// Acceleration of everything movable, world units per second squared.
-    pub gravity: [f32; 2],
-    /// Rate at which speeds die away, per second: dv/dt = −drag · v.
-    pub drag: f32,
-    /// The world's share of every bounce, 0 to 1.
-    pub restitution: f32,
-    /// The walls.
-    pub container: Container,
-    /// How pairs are found. Both give the same world.
-    pub method: Method,
-    /// Parts of a step in which contacts are solved, at least 1.
-    pub substeps: usize,
-    /// Leaf capacity, maximum depth and threads.
-    pub tree: Settings,
-}
-
-/// Enough for piles to rest; a gas needs only one.
-pub const DEFAULT_SUBSTEPS: usize = 4;
-
-impl Default for WorldSettings {
-    fn default() -> Self {
-        Self {
-            gravity: [0.0; 2],
-            drag: 0.0,
-            restitution: 1.0,
-            container: Container::None,
-            method: Method::Quadtree,
-            substeps: DEFAULT_SUBSTEPS,
-            tree: Settings::default(),
-        }
-    }
-}
-
-impl WorldSettings {
-    fn validate(&self) -> Result<()> {
-        particles::check_vectors("gravity", &[self.gravity]).map_err(|_| {
-            let value = format!("({}, {})", self.gravity[0], self.gravity[1]);
-            Error::of("gravity", value, "both components must be finite and at most 1e18")
-        })?;
-        if !(self.drag >= 0.0 && self.drag.is_finite()) {
-            return Err(Error::of("drag", self.drag, "it must be finite and at least 0"));
-        }
-        if !(0.0..=1.0).contains(&self.restitution) {
-            return Err(Error::of("restitution", self.restitution, "it must lie between 0 and 1"));
-        }
-        if self.substeps == 0 || self.substeps > 1000 {
-            return Err(Error::of("substeps", self.substeps, "it must lie between 1 and 1000"));
-        }
-        self.container.validate()?;
-        self.tree.validate()
-    }
-}
 
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,24 +122,6 @@ struct Memory {
     wall_pushes: Vec<[f32; MAX_WALLS]>,
     old_sweeps: Vec<Sweep>,
     forces: ForceMemory,
-}
-
-/// What forces need; none of it is used in a world without them.
-#[derive(Debug, Default)]
-struct ForceMemory {
-    all: forces::Memory,
-    /// The place of each row, where forces name rows.
-    places: Vec<u32>,
-    /// Where the particles are halfway along the sub-step.
-    halfway: Vec<[f32; 2]>,
-    /// What forces give there; empty where none does.
-    accelerations: Vec<[f32; 2]>,
-    old_accelerations: Vec<[f32; 2]>,
-    /// How far springs may carry each particle aside; empty where there is none.
-    reaches: Vec<f32>,
-    /// What hangs together by springs.
-    roots: Vec<u32>,
-    sprung: Sprung,
 }
 
 impl World {
@@ -460,59 +392,6 @@ impl World {
         Ok(())
     }
 
-    /// Finds out what the forces do in the first sub-step. It does not depend on the
-    /// order of the particles, which is not yet that of the step.
-    fn feel(&mut self, dt: f32) -> Result<()> {
-        let (particles, settings) = (&mut self.particles, &self.settings);
-        for position in &mut particles.positions {
-            *position = settings.container.wrap(*position);
-        }
-        let memory = &mut self.memory.forces;
-        memory.accelerations.clear();
-        memory.reaches.clear();
-        if self.forces.is_empty() {
-            return Ok(());
-        }
-        find_places(&self.forces, &self.rows, &mut memory.places);
-        let h = dt / settings.substeps as f32;
-        let particles = &self.particles;
-        if forces::pull(&self.forces) {
-            let all = particles.positions.iter().zip(&particles.velocities);
-            memory.halfway.clear();
-            let wrap = |there| settings.container.wrap(there);
-            memory.halfway.extend(all.map(|(&p, &v)| wrap(integrate::halfway(p, v, h))));
-            accelerate(&self.forces, particles, settings, memory);
-        }
-        let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
-        if all.peek().is_some() {
-            let ForceMemory { places, roots, reaches, .. } = memory;
-            let bodies = bodies(particles, &particles.positions, places, settings);
-            forces::springs::reach(all, &bodies, &particles.velocities, dt, roots, reaches);
-        }
-        let ForceMemory { accelerations, reaches, .. } = &*memory;
-        let ways = (0..particles.len())
-            .filter_map(|place| aside(accelerations.get(place), reaches.get(place), dt));
-        let longest = ways.fold(0.0, f32::max);
-        if longest <= particles::FARTHEST {
-            return Ok(());
-        }
-        let most = particles::FARTHEST;
-        let rule = format!("forces would move a particle by {longest:e}, more than {most:e}");
-        Err(Error::of("dt", dt, &rule))
-    }
-
-    /// Removes springs that are stretched too far.
-    fn break_springs(&mut self) {
-        let (particles, settings) = (&self.particles, &self.settings);
-        for force in &mut self.forces {
-            if let Force::Springs(springs) = force {
-                let places = &self.memory.forces.places;
-                let bodies = bodies(particles, &particles.positions, places, settings);
-                springs.break_stretched(&bodies);
-            }
-        }
-    }
-
     /// Finds out how far each particle may get.
     fn sweep(&mut self, dt: f32) {
         let threads = self.threads();
@@ -688,34 +567,6 @@ impl World {
         self.contacts.touching().map(touch).collect()
     }
 
-    /// Sum of mass times velocity.
-    pub fn momentum(&self) -> [f64; 2] {
-        let Particles { masses, velocities, .. } = &self.particles;
-        let all = masses.iter().zip(velocities);
-        all.fold([0.0; 2], |sum, (&m, v)| [0, 1].map(|k| sum[k] + f64::from(m) * f64::from(v[k])))
-    }
-
-    /// Sum of ½ m v².
-    pub fn kinetic_energy(&self) -> f64 {
-        let Particles { masses, velocities, .. } = &self.particles;
-        let energy = |(&m, v): (&f32, &[f32; 2])| {
-            let [x, y] = v.map(f64::from);
-            0.5 * f64::from(m) * (x * x + y * y)
-        };
-        masses.iter().zip(velocities).map(energy).sum()
-    }
-
-    /// Sum of −m g·x over everything movable: energy in the field of gravity.
-    pub fn potential_energy(&self) -> f64 {
-        let Particles { masses, positions, movable, .. } = &self.particles;
-        let [gx, gy] = self.settings.gravity.map(f64::from);
-        let all = masses.iter().zip(positions).zip(movable);
-        let energy = |((&m, p), _): ((&f32, &[f32; 2]), &bool)| {
-            -f64::from(m) * (gx * f64::from(p[0]) + gy * f64::from(p[1]))
-        };
-        all.filter(|&(_, &movable)| movable).map(energy).sum()
-    }
-
     /// Seconds that have passed.
     pub fn time(&self) -> f64 {
         self.time
@@ -724,81 +575,6 @@ impl World {
     /// What the last step's search looked like.
     pub fn stats(&self) -> Stats {
         self.stats
-    }
-
-    /// 64 bits that are the same for the same particles on every platform.
-    pub fn state_hash(&self) -> u64 {
-        let all = self.particles();
-        let mut hash = 0xcbf2_9ce4_8422_2325u64;
-        let mut mix = |word: u32| {
-            hash = (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
-        };
-        mix(all.len() as u32);
-        for row in 0..all.len() {
-            let ([x, y], [u, v]) = (all.positions[row], all.velocities[row]);
-            let own = [all.radii[row], all.masses[row], all.restitutions[row]];
-            [x, y, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
-            mix(u32::from(all.movable[row]));
-        }
-        hash
-    }
-}
-
-/// The springs among the forces.
-fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
-    forces.iter().filter_map(|force| match force {
-        Force::Springs(springs) => Some(springs),
-        _ => None,
-    })
-}
-
-/// Writes the place of each row, if any force asks for it.
-fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>) {
-    places.clear();
-    if forces::name_rows(forces) {
-        places.resize(rows.len(), 0);
-        for (place, &row) in rows.iter().enumerate() {
-            places[row as usize] = place as u32;
-        }
-    }
-}
-
-/// The particles as forces see them, at some positions.
-fn bodies<'a>(
-    particles: &'a Particles,
-    positions: &'a [[f32; 2]],
-    places: &'a [u32],
-    settings: &WorldSettings,
-) -> Bodies<'a> {
-    let (container, threads) = (settings.container, settings.tree.threads);
-    Bodies {
-        positions,
-        masses: &particles.masses,
-        radii: &particles.radii,
-        places,
-        container,
-        threads,
-    }
-}
-
-/// Finds the accelerations halfway along the sub-step.
-fn accelerate(
-    all: &[Force],
-    particles: &Particles,
-    settings: &WorldSettings,
-    memory: &mut ForceMemory,
-) {
-    let ForceMemory { all: scratch, places, halfway, accelerations, .. } = memory;
-    let bodies = bodies(particles, halfway, places, settings);
-    forces::accelerate(all, &bodies, scratch, accelerations);
-}
-
-/// How far forces may carry a particle aside from its straight way in `dt` seconds.
-fn aside(acceleration: Option<&[f32; 2]>, reach: Option<&f32>, dt: f32) -> Option<f32> {
-    let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
-    match (pulled, reach) {
-        (None, None) => None,
-        (a, b) => Some(a.unwrap_or(0.0) + b.copied().unwrap_or(0.0)),
     }
 }
 

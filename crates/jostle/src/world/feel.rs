@@ -1,0 +1,138 @@
+//! What the forces of a world do to its particles in a step.
+
+use super::{World, WorldSettings};
+use crate::error::{Error, Result};
+use crate::forces::{self, Bodies, Force, springs::Sprung};
+use crate::integrate;
+use crate::particles::{self, Particles};
+
+/// What forces need; none of it is used in a world without them.
+#[derive(Debug, Default)]
+pub(super) struct ForceMemory {
+    pub(super) all: forces::Memory,
+    /// The place of each row, where forces name rows.
+    pub(super) places: Vec<u32>,
+    /// Where the particles are halfway along the sub-step.
+    pub(super) halfway: Vec<[f32; 2]>,
+    /// What forces give there; empty where none does.
+    pub(super) accelerations: Vec<[f32; 2]>,
+    pub(super) old_accelerations: Vec<[f32; 2]>,
+    /// How far springs may carry each particle aside; empty where there is none.
+    pub(super) reaches: Vec<f32>,
+    /// What hangs together by springs.
+    pub(super) roots: Vec<u32>,
+    pub(super) sprung: Sprung,
+}
+
+impl World {
+    /// Finds out what the forces do in the first sub-step. It does not depend on the
+    /// order of the particles, which is not yet that of the step.
+    pub(super) fn feel(&mut self, dt: f32) -> Result<()> {
+        let (particles, settings) = (&mut self.particles, &self.settings);
+        for position in &mut particles.positions {
+            *position = settings.container.wrap(*position);
+        }
+        let memory = &mut self.memory.forces;
+        memory.accelerations.clear();
+        memory.reaches.clear();
+        if self.forces.is_empty() {
+            return Ok(());
+        }
+        find_places(&self.forces, &self.rows, &mut memory.places);
+        let h = dt / settings.substeps as f32;
+        let particles = &self.particles;
+        if forces::pull(&self.forces) {
+            let all = particles.positions.iter().zip(&particles.velocities);
+            memory.halfway.clear();
+            let wrap = |there| settings.container.wrap(there);
+            memory.halfway.extend(all.map(|(&p, &v)| wrap(integrate::halfway(p, v, h))));
+            accelerate(&self.forces, particles, settings, memory);
+        }
+        let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
+        if all.peek().is_some() {
+            let ForceMemory { places, roots, reaches, .. } = memory;
+            let bodies = bodies(particles, &particles.positions, places, settings);
+            forces::springs::reach(all, &bodies, &particles.velocities, dt, roots, reaches);
+        }
+        let ForceMemory { accelerations, reaches, .. } = &*memory;
+        let ways = (0..particles.len())
+            .filter_map(|place| aside(accelerations.get(place), reaches.get(place), dt));
+        let longest = ways.fold(0.0, f32::max);
+        if longest <= particles::FARTHEST {
+            return Ok(());
+        }
+        let most = particles::FARTHEST;
+        let rule = format!("forces would move a particle by {longest:e}, more than {most:e}");
+        Err(Error::of("dt", dt, &rule))
+    }
+
+    /// Removes springs that are stretched too far.
+    pub(super) fn break_springs(&mut self) {
+        let (particles, settings) = (&self.particles, &self.settings);
+        for force in &mut self.forces {
+            if let Force::Springs(springs) = force {
+                let places = &self.memory.forces.places;
+                let bodies = bodies(particles, &particles.positions, places, settings);
+                springs.break_stretched(&bodies);
+            }
+        }
+    }
+}
+
+/// The springs among the forces.
+pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
+    forces.iter().filter_map(|force| match force {
+        Force::Springs(springs) => Some(springs),
+        _ => None,
+    })
+}
+
+/// Writes the place of each row, if any force asks for it.
+pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>) {
+    places.clear();
+    if forces::name_rows(forces) {
+        places.resize(rows.len(), 0);
+        for (place, &row) in rows.iter().enumerate() {
+            places[row as usize] = place as u32;
+        }
+    }
+}
+
+/// The particles as forces see them, at some positions.
+fn bodies<'a>(
+    particles: &'a Particles,
+    positions: &'a [[f32; 2]],
+    places: &'a [u32],
+    settings: &WorldSettings,
+) -> Bodies<'a> {
+    let (container, threads) = (settings.container, settings.tree.threads);
+    Bodies {
+        positions,
+        masses: &particles.masses,
+        radii: &particles.radii,
+        places,
+        container,
+        threads,
+    }
+}
+
+/// Finds the accelerations halfway along the sub-step.
+pub(super) fn accelerate(
+    all: &[Force],
+    particles: &Particles,
+    settings: &WorldSettings,
+    memory: &mut ForceMemory,
+) {
+    let ForceMemory { all: scratch, places, halfway, accelerations, .. } = memory;
+    let bodies = bodies(particles, halfway, places, settings);
+    forces::accelerate(all, &bodies, scratch, accelerations);
+}
+
+/// How far forces may carry a particle aside from its straight way in `dt` seconds.
+pub(super) fn aside(acceleration: Option<&[f32; 2]>, reach: Option<&f32>, dt: f32) -> Option<f32> {
+    let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
+    match (pulled, reach) {
+        (None, None) => None,
+        (a, b) => Some(a.unwrap_or(0.0) + b.copied().unwrap_or(0.0)),
+    }
+}

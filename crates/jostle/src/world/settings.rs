@@ -1,0 +1,62 @@
+//! What a world can be told, apart from its particles and forces.
+
+use crate::container::Container;
+use crate::error::{Error, Result};
+use crate::particles;
+use crate::settings::{Method, Settings};
+
+/// The rules of a world, apart from its particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldSettings {
+    /// Acceleration of everything movable, world units per second squared.
+    pub gravity: [f32; 2],
+    /// Rate at which speeds die away, per second: dv/dt = −drag · v.
+    pub drag: f32,
+    /// The world's share of every bounce, 0 to 1.
+    pub restitution: f32,
+    /// The walls.
+    pub container: Container,
+    /// How pairs are found. Both give the same world.
+    pub method: Method,
+    /// Parts of a step in which contacts are solved, at least 1.
+    pub substeps: usize,
+    /// Leaf capacity, maximum depth and threads.
+    pub tree: Settings,
+}
+
+/// Enough for piles to rest; a gas needs only one.
+pub const DEFAULT_SUBSTEPS: usize = 4;
+
+impl Default for WorldSettings {
+    fn default() -> Self {
+        Self {
+            gravity: [0.0; 2],
+            drag: 0.0,
+            restitution: 1.0,
+            container: Container::None,
+            method: Method::Quadtree,
+            substeps: DEFAULT_SUBSTEPS,
+            tree: Settings::default(),
+        }
+    }
+}
+
+impl WorldSettings {
+    pub(super) fn validate(&self) -> Result<()> {
+        particles::check_vectors("gravity", &[self.gravity]).map_err(|_| {
+            let value = format!("({}, {})", self.gravity[0], self.gravity[1]);
+            Error::of("gravity", value, "both components must be finite and at most 1e18")
+        })?;
+        if !(self.drag >= 0.0 && self.drag.is_finite()) {
+            return Err(Error::of("drag", self.drag, "it must be finite and at least 0"));
+        }
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return Err(Error::of("restitution", self.restitution, "it must lie between 0 and 1"));
+        }
+        if self.substeps == 0 || self.substeps > 1000 {
+            return Err(Error::of("substeps", self.substeps, "it must lie between 1 and 1000"));
+        }
+        self.container.validate()?;
+        self.tree.validate()
+    }
+}
