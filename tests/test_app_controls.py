@@ -6,6 +6,7 @@ pygame = pytest.importorskip("pygame")
 
 from jostle.app.controls import CONTROLS, PANNING, Action, action_of  # noqa: E402
 from jostle.app.helping import draw_help  # noqa: E402
+from jostle.app.software import SoftwarePainter  # noqa: E402
 
 PROMISED = {
     pygame.K_p: Action.PAUSE,
@@ -44,8 +45,8 @@ def test_every_control_is_explained_once() -> None:
 
 
 def test_help_fits_on_the_screen() -> None:
-    canvas = pygame.Surface((1280, 720))
-    draw_help(canvas)
-    pixels = pygame.surfarray.array3d(canvas)
+    painter = SoftwarePainter((1280, 720))
+    draw_help(painter)
+    pixels = pygame.surfarray.array3d(painter.canvas())
     assert pixels[640, 360].any() and not pixels[5, 5].any()
     assert pixels[:, :20].max() == 0 and pixels[:, -20:].max() == 0

@@ -16,7 +16,8 @@ from jostle.app import report  # noqa: E402
 from jostle.app.headless import default_steps, make_film  # noqa: E402
 from jostle.app.palette import GROUND  # noqa: E402
 from jostle.app.recorder import Recorder  # noqa: E402
-from jostle.app.start import Options, start  # noqa: E402
+from jostle.app.settings import Settings  # noqa: E402
+from jostle.app.start import start  # noqa: E402
 
 SIZE = (640, 360)
 
@@ -39,7 +40,7 @@ def frames_of(video: Path) -> list[np.ndarray]:
 def test_film_plays_and_has_a_frame_for_every_thirtieth_of_a_second(
     tmp_path: Path, console, method: str, frames: int, name: str
 ) -> None:
-    simulation = start(Options("article", 60, method=method))
+    simulation = start(Settings("article", 60, method=method))
     film = make_film(simulation, 10, tmp_path, console, SIZE)
     assert (film.video, film.still) == (tmp_path / f"{name}.mp4", tmp_path / f"{name}.png")
     pictures = frames_of(film.video)
@@ -54,13 +55,13 @@ def test_film_plays_and_has_a_frame_for_every_thirtieth_of_a_second(
 
 
 def test_film_of_nothing_and_of_one_step(tmp_path: Path, console) -> None:
-    film = make_film(start(Options("pile", 0)), 1, tmp_path, console, SIZE)
+    film = make_film(start(Settings("pile", 0)), 1, tmp_path, console, SIZE)
     assert film.frames == len(frames_of(film.video)) == 1
 
 
 def test_a_film_takes_ten_seconds_by_every_rule() -> None:
-    assert default_steps(start(Options("article", 5))) == 600
-    assert default_steps(start(Options("article", 5, method="article-brute"))) == 300
+    assert default_steps(start(Settings("article", 5))) == 600
+    assert default_steps(start(Settings("article", 5, method="article-brute"))) == 300
 
 
 def test_an_odd_size_is_refused(tmp_path: Path) -> None:
@@ -80,11 +81,11 @@ def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
     assert len(frames_of(tmp_path / "film.mp4")) == 3
 
 
-def table_of(options: Options, tmp_path: Path, console) -> str:
-    simulation = start(options)
+def table_of(settings: Settings, tmp_path: Path, console) -> str:
+    simulation = start(settings)
     film = make_film(simulation, 2, tmp_path, console, SIZE)
     console.file = io.StringIO()
-    console.print(report.report(simulation, film, options))
+    console.print(report.report(simulation, film, settings))
     return console.file.getvalue()
 
 
@@ -93,7 +94,7 @@ def test_table_sets_the_methods_side_by_side(
     tmp_path: Path, console, monkeypatch, method: str
 ) -> None:
     monkeypatch.setattr(report, "PATIENCE", 0.01)
-    table = table_of(Options("article", 50, method=method), tmp_path, console)
+    table = table_of(Settings("article", 50, method=method), tmp_path, console)
     for words in ("particles", "50", "steps a second", "1,225", "touching", "quadtree",
                   "brute force", "article's tree", "×"):  # fmt: skip
         assert words in table
@@ -106,5 +107,5 @@ def test_table_says_when_a_method_was_not_timed_in_full(
         ("PATIENCE", 0.01), ("BRUTE_LIMIT", 20), ("BRUTE_SAMPLE", 10), ("ARTICLE_LIMIT", 15),
     ]:  # fmt: skip
         monkeypatch.setattr(report, name, value)
-    table = table_of(Options("gas", 50), tmp_path, console)
+    table = table_of(Settings("gas", 50), tmp_path, console)
     assert "scaled from 10" in table and "with only 15 particles" in table

@@ -12,8 +12,9 @@ from jostle.app.camera import Camera  # noqa: E402
 from jostle.app.colouring import Colouring  # noqa: E402
 from jostle.app.overlays import draw_filled, draw_outline  # noqa: E402
 from jostle.app.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, level_colour  # noqa: E402
-from jostle.app.renderer import Renderer  # noqa: E402
 from jostle.app.simulation import Frame, TreeBoxes  # noqa: E402
+from jostle.app.software import SoftwarePainter  # noqa: E402
+from jostle.app.stage import draw_discs, draw_stage  # noqa: E402
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)
@@ -28,6 +29,8 @@ def frame_of(positions, radii, *, densities=1.0, velocities=0.0, movable=True) -
         np.broadcast_to(np.asarray(radii, np.float32), n),
         np.broadcast_to(np.asarray(densities, np.float32), n),
         np.broadcast_to(np.asarray(movable), n),
+        np.arange(n),
+        np.zeros(n),
     )
 
 
@@ -38,14 +41,12 @@ def camera_of_pixels() -> Camera:
     return camera
 
 
-def draw(frame: Frame, camera: Camera | None = None, shade: int = 20, renderer=None):
-    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    renderer = renderer or Renderer()
+def draw(frame: Frame, camera: Camera | None = None, shade: int = 20, painter=None):
+    painter = painter or SoftwarePainter(SIZE)
     camera = camera or camera_of_pixels()
-    renderer.draw_stage(canvas, None, camera)
-    shades = np.full(len(frame.radii), shade, np.uint8)
-    renderer.draw_discs(canvas, frame, shades, camera)
-    return pygame.surfarray.array3d(canvas).astype(float)
+    draw_stage(painter, None, camera)
+    draw_discs(painter, frame, np.full(len(frame), shade, np.uint8), camera)
+    return pygame.surfarray.array3d(painter.canvas()).astype(float)
 
 
 def covered_area(picture, shade: int = 20) -> float:
@@ -127,11 +128,11 @@ def test_a_million_particles_are_drawn() -> None:
 
 
 def test_the_store_of_stamps_stays_small() -> None:
-    renderer = Renderer()
+    painter = SoftwarePainter(SIZE)
     for radius in np.linspace(2, 47, 40):
         for shade in range(SHADES):
-            draw(frame_of([(100, 100)], radius), shade=shade, renderer=renderer)
-    assert renderer._stamps._bytes < 2 * 96 * 2**20
+            draw(frame_of([(100, 100)], radius), shade=shade, painter=painter)
+    assert painter._stamps._bytes < 2 * 96 * 2**20
 
 
 def test_drawing_leaves_the_frame_alone() -> None:
@@ -150,8 +151,9 @@ def test_drawing_leaves_the_frame_alone() -> None:
     ],
 )
 def test_walls_are_outlined(container, edge, outside) -> None:
-    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    Renderer().draw_stage(canvas, container, camera_of_pixels())
+    painter = SoftwarePainter(SIZE)
+    draw_stage(painter, container, camera_of_pixels())
+    canvas = painter.canvas()
     assert canvas.get_at(edge)[:3] == pytest.approx(WALL, abs=24)
     assert canvas.get_at((160, 120))[:3] == STAGE
     assert canvas.get_at(outside)[:3] not in (STAGE, WALL)
@@ -159,23 +161,26 @@ def test_walls_are_outlined(container, edge, outside) -> None:
 
 def test_tree_is_coloured_by_level() -> None:
     boxes = [(20, 20, 220, 220), (20, 20, 120, 120), (120, 20, 220, 120)]
-    tree = TreeBoxes(np.array(boxes, float), np.array([0, 1, 1]), np.array([False, True, True]))
-    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    canvas.fill(STAGE)
-    draw_outline(canvas, tree, camera_of_pixels())
+    tree = TreeBoxes(
+        np.array(boxes, float), np.array([0, 1, 1]), np.ones(3, int), np.array([False, True, True])
+    )
+    painter = SoftwarePainter(SIZE)
+    painter.fill(STAGE)
+    canvas = painter.canvas()
+    draw_outline(painter, tree, camera_of_pixels())
     assert canvas.get_at((20, 180))[:3] == level_colour(0, 1)
     assert canvas.get_at((120, 60))[:3] == level_colour(1, 1)
     assert canvas.get_at((60, 60))[:3] == STAGE
-    draw_filled(canvas, tree, camera_of_pixels())
+    draw_filled(painter, tree, camera_of_pixels())
     assert canvas.get_at((60, 60))[:3] != STAGE
     assert canvas.get_at((60, 180))[:3] == STAGE  # no leaf there
 
 
 def test_no_tree_is_no_trouble() -> None:
-    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    draw_outline(canvas, TreeBoxes.none(), camera_of_pixels())
-    draw_filled(canvas, TreeBoxes.none(), camera_of_pixels())
-    assert not pygame.surfarray.array3d(canvas).any()
+    painter = SoftwarePainter(SIZE)
+    draw_outline(painter, TreeBoxes.none(), camera_of_pixels())
+    draw_filled(painter, TreeBoxes.none(), camera_of_pixels())
+    assert not pygame.surfarray.array3d(painter.canvas()).any()
 
 
 def test_colours_show_what_tells_the_particles_apart() -> None:

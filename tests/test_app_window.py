@@ -11,8 +11,10 @@ pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
 from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.overlays import TreeView  # noqa: E402
+from jostle.app.settings import Settings  # noqa: E402
+from jostle.app.shown import TreeView  # noqa: E402
 from jostle.app.simulation import Simulation  # noqa: E402
+from jostle.app.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 from jostle.app.world_simulation import BRUTE_LIMIT, WorldSimulation  # noqa: E402
 
@@ -27,7 +29,7 @@ def lone_ball(container: object = None) -> WorldSimulation:
         places = [(500, 500), (900, 100)]
         return jostle.World(places, [(0, 0), (0, 0)], 20.0, container=container)
 
-    return WorldSimulation("lone ball", VIEW, create)
+    return WorldSimulation(Settings("lone ball"), VIEW, create)
 
 
 @pytest.fixture
@@ -55,7 +57,7 @@ def mouse(kind: int, pixel: tuple[float, float]) -> None:
 
 
 def screen_place(window: Window, point: tuple[float, float]) -> tuple[float, float]:
-    (x,), (y,) = window.picture.camera.to_screen(np.array([point]))
+    (x,), (y,) = window.session.camera.to_screen(np.array([point]))
     return float(x), float(y)
 
 
@@ -72,17 +74,17 @@ def drag(window: Window, start: tuple[float, float], move: tuple[float, float], 
 
 def test_a_throw_moves_the_ball_with_the_speed_of_the_hand(open_window) -> None:
     window = open_window(lone_ball())
-    world = window.simulation.world
+    world = window.session.engine.simulation.world
     end = drag(window, (500, 500), (6, -4), frames=20)
     mouse(pygame.MOUSEBUTTONUP, end)
     window.frame(FRAME)
-    hand = np.array([6, -4]) / FRAME / window.picture.camera.scale
+    hand = np.array([6, -4]) / FRAME / window.session.camera.scale
     assert world.velocities[0] == pytest.approx(hand, rel=0.02)
     before = world.positions[0]
     for _ in range(6):
         window.frame(FRAME)
     assert world.positions[0] - before == pytest.approx(hand * 6 * FRAME, rel=0.02)
-    assert window.hand.held is None
+    assert window.session.hand.held is None
     assert (world.velocities[1] == 0).all()
 
 
@@ -91,7 +93,7 @@ def test_a_held_ball_comes_to_the_hand_and_rests_there(open_window) -> None:
     x, y = drag(window, (505, 495), (3, 2), frames=10)
     for _ in range(60):
         window.frame(FRAME)
-    world = window.simulation.world
+    world = window.session.engine.simulation.world
     assert screen_place(window, world.positions[0]) == pytest.approx((x, y), abs=1.5)
     mouse(pygame.MOUSEBUTTONUP, (x, y))
     window.frame(FRAME)
@@ -100,105 +102,108 @@ def test_a_held_ball_comes_to_the_hand_and_rests_there(open_window) -> None:
 
 def test_the_hand_reaches_over_the_seam_of_a_torus(open_window) -> None:
     window = open_window(lone_ball(jostle.Torus(1000.0, 1000.0)))
-    window.hand.grab(window.simulation, (500.0, 500.0), 1.0, 0.0)
-    window.hand.follow((1300.0, 500.0), 1.0)
+    hand, engine = window.session.hand, window.session.engine
+    hand.grab(0, (500.0, 500.0), 0.0)
+    hand.follow((1300.0, 500.0), 1.0)
+    hand.follow((1300.0, 500.0), 2.0)
     for _ in range(120):
-        window.hand.pull(window.simulation)
-        window.simulation.step()
-    assert window.simulation.world.positions[0] == pytest.approx((300, 500), abs=5)
+        engine.step()
+    assert window.session.engine.simulation.world.positions[0] == pytest.approx((300, 500), abs=5)
 
 
 def test_a_click_beside_every_ball_picks_up_nothing(open_window) -> None:
     window = open_window(lone_ball())
     mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (700, 700)))
     window.frame(FRAME)
-    assert window.hand.held is None
+    assert window.session.hand.held is None
 
 
-def test_what_cannot_move_cannot_be_picked_up() -> None:
+def test_what_cannot_move_cannot_be_picked_up(open_window) -> None:
     def create() -> jostle.World:
-        return jostle.World([(5, 5)], [(0, 0)], 2.0, movable=[False])
+        return jostle.World([(500, 500)], [(0, 0)], 20.0, movable=[False])
 
-    assert WorldSimulation("peg", VIEW, create).pick((5, 5), 1.0) is None
+    window = open_window(WorldSimulation(Settings("peg"), VIEW, create))
+    mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (500, 500)))
+    window.frame(FRAME)
+    assert window.session.hand.held is None
 
 
 def test_p_pauses_and_goes_on(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene("gas", 50))
+    window = open_window(WorldSimulation.of_scene(Settings("gas", 50)))
     press(window, pygame.K_p)
-    time = window.simulation.world.time
+    time = window.session.engine.simulation.world.time
     window.frame(FRAME)
-    assert window.paused and window.simulation.world.time == time
+    assert window.session.paused and window.session.engine.simulation.world.time == time
     press(window, pygame.K_p)
     window.frame(FRAME)
-    assert window.simulation.world.time > time
+    assert window.session.engine.simulation.world.time > time
 
 
 def test_o_makes_one_step_and_stays_paused(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene("gas", 50))
+    window = open_window(WorldSimulation.of_scene(Settings("gas", 50)))
     press(window, pygame.K_o)
-    assert window.simulation.world.time == pytest.approx(FRAME)
+    assert window.session.engine.simulation.world.time == pytest.approx(FRAME)
     press(window, pygame.K_o)
     window.frame(FRAME)
-    assert window.paused and window.simulation.world.time == pytest.approx(2 * FRAME)
+    assert window.session.paused and window.session.engine.simulation.world.time == pytest.approx(
+        2 * FRAME
+    )
 
 
-@pytest.mark.parametrize("make", [WorldSimulation.of_scene, ArticleSimulation])
-def test_r_starts_again_with_the_method_of_the_moment(open_window, make) -> None:
-    window = open_window(make("article", 40))
-    first = window.simulation.frame().positions
+@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
+def test_r_starts_again_with_the_method_of_the_moment(open_window, method) -> None:
+    window = open_window(start(Settings("article", 40, method=method)))
+    first = window.session.engine.simulation.frame().positions
     window.frame(FRAME)
     window.frame(FRAME)
-    assert (window.simulation.frame().positions != first).any()
+    assert (window.session.engine.simulation.frame().positions != first).any()
     press(window, pygame.K_b)
-    method = window.simulation.method
+    method = window.session.engine.simulation.method
     press(window, pygame.K_r)
-    assert (window.simulation.frame().positions == first).all()
-    assert window.simulation.method == method
+    assert (window.session.engine.simulation.frame().positions == first).all()
+    assert window.session.engine.simulation.method == method
 
 
-@pytest.mark.parametrize(
-    ("make", "names"),
-    [
-        (WorldSimulation.of_scene, ["brute", "quadtree"]),
-        (ArticleSimulation, ["article-brute", "article-quadtree"]),
-    ],
-)
-def test_b_switches_brute_force_and_tree(open_window, make, names) -> None:
-    window = open_window(make("article", 300))
+@pytest.mark.parametrize("names", [["brute", "quadtree"], ["article-brute", "article-quadtree"]])
+def test_b_switches_brute_force_and_tree(open_window, names) -> None:
+    window = open_window(start(Settings("article", 300, method=names[-1])))
     every_pair = 300 * 299 // 2
     for name in names:
         press(window, pygame.K_b)
-        assert window.simulation.method == name
-        window.simulation.step()
-        tested = window.simulation.facts().pairs_tested
+        assert window.session.settings.method == name
+        window.session.engine.step()
+        tested = window.session.frame.facts.pairs_tested
         assert tested == every_pair if "brute" in name else tested < every_pair
 
 
 def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene("gas", BRUTE_LIMIT + 1))
-    window.paused = True
+    window = open_window(WorldSimulation.of_scene(Settings("gas", BRUTE_LIMIT + 1)))
+    window.session.paused = True
     press(window, pygame.K_b)
-    assert window.simulation.method == "quadtree" and "too slow" in window._notice
+    assert (
+        window.session.engine.simulation.method == "quadtree"
+        and "too slow" in window.session.notice
+    )
 
 
 def test_t_cycles_the_tree(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene("gas", 200))
-    window.paused = True
-    first = window.picture.tree_view
+    window = open_window(WorldSimulation.of_scene(Settings("gas", 200)))
+    window.session.paused = True
+    first = window.session.shown.tree
     pictures, views = [], []
     for _ in TreeView:
         press(window, pygame.K_t)
-        views.append(window.picture.tree_view)
+        views.append(window.session.shown.tree)
         pictures.append(pygame.surfarray.array3d(window.screen)[300:, 60:-80].copy())
     assert set(views) == set(TreeView) and views[-1] is first
-    assert all((pictures[k] != pictures[k - 1]).any() for k in range(3))
+    assert all((pictures[k] != pictures[k - 1]).any() for k in range(len(pictures)))
 
 
 def test_the_wheel_zooms_at_the_cursor(open_window) -> None:
     window = open_window(lone_ball())
     mouse(pygame.MOUSEMOTION, (813, 222))
     window.frame(0.0)
-    camera = window.picture.camera
+    camera = window.session.camera
     before, scale = camera.to_world((813, 222)), camera.scale
     pygame.event.post(pygame.event.Event(pygame.MOUSEWHEEL, x=0, y=2, precise_y=2.0))
     window.frame(0.0)
@@ -208,7 +213,7 @@ def test_the_wheel_zooms_at_the_cursor(open_window) -> None:
 
 def test_arrows_pan_while_they_are_down_and_home_goes_back(open_window) -> None:
     window = open_window(lone_ball())
-    camera = window.picture.camera
+    camera = window.session.camera
     start = camera.center
     pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_RIGHT))
     window.frame(0.1)
@@ -225,27 +230,27 @@ def test_arrows_pan_while_they_are_down_and_home_goes_back(open_window) -> None:
 
 def test_h_shows_and_hides_the_keys(open_window) -> None:
     window = open_window(lone_ball())
-    window.paused = True
+    window.session.paused = True
     press(window, pygame.K_h)
-    assert window.picture.help
+    assert window.session.shown.help
     press(window, pygame.K_h)
-    assert not window.picture.help
+    assert not window.session.shown.help
 
 
 def test_escape_and_the_cross_close_the_window(open_window) -> None:
     window = open_window(lone_ball())
     press(window, pygame.K_ESCAPE)
-    assert not window.open
+    assert not window.session.open
     window = open_window(lone_ball())
     pygame.event.post(pygame.event.Event(pygame.QUIT))
     window.run()
-    assert not window.open and not pygame.display.get_init()
+    assert not window.session.open and not pygame.display.get_init()
 
 
 def test_the_window_closes_after_the_steps_asked_for(open_window) -> None:
     window = open_window(lone_ball(), steps=3)
     window.run()
-    assert window.simulation.world.time == pytest.approx(3 * FRAME)
+    assert window.session.engine.simulation.world.time == pytest.approx(3 * FRAME)
 
 
 def test_the_picture_follows_the_size_of_the_window(open_window) -> None:
@@ -254,37 +259,39 @@ def test_the_picture_follows_the_size_of_the_window(open_window) -> None:
         pygame.display.set_mode(size, pygame.RESIZABLE)
         pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
         window.frame(FRAME)
-        assert window.picture.canvas.get_size() == window.screen.get_size() == size
+        assert window.painter.size == window.screen.get_size() == size
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
 @pytest.mark.parametrize("n", [0, 1])
 def test_nothing_and_almost_nothing_run(open_window, n: int, method: str) -> None:
     for simulation in (
-        WorldSimulation.of_scene("gas", n, method=method),
-        ArticleSimulation("article", n, method=f"article-{method}"),
+        WorldSimulation.of_scene(Settings("gas", n, method=method)),
+        ArticleSimulation(Settings("article", n, method=f"article-{method}")),
     ):
         window = open_window(simulation)
         for view in TreeView:
-            window.picture.tree_view = view
+            window.session.shown.tree = view
             mouse(pygame.MOUSEBUTTONDOWN, (640, 350))
             window.frame(FRAME)
-        assert len(window.simulation) == n
+        assert len(window.session.engine.simulation) == n
 
 
 def test_the_article_picks_up_and_throws_by_its_own_rules(open_window) -> None:
-    window = open_window(ArticleSimulation("article", 5))
-    ball = window.simulation.program.particles[2]
+    window = open_window(ArticleSimulation(Settings("article", 5, method="article-quadtree")))
+    ball = window.session.engine.simulation.program.particles[2]
     drag(window, (ball.x, ball.y), (4, 0), frames=6)
-    assert window.hand.held is not None
+    assert window.session.hand.held is not None
     mouse(pygame.MOUSEBUTTONUP, (500, 350))
     window.frame(FRAME)
-    assert window.hand.held is None and window.simulation.program.held is None
+    assert (
+        window.session.hand.held is None and window.session.engine.simulation.program.held is None
+    )
 
 
 def test_any_scene_runs_by_the_rules_of_the_article() -> None:
-    simulation = ArticleSimulation("pile", 30)
-    lender = WorldSimulation.of_scene("pile", 30)
+    simulation = ArticleSimulation(Settings("pile", 30, method="article-quadtree"))
+    lender = WorldSimulation.of_scene(Settings("pile", 30))
     shift = lender.frame().positions - simulation.frame().positions
     assert np.ptp(shift, axis=0) == pytest.approx(0, abs=1e-3)
     for _ in range(5):

@@ -20,8 +20,9 @@ except ImportError as missing:
     raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
 
 import jostle
-from jostle.app.simulation import METHODS, Simulation
-from jostle.app.start import Options, start
+from jostle.app.settings import METHODS, Settings
+from jostle.app.simulation import Simulation
+from jostle.app.start import start
 
 DEFAULT_SCENE = "mixed"
 MOST_PARTICLES = 100_000_000
@@ -95,16 +96,16 @@ def run(
     _check_range("--seed", seed, 0, 2**63 - 1)
     _check_range("--steps", steps, 1, 2**31 - 1)
     _check_extra()
-    options = Options(scene, n, seed, method, leaf_capacity, max_depth)
+    settings = Settings(scene, n, seed, method, leaf_capacity, max_depth)
     why_no_window = None
     if not headless:
-        why_no_window = _show(options, steps) if _has_display() else "there is no display"
+        why_no_window = _show(settings, steps) if _has_display() else "there is no display"
         if why_no_window is None:
             return
     _check_folder(out)
     if why_no_window is not None:
         console.print(f"No window here ({why_no_window}), so this run becomes a film.")
-    _film(options, steps, out)
+    _film(settings, steps, out)
 
 
 @app.command()
@@ -185,13 +186,13 @@ def bench(
         raise typer.Exit(130)
 
 
-def _show(options: Options, steps: int | None) -> str | None:
+def _show(settings: Settings, steps: int | None) -> str | None:
     """Run in a window; return why not, where none can be opened."""
     import pygame
 
     from jostle.app.window import Window
 
-    simulation = _start(options)
+    simulation = _start(settings)
     try:
         window = Window(simulation, steps=steps)
     except pygame.error as error:
@@ -200,12 +201,12 @@ def _show(options: Options, steps: int | None) -> str | None:
     return None
 
 
-def _film(options: Options, steps: int | None, out: Path) -> None:
+def _film(settings: Settings, steps: int | None, out: Path) -> None:
     """Run without a window, and print what came of it."""
     from jostle.app.headless import default_steps, make_film
     from jostle.app.report import report
 
-    simulation = _start(options)
+    simulation = _start(settings)
     try:
         film = make_film(simulation, steps or default_steps(simulation), out, console)
     except OSError as error:
@@ -213,16 +214,16 @@ def _film(options: Options, steps: int | None, out: Path) -> None:
     except KeyboardInterrupt:
         console.print(f"Stopped. What was filmed so far is in {out}.")
         raise
-    console.print(report(simulation, film, options))
+    console.print(report(simulation, film, settings))
     console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
 
 
-def _start(options: Options) -> Simulation:
+def _start(settings: Settings) -> Simulation:
     """Return the simulation; what the library refuses becomes the command's sentence."""
     try:
-        return start(options)
+        return start(settings)
     except (ValueError, OverflowError, MemoryError) as error:
-        _refuse(str(error) or f"there is not enough memory for {options.n:,} particles")
+        _refuse(str(error) or f"there is not enough memory for {settings.n:,} particles")
 
 
 def _has_display() -> bool:

@@ -4,24 +4,29 @@ In reading order; each file uses only files above it:
 
 ======================= ========================================================================
 palette                 every colour, in one place
+settings                what to simulate: the command, a file and the sliders have it in common
 simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
 world_simulation        `jostle.World` behind that protocol
 article_simulation      `jostle.article.Simulation` behind that protocol
-start                   from the command's options to a running simulation
+start                   from settings to a simulation
 camera                  world to screen and back, pan and zoom
+painter                 what can be drawn, whoever draws it
+stamps, dust, software  the painter that needs no graphics card
+stage, overlays         ground, walls and discs; the boxes of the tree
+shown                   the switches of what is shown
 colouring               which particle gets which colour
-stamps, dust, renderer  discs of every size, drawn by the processor alone
-overlays                the boxes of the tree
-text, readout           words and numbers on the screen
-controls, helping       the table of keys, and the overlay that lists it
 picture                 all layers in their order: the one picture of window and film
-hand                    pick up and throw
-pace                    real time to whole steps
+words, text, readout    words and numbers on the screen
+notices, helping        short sentences; the overlay that lists the keys
+picking, hand           what is under the cursor; pick up and throw
+pace, engine            real time to whole steps; who steps, and in which thread
+session                 all that a person has before them, without a window
+controls, acts          the table of keys, and what each does to a session
 window                  the interactive loop
 recorder                MP4 and PNG files
 headless, report        the run without a screen, and its table
 ======================= ========================================================================
 
-Drawing reads a simulation's arrays once a frame and never writes to it; only the hand does, at
-the user's wish. The library proper never imports this package.
+Drawing reads a frame, copies of a simulation's columns, and never the simulation. What a person
+does to it goes through `Session` to `Engine.edit`. The library proper never imports this package.
 """

@@ -4,15 +4,32 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulation import Facts, Frame, Point, Rect, TreeBoxes
+from jostle.app.settings import Settings
+from jostle.app.simulation import (
+    Energies,
+    Facts,
+    Frame,
+    Point,
+    Pull,
+    Rect,
+    Tags,
+    Touching,
+    TreeBoxes,
+    Wants,
+)
 from jostle.app.world_simulation import WorldSimulation
 
 FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
+GRAVITY = 0.5  # pixels a frame, each frame
 DEFAULT_N = 500
 
 
@@ -24,38 +41,32 @@ class ArticleSimulation:
 
     Parameters
     ----------
-    scene, n, seed
-        As for `jostle.scenes.create`.
-    method
-        "article-quadtree" or "article-brute".
+    settings
+        Scene, number, seed and the method, "article-quadtree" or "article-brute"; the rules are
+        the article's.
     """
 
     time_step = 1 / FRAMES_A_SECOND
 
-    def __init__(
-        self,
-        scene: str = "article",
-        n: int | None = None,
-        *,
-        seed: int = 0,
-        method: str = "article-quadtree",
-    ) -> None:
-        self.scene = scene
-        self._start = (n, seed)
-        self._build(method.removeprefix("article-"))
-
-    def _build(self, rules: str) -> None:
-        n, seed = self._start
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.scene = settings.scene
+        rules = settings.method.removeprefix("article-")
         if self.scene == "article":
-            n = DEFAULT_N if n is None else n
-            self.program = article.Simulation(n, rules, seed)
+            n = DEFAULT_N if settings.n is None else settings.n
+            self.program = article.Simulation(n, rules, settings.seed)
         else:
-            lender = WorldSimulation.of_scene(self.scene, n, seed=seed)
+            lender = WorldSimulation.of_scene(replace(settings, method="quadtree"))
             self.program = article_of(lender.frame(), lender.view, rules)
         width, height = self.program.width, self.program.height
-        self.view = (0.0, 0.0, float(width), float(height))
+        self.view: Rect = (0.0, 0.0, float(width), float(height))
         self.container = jostle.Box(*self.view)
+        self._pulls: tuple[Pull, ...] = ()
+        self._frames = 0
         self._milliseconds = 0.0
+        self._tags: Tags = np.arange(len(self), dtype=np.int64)
+        self._next_tag = len(self)
+        self._born = np.zeros(len(self))
 
     def __len__(self) -> int:
         return len(self.program.particles)
@@ -66,68 +77,169 @@ class ArticleSimulation:
         return f"article-{self.program.method}"
 
     @property
-    def stage_times(self) -> dict[str, float]:
-        """Return the whole frame as one stage: the article's stages are interwoven."""
-        return {"frame": self._milliseconds}
+    def adjustable(self) -> frozenset[str]:
+        """Return what can change while it runs: only which of the two programs it is."""
+        return frozenset({"method"})
 
-    def step(self) -> None:
-        """Go on by one frame of the article."""
-        start = time.perf_counter()
-        self.program.frame()
-        self._milliseconds = (time.perf_counter() - start) * 1e3
+    # Looking
 
-    def restart(self) -> None:
-        """Go back to the first state; the method stays as it is."""
-        self._build(self.program.method)
-
-    def switch_method(self) -> str | None:
-        """Swap the article's two programs under the same particles."""
-        self.program.method = "brute" if self.program.method == "quadtree" else "quadtree"
-        return None
-
-    def frame(self) -> Frame:
+    def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
         """Return the particles as arrays."""
         rows = [
             (p.x, p.y, p.speed * math.sin(p.angle), -p.speed * math.cos(p.angle), p.radius,
              p.density) for p in self.program.particles
         ]  # fmt: skip
         table = np.array(rows, np.float32).reshape(-1, 6)
-        return Frame(
+        frame = Frame(
             positions=table[:, 0:2],
             velocities=table[:, 2:4] * FRAMES_A_SECOND,
             radii=table[:, 4],
             densities=table[:, 5],
             movable=np.ones(len(table), np.bool_),
+            tags=self._tags,
+            born=self._born,
+            container=self.container,
+            facts=self._facts(),
+            tree=self._tree_boxes() if wants.tree else None,
+            attractors=self._pulls,
+        )
+        return replace(
+            frame,
+            energies=_energies(frame) if wants.energies else None,
+            touching=_touching(frame) if wants.contacts else None,
         )
 
-    def facts(self) -> Facts:
+    def _facts(self) -> Facts:
         """Return the numbers of the last frame; a pair met in two leaves counts twice."""
-        energy = sum(0.5 * p.mass * p.speed**2 for p in self.program.particles)
         program = self.program
-        return Facts(program.tests, program.hits, energy * FRAMES_A_SECOND**2)
+        energy = sum(0.5 * p.mass * p.speed**2 for p in program.particles)
+        return Facts(
+            time=self._frames * self.time_step,
+            pairs_tested=program.tests,
+            touching=program.hits,
+            nodes=len(program.leaves),
+            depth=max((leaf[4] for leaf in program.leaves), default=0),
+            kinetic_energy=energy * FRAMES_A_SECOND**2,
+            stage_times={"frame": self._milliseconds},  # the article's stages are interwoven
+        )
 
-    def tree_boxes(self) -> TreeBoxes:
+    def _tree_boxes(self) -> TreeBoxes:
         """Return the leaves of the last frame; brute force has none."""
         if not self.program.leaves:
             return TreeBoxes.none()
         leaves = np.array(self.program.leaves)
-        corners = np.concatenate([leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]], axis=1)
-        return TreeBoxes(
-            corners.astype(np.float64), leaves[:, 4].astype(np.intp), np.ones(len(leaves), bool)
+        low, high = leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]
+        places = np.array([(p.x, p.y) for p in self.program.particles]).reshape(-1, 1, 2)
+        counts = ((places >= low) & (places < high)).all(axis=2).sum(axis=0)
+        corners = np.concatenate([low, high], axis=1).astype(np.float64)
+        return TreeBoxes(corners, leaves[:, 4].astype(np.intp), counts, np.ones(len(leaves), bool))
+
+    # Acting
+
+    def step(self) -> None:
+        """Go on by one frame of the article."""
+        start = time.perf_counter()
+        self.program.frame()
+        self.program.release()  # `drag` holds for one frame
+        self._frames += 1
+        self._milliseconds = (time.perf_counter() - start) * 1e3
+
+    def adjust(self, name: str, value: Any) -> str | None:
+        """Swap the article's two programs under the same particles; nothing else can change."""
+        if name != "method" or not str(value).startswith("article-"):
+            return "The article's rules are fixed."
+        self.program.method = value.removeprefix("article-")
+        self.settings = replace(self.settings, method=value)
+        return None
+
+    def add(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike,
+        densities: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+    ) -> Tags:
+        """Add particles, on whole numbers as the article has them; all of them can move."""
+        places = np.asarray(positions, np.float64).reshape(-1, 2)
+        n = len(places)
+        rows = zip(
+            places.tolist(),
+            (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAMES_A_SECOND).tolist(),
+            np.broadcast_to(np.asarray(radii), n).tolist(),
+            np.broadcast_to(np.asarray(densities), n).tolist(),
+            strict=True,
         )
+        self.program.particles += [_particle(*row) for row in rows]
+        tags = np.arange(self._next_tag, self._next_tag + n, dtype=np.int64)
+        self._next_tag += n
+        self._tags = np.concatenate([self._tags, tags])
+        self._born = np.concatenate([self._born, np.full(n, self._frames * self.time_step)])
+        return tags
 
-    def pick(self, point: Point, reach: float) -> int | None:
-        """Take the first particle in the order of the list under the point, as the article."""
-        held = self.program.grab(*point)
-        return None if held is None else self.program.particles.index(held)
+    def remove(self, tags: ArrayLike) -> None:
+        """Remove particles."""
+        keep = ~np.isin(self._tags, np.asarray(tags))
+        particles = self.program.particles
+        self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
+        self._tags, self._born = self._tags[keep], self._born[keep]
 
-    def pull(self, particle: int, point: Point) -> None:
-        """Let the held particle follow, by the article's rule of the mouse."""
+    def change(
+        self,
+        tags: ArrayLike,
+        *,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+    ) -> None:
+        """Set places and velocities; immovable particles the article has none."""
+        wanted = np.atleast_1d(np.asarray(tags))
+        for name, value in (("positions", positions), ("velocities", velocities)):
+            if value is None:
+                continue
+            rows = np.broadcast_to(np.asarray(value, np.float64), (len(wanted), 2)).tolist()
+            for tag, (x, y) in zip(wanted.tolist(), rows, strict=True):
+                for row in np.flatnonzero(self._tags == tag).tolist():
+                    particle = self.program.particles[row]
+                    if name == "positions":
+                        particle.x, particle.y = x, y
+                    else:
+                        particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
+                        particle.angle = math.atan2(x, -y)
+
+    def attract(self, pulls: tuple[Pull, ...]) -> None:
+        """Replace the attractions that a person has placed."""
+        self._pulls = pulls
+
+    def drag(self, tag: int, point: Point, velocity: Point) -> None:
+        """Let a particle follow the hand, by the article's rule of the mouse."""
+        (row,) = np.flatnonzero(self._tags == tag)
+        self.program.held = self.program.particles[row]
         self.program.drag_to(*point)
 
-    def release(self, particle: int, velocity: Point) -> None:
-        """Let go: in the article the particle just keeps the speed of its last pull."""
-        self.program.release()
+    def save(self) -> bytes:
+        """Return the state."""
+        raise NotImplementedError
+
+    def load(self, state: bytes) -> None:
+        """Go back to a state."""
+        raise NotImplementedError
+
+
+def _energies(frame: Frame) -> Energies:
+    """Return the sums, with the ground of the display as the zero of height."""
+    masses = frame.masses.astype(np.float64)
+    velocities = frame.velocities.astype(np.float64)
+    kinetic = 0.5 * (masses * (velocities**2).sum(axis=1)).sum()
+    pull = GRAVITY * FRAMES_A_SECOND**2
+    potential = -pull * (masses * frame.positions[:, 1]).sum()
+    momentum = (masses[:, None] * velocities).sum(axis=0)
+    return Energies(float(kinetic), float(potential), (float(momentum[0]), float(momentum[1])))
+
+
+def _touching(frame: Frame) -> Touching:
+    contacts = jostle.Quadtree(frame.positions, frame.radii).contacts()
+    return Touching(contacts.pairs, contacts.normals, contacts.depths)
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
@@ -139,15 +251,19 @@ def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
     min_x, min_y, max_x, max_y = view
     places = (frame.positions - np.array([min_x, min_y])).tolist()
     velocities = (frame.velocities / FRAMES_A_SECOND).tolist()
-    radii = np.maximum(np.rint(frame.radii), 1).astype(int).tolist()
-    densities = np.maximum(np.rint(frame.densities), 1).astype(int).tolist()
-    particles = [
-        article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))
-        for (x, y), (dx, dy), radius, density in zip(
-            places, velocities, radii, densities, strict=True
-        )
-    ]
+    radii, densities = frame.radii.tolist(), frame.densities.tolist()
+    rows = zip(places, velocities, radii, densities, strict=True)
+    particles = [_particle(*row) for row in rows]
     width, height = (
         max(math.ceil(side), article.SMALLEST_SIDE) for side in (max_x - min_x, max_y - min_y)
     )
     return article.Simulation.of(particles, rules, width=width, height=height)
+
+
+def _particle(
+    place: Sequence[float], velocity: Sequence[float], radius: float, density: float
+) -> article.Particle:
+    """Return a particle of the article; its velocity is in pixels a frame."""
+    (x, y), (dx, dy) = place, velocity
+    radius, density = max(round(radius), 1), max(round(density), 1)
+    return article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))

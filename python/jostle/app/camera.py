@@ -33,6 +33,11 @@ class Camera:
         self._view = view
         self.home()
 
+    def look_at(self, view: Rect) -> None:
+        """Show another part of the world."""
+        self._view = view
+        self.home()
+
     def home(self) -> None:
         """Show the whole view, as large as fits beside the readout."""
         min_x, min_y, max_x, max_y = self._view

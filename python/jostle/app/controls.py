@@ -1,4 +1,4 @@
-"""The table of keys: the one source of what the keys do, of the help overlay and of the docs."""
+"""One table of keys: the window acts on it, the help overlay and the documents show it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pygame
 
 
 class Action(Enum):
-    """What a person can ask for with a key."""
+    """What a key may mean."""
 
     PAUSE = auto()
     STEP = auto()

@@ -1,4 +1,4 @@
-"""Pick up and throw: the one part of the app that writes to a simulation's particles."""
+"""Pick up and throw: a cursor in the world that may hold one particle."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ MEMORY = 0.1  # seconds of the hand's way that make the speed of a throw
 
 
 class Hand:
-    """A cursor in the world that may hold one particle."""
+    """Where the hand is, how fast it moves, and the tag of what it holds."""
 
     def __init__(self) -> None:
         self.held: int | None = None
-        self._way: deque[tuple[float, Point]] = deque()
+        self._way: deque[tuple[float, Point]] = deque([(0.0, (0.0, 0.0))])
 
-    def grab(self, simulation: Simulation, point: Point, reach: float, now: float) -> None:
-        """Pick up the particle under the point, if there is one."""
-        self.held = simulation.pick(point, reach)
+    def grab(self, tag: int | None, point: Point, now: float) -> None:
+        """Close on a particle, or on nothing."""
+        self.held = tag
         self._way.clear()
         self.follow(point, now)
 
@@ -28,24 +28,30 @@ class Hand:
         while len(self._way) > 2 and now - self._way[1][0] >= MEMORY:
             self._way.popleft()
 
-    def pull(self, simulation: Simulation) -> None:
-        """Before a step: draw the held particle to the hand."""
-        if self.held is not None:
-            simulation.pull(self.held, self._way[-1][1])
-
-    def release(self, simulation: Simulation) -> None:
-        """Let go; the particle keeps the hand's velocity."""
-        if self.held is not None:
-            simulation.release(self.held, self.velocity())
-        self.held = None
-
     def drop(self) -> None:
-        """Forget the particle without touching it: the simulation has started again."""
+        """Forget the particle without touching it."""
         self.held = None
 
+    @property
+    def point(self) -> Point:
+        """Return where the hand is."""
+        return self._way[-1][1]
+
+    @property
     def velocity(self) -> Point:
         """Return the hand's mean velocity over the last moments, world units a second."""
         (begin, first), (end, last) = self._way[0], self._way[-1]
         if end <= begin:
             return 0.0, 0.0
         return (last[0] - first[0]) / (end - begin), (last[1] - first[1]) / (end - begin)
+
+    def drag(self, simulation: Simulation) -> None:
+        """Before a step: draw the held particle to the hand."""
+        if self.held is not None:
+            simulation.drag(self.held, self.point, self.velocity)
+
+    def throw(self, simulation: Simulation) -> None:
+        """Let go; the particle takes the hand's velocity."""
+        if self.held is not None:
+            simulation.change([self.held], velocities=[self.velocity])
+        self.held = None

@@ -10,11 +10,14 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from jostle.app.camera import Size
-from jostle.app.overlays import TreeView
+from jostle.app.camera import Camera, Size
+from jostle.app.engine import Engine
 from jostle.app.picture import Picture
+from jostle.app.readout import SPACE, Readout
 from jostle.app.recorder import Recorder, save_png
+from jostle.app.shown import Shown, TreeView
 from jostle.app.simulation import Simulation
+from jostle.app.software import SoftwarePainter
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 30
@@ -59,31 +62,37 @@ def make_film(
     if simulation.method != "quadtree":
         name += f"-{simulation.method}"
     video, still = out / f"{name}.mp4", out / f"{name}.png"
-    picture = Picture(size, simulation)
+    engine, shown, painter = Engine(simulation), Shown(), SoftwarePainter(size)
+    camera, picture, readout = Camera(size, simulation.view, left=SPACE), Picture(), Readout()
     stride = max(round(1 / FRAMES_A_SECOND / simulation.time_step), 1)
     spent, frames = 0.0, 0
 
     def draw(step: int, now: float) -> None:
         # The scene alone first, the tree over it in the second half: the film shows both.
-        picture.tree_view = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
+        shown.tree = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
+        if engine.wants != picture.wants(shown):
+            engine.wants = picture.wants(shown)
+            engine.look()
+        start = time.perf_counter()
+        picture.draw(painter, engine.frame, camera, shown)
         rate = step / spent if spent else None
-        picture.draw(simulation, ("steps a second", rate), now)
+        readout.draw(painter, engine, ("steps a second", rate), now)
+        readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
     with Recorder(video, size, FRAMES_A_SECOND) as recorder, _progress(console) as progress:
         task = progress.add_task(f"filming {name}", total=steps)
         for step in range(steps + 1):
             if step:
-                start = time.perf_counter()
-                simulation.step()
-                spent += time.perf_counter() - start
-                picture.readout.measure(**simulation.stage_times)
+                engine.step()
+                spent += engine.last_seconds
+                readout.measure(**engine.frame.facts.stage_times)
                 progress.advance(task)
             if step % stride == 0:
                 draw(step, step * simulation.time_step)
-                recorder.add(picture.canvas)
+                recorder.add(painter.canvas())
                 frames += 1
     draw(steps, now=math.inf)  # so that the numbers are those of the last step, as in the table
-    save_png(picture.canvas, still)
+    save_png(painter.canvas(), still)
     return Film(video, still, steps, frames, spent)
 
 

@@ -17,13 +17,16 @@ class Pace:
         self._clock = clock
         self._owed = 0.0
 
-    def advance(self, elapsed: float, step: Callable[[], None]) -> int:
-        """Take `elapsed` seconds of real time; call `step` as often as due; return how often."""
+    def advance(self, elapsed: float, step: Callable[[], None], most: int = MOST_OWED) -> int:
+        """Take `elapsed` seconds; call `step` as often as due, at most `most` times.
+
+        Returns how often it was called.
+        """
         self._owed = min(self._owed + elapsed, MOST_OWED * self._time_step)
         start, steps = self._clock(), 0
         # Half a step ahead to half a step behind: a screen near 60 Hz then gets one step a frame,
         # where a sharp limit would now and then miss one and double the next, which stutters.
-        while self._owed >= self._time_step / 2:
+        while steps < most and self._owed >= self._time_step / 2:
             if steps and self._clock() - start > BUDGET:
                 break
             step()

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pygame
 
+from jostle.app.engine import Engine
+from jostle.app.painter import Painter
 from jostle.app.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
-from jostle.app.simulation import Simulation
 from jostle.app.text import BODY, SMALL, TITLE, font, panel, write
+from jostle.app.words import method_name, pairs_of, scientific, share
 
 WIDTH = 248
 EDGE = 12  # pixels between the panel and the edge of the screen
@@ -15,18 +17,6 @@ PAD = 14
 BAR = 44  # the longest bar beside a stage
 SMOOTH = 0.1  # share of a new measurement in the shown one
 EVERY = 0.2  # seconds between new numbers: faster ones cannot be read
-
-_METHOD_NAMES = {
-    "quadtree": "quadtree",
-    "brute": "brute force",
-    "article-quadtree": "article's quadtree",
-    "article-brute": "article's brute force",
-}
-
-
-def method_name(method: str) -> str:
-    """Return a method's name in words."""
-    return _METHOD_NAMES[method]
 
 
 class Readout:
@@ -51,8 +41,8 @@ class Readout:
 
     def draw(
         self,
-        target: pygame.Surface,
-        simulation: Simulation,
+        painter: Painter,
+        engine: Engine,
         rate: tuple[str, float | None],
         now: float,
         *,
@@ -60,19 +50,20 @@ class Readout:
     ) -> None:
         """Draw the panel; `rate` is the line on speed, as label and number a second."""
         if self._sheet is None or now >= self._due:
-            self._sheet = self._render(simulation, rate, paused=paused)
+            self._sheet = self._render(engine, rate, paused=paused)
             self._due = now + EVERY
-        target.blit(self._sheet, (EDGE, EDGE))
+        painter.sheet(self._sheet, (EDGE, EDGE))
 
     def _render(
-        self, simulation: Simulation, rate: tuple[str, float | None], *, paused: bool
+        self, engine: Engine, rate: tuple[str, float | None], *, paused: bool
     ) -> pygame.Surface:
         times = {stage: self._times[stage] for stage in self._times if stage != "draw"}
         if "draw" in self._times:
             times["draw"] = self._times["draw"]  # last, as in the order of work
+        facts, n = engine.frame.facts, len(engine.frame)
         page = _Page(8 + len(times))
-        page.title(simulation.scene, "paused" if paused else "")
-        page.soft(f"{method_name(simulation.method)} · {len(simulation):,} particles")
+        page.title(engine.scene, "paused" if paused else "")
+        page.soft(f"{method_name(engine.settings.method)} · {n:,} particles")
         page.rule()
         label, value = rate
         page.row(label, "–" if value is None else f"{value:,.0f}")
@@ -82,7 +73,7 @@ class Readout:
         for stage, milliseconds in times.items():
             page.stage(stage, milliseconds, milliseconds / longest if longest > 0 else 0.0)
         page.rule()
-        facts, every_pair = simulation.facts(), pairs_of(len(simulation))
+        every_pair = pairs_of(n)
         page.row("pairs tested", f"{facts.pairs_tested:,}")
         page.row("of n(n−1)/2", f"{every_pair:,}")
         page.row("share", share(facts.pairs_tested, every_pair))
@@ -129,21 +120,3 @@ class _Page:
         length = max(round(BAR * part), 1)
         pygame.draw.rect(self.sheet, ACCENT, (WIDTH - PAD - 62 - BAR, middle - 2, length, 4))
         self.row(name, f"{milliseconds:.2f}")
-
-
-def pairs_of(n: int) -> int:
-    """Return n(n-1)/2, the tests of plain brute force."""
-    return n * (n - 1) // 2
-
-
-def scientific(value: float) -> str:
-    """Return four digits, and a power of ten in the least width."""
-    mantissa, _, power = f"{value:.3e}".partition("e")
-    return f"{value:,.1f}" if abs(value) < 1e5 else f"{mantissa} e{int(power)}"
-
-
-def share(part: int, whole: int) -> str:
-    """Return a share in per cent, with two digits that tell."""
-    if whole == 0:
-        return "–"
-    return f"{100 * part / whole:.2g} %" if part < whole else f"{100 * part / whole:,.0f} %"

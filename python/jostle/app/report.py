@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
 
 from rich.table import Table
 
 import jostle
 from jostle.app.article_simulation import article_of
 from jostle.app.headless import Film
-from jostle.app.readout import method_name, pairs_of, share
+from jostle.app.settings import Settings
 from jostle.app.simulation import Frame, Rect, Simulation
-from jostle.app.start import Options
-from jostle.app.world_simulation import TIME_STEP, Rules, WorldSimulation
+from jostle.app.words import method_name, pairs_of, share
+from jostle.app.world_simulation import TIME_STEP, WorldSimulation
 
 Row = tuple[str, str, str]  # what, how much, remark
 
@@ -24,12 +26,13 @@ BRUTE_SAMPLE = 10_000
 ARTICLE_LIMIT = 10_000  # particles; above, the article's tree is timed with so many
 
 
-def report(simulation: Simulation, film: Film, options: Options) -> Table:
+def report(simulation: Simulation, film: Film, settings: Settings) -> Table:
     """Time the methods at the film's last state, and lay all numbers out.
 
     Steps `simulation` on, so take pictures before.
     """
-    n, facts, state = len(simulation), simulation.facts(), simulation.frame()
+    n, state = len(simulation), simulation.frame()
+    facts = state.facts
     every_pair = pairs_of(n)
     own = _milliseconds(simulation.step)  # alone: an encoder at work beside it takes its share
     table = Table(title=f"{simulation.scene}, {method_name(simulation.method)}", title_style="bold")
@@ -53,46 +56,46 @@ def report(simulation: Simulation, film: Film, options: Options) -> Table:
     )
     table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
     table.add_section()
-    for row in _comparison(simulation, state, options):
+    for row in _comparison(simulation, state, settings):
         table.add_row(*row)
     return table
 
 
-def _comparison(simulation: Simulation, state: Frame, options: Options) -> list[Row]:
+def _comparison(simulation: Simulation, state: Frame, settings: Settings) -> list[Row]:
     """Return a row for each method, all at the same state of the same scene."""
     view = simulation.view
     if not isinstance(simulation, WorldSimulation):
-        simulation = WorldSimulation.of_scene(options.scene, options.n, seed=options.seed)
+        simulation = WorldSimulation.of_scene(replace(settings, method="quadtree"))
     world = simulation.world
     ours, our_pairs = _time_world(world, "quadtree")
     return [
         ("quadtree, a step", _ms(ours), f"of that {_ms(our_pairs)} for the pairs"),
-        _brute_row(world, options, ours, our_pairs),
-        _article_row(state, view, options, ours),
+        _brute_row(world, settings, ours, our_pairs),
+        _article_row(state, view, settings, ours),
     ]
 
 
-def _brute_row(world: jostle.World, options: Options, ours: float, our_pairs: float) -> Row:
+def _brute_row(world: jostle.World, settings: Settings, ours: float, our_pairs: float) -> Row:
     n, remark, about, scale = len(world), "", "", 1.0
     if n > BRUTE_LIMIT:
-        world = jostle.scenes.create(options.scene, n=BRUTE_SAMPLE, seed=options.seed)
+        world = jostle.scenes.create(settings.scene, n=BRUTE_SAMPLE, seed=settings.seed)
         remark, about, scale = f" (scaled from {BRUTE_SAMPLE:,})", "≈ ", (n / BRUTE_SAMPLE) ** 2
     step, pairs = (value * scale for value in _time_world(world, "brute"))
     remark = f"{_times(step, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
     return "brute force, a step", about + _ms(step), remark
 
 
-def _article_row(state: Frame, view: Rect, options: Options, ours: float) -> Row:
+def _article_row(state: Frame, view: Rect, settings: Settings, ours: float) -> Row:
     name = "article's tree, a frame"
     if len(state.radii) > ARTICLE_LIMIT:
-        sample = WorldSimulation.of_scene(options.scene, ARTICLE_LIMIT, seed=options.seed)
+        sample = WorldSimulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
         needed = _milliseconds(article_of(sample.frame(), sample.view, "quadtree").frame)
         return name, _ms(needed), f"with only {ARTICLE_LIMIT:,} particles"
     needed = _milliseconds(article_of(state, view, "quadtree").frame)
     return name, _ms(needed), f"{_times(needed, ours)}, in plain Python"
 
 
-def _time_world(world: jostle.World, method: Rules) -> tuple[float, float]:
+def _time_world(world: jostle.World, method: Literal["quadtree", "brute"]) -> tuple[float, float]:
     """Return milliseconds a step, and those of its last step that went into finding pairs."""
     world.method = method
     step = _milliseconds(lambda: world.step(TIME_STEP))

@@ -1,100 +1,188 @@
-"""What the app asks of a simulation, whichever rules it follows."""
+"""What the app asks of a simulation, whichever rules it follows, and what it gets to see."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
+from jostle.app.settings import Settings
 
 Point = tuple[float, float]
 Rect = tuple[float, float, float, float]
 Container = jostle.Box | jostle.Circle | jostle.Torus | None
-
-METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
+Tags = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Frame:
-    """The arrays that one picture is drawn from: copies, so drawing cannot disturb the world."""
+class Wants:
+    """What a frame shall hold beside the columns; each costs time, so it is asked for."""
 
-    positions: NDArray[np.float32]  # (n, 2), world units
-    velocities: NDArray[np.float32]  # (n, 2), world units a second
-    radii: NDArray[np.float32]  # (n,)
-    densities: NDArray[np.float32]  # (n,)
-    movable: NDArray[np.bool_]  # (n,)
+    tree: bool = False
+    contacts: bool = False
+    energies: bool = False
 
 
 @dataclass(frozen=True)
 class TreeBoxes:
-    """The boxes of the tree: (k, 4) as min_x, min_y, max_x, max_y; levels; which are leaves."""
+    """The boxes of the tree: (k, 4) as min_x, min_y, max_x, max_y; levels, counts, leaves."""
 
     boxes: NDArray[np.float64]
     levels: NDArray[np.intp]
+    counts: NDArray[np.intp]
     is_leaf: NDArray[np.bool_]
 
     @classmethod
     def none(cls) -> TreeBoxes:
         """Return no boxes at all."""
-        return cls(np.empty((0, 4)), np.empty(0, np.intp), np.empty(0, np.bool_))
+        return cls(np.empty((0, 4)), np.empty(0, np.intp), np.empty(0, np.intp), np.empty(0, bool))
+
+
+@dataclass(frozen=True)
+class Touching:
+    """The contacts after a step: (m, 2) rows of the frame, unit normals, depths."""
+
+    pairs: NDArray[np.uint32]
+    normals: NDArray[np.float32]
+    depths: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Energies:
+    """Sums over all particles."""
+
+    kinetic: float
+    potential: float
+    momentum: Point
 
 
 @dataclass(frozen=True)
 class Facts:
-    """The numbers of the last step that the readout shows."""
+    """The numbers of the last step."""
 
-    pairs_tested: int
-    touching: int
-    kinetic_energy: float
+    time: float = 0.0  # seconds since the scene began
+    pairs_tested: int = 0
+    touching: int = 0
+    nodes: int = 0
+    depth: int = 0
+    kinetic_energy: float = 0.0
+    stage_times: dict[str, float] = field(default_factory=dict)  # milliseconds, in order
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One state, for the picture and for the panels: copies, so looking cannot disturb it.
+
+    A particle's *tag* is its number in the order of adding over the whole run. Rows move up when
+    others are removed, tags stay: whoever remembers a particle remembers its tag.
+    """
+
+    positions: NDArray[np.float32]  # (n, 2), world units
+    velocities: NDArray[np.float32]  # (n, 2), world units a second
+    radii: NDArray[np.float32]  # (n,)
+    densities: NDArray[np.float32]  # (n,), mass over radius squared
+    movable: NDArray[np.bool_]  # (n,)
+    tags: Tags  # (n,), ascending
+    born: NDArray[np.float64]  # (n,), the time each was added
+    container: Container = None
+    facts: Facts = field(default_factory=Facts)
+    energies: Energies | None = None
+    tree: TreeBoxes | None = None
+    touching: Touching | None = None
+    springs: NDArray[np.uint32] | None = None  # (s, 2) rows
+    attractors: tuple[Pull, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    @property
+    def masses(self) -> NDArray[np.float32]:
+        """Return the mass of each particle."""
+        return self.densities * self.radii**2
+
+    def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
+        """Return where the tags are now; those that are gone are left out."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        at = np.searchsorted(self.tags, wanted)
+        there = at < len(self.tags)
+        there[there] = self.tags[at[there]] == wanted[there]
+        found: NDArray[np.intp] = at[there]
+        return found
+
+
+@dataclass(frozen=True)
+class Pull:
+    """An attraction that a person has placed: by distance × strength, to a point or a particle."""
+
+    strength: float  # 1/s²
+    point: Point | None = None
+    tag: int | None = None
 
 
 class Simulation(Protocol):
-    """A scene in motion. A step lasts `time_step` seconds; y grows downwards."""
+    """A scene in motion. A step lasts `time_step` seconds; y grows downwards.
 
+    One thread at a time uses it. `Engine` sees to that, so only what the engine calls may act.
+    """
+
+    settings: Settings
     scene: str
     time_step: float
     view: Rect
 
+    def __len__(self) -> int: ...
+
     @property
     def method(self) -> str:
-        """One of `METHODS`."""
+        """One of `settings.METHODS`."""
 
     @property
-    def container(self) -> Container:
-        """The walls, drawn as a calm outline."""
-
-    @property
-    def stage_times(self) -> dict[str, float]:
-        """Milliseconds for each stage of the last step, in the order of the stages."""
-
-    def __len__(self) -> int: ...
+    def adjustable(self) -> frozenset[str]:
+        """The fields of `Settings` that `adjust` can change while it runs."""
 
     def step(self) -> None:
         """Go on by one time step."""
 
-    def restart(self) -> None:
-        """Go back to the first state; the method stays as it is."""
+    def frame(self, wants: Wants = ...) -> Frame:
+        """Return the present state."""
 
-    def switch_method(self) -> str | None:
-        """Swap brute force and tree; a sentence says why where that is refused."""
+    def adjust(self, name: str, value: object) -> str | None:
+        """Change one of `adjustable`; a sentence says why where that is refused."""
 
-    def frame(self) -> Frame:
-        """Return copies of the columns a picture needs."""
+    def add(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike,
+        densities: ArrayLike = ...,
+        movable: ArrayLike = ...,
+    ) -> Tags:
+        """Add particles; return their tags."""
 
-    def facts(self) -> Facts:
-        """Return the numbers of the last step."""
+    def remove(self, tags: ArrayLike) -> None:
+        """Remove particles; tags that are gone are no mistake."""
 
-    def tree_boxes(self) -> TreeBoxes:
-        """Return the boxes of the tree over the present positions."""
+    def change(
+        self,
+        tags: ArrayLike,
+        *,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+    ) -> None:
+        """Set columns of particles; tags that are gone are no mistake, their rows are left out."""
 
-    def pick(self, point: Point, reach: float) -> int | None:
-        """Return the particle under the point, or the nearest one within `reach` of it."""
+    def attract(self, pulls: tuple[Pull, ...]) -> None:
+        """Replace the attractions that a person has placed."""
 
-    def pull(self, particle: int, point: Point) -> None:
-        """Before a step: send a held particle towards the hand."""
+    def drag(self, tag: int, point: Point, velocity: Point) -> None:
+        """Before a step: draw a held particle to the hand, which is at a point and moves."""
 
-    def release(self, particle: int, velocity: Point) -> None:
-        """Let go of a held particle, with the hand's velocity."""
+    def save(self) -> bytes:
+        """Return the state, so that `load` goes on from it bit for bit."""
+
+    def load(self, state: bytes) -> None:
+        """Go back to a state of this simulation."""

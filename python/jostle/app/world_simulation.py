@@ -4,21 +4,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulation import Container, Facts, Frame, Point, Rect, TreeBoxes
-
-Rules = Literal["quadtree", "brute"]
+from jostle.app.settings import Settings
+from jostle.app.simulation import (
+    Container,
+    Energies,
+    Facts,
+    Frame,
+    Point,
+    Pull,
+    Rect,
+    Tags,
+    Touching,
+    TreeBoxes,
+    Wants,
+)
 
 TIME_STEP = 1 / 60
-BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the window for seconds
-PULL_TIME = 0.04  # seconds in which a held particle covers the way to the cursor
+BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the picture for seconds
+HAND_RATE = 40.0  # 1/s: the spring of the hand brings a particle near in a few hundredths
 SPEED_LIMIT = 4.0  # a held particle's speed, in diagonals of the view a second
-MIN_REACH = 1e-6  # of the view's diagonal: a one-point tree needs some radius to overlap a disc
+
+# Settings that are attributes of a world, by the same name.
+RULES = (
+    *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
+    "threads",
+)
 
 
 class WorldSimulation:
@@ -26,53 +43,38 @@ class WorldSimulation:
 
     Parameters
     ----------
-    scene
-        The name to show.
+    settings
+        What to show; its rules are laid over those of the world.
     view
         The part of the world to look at: min_x, min_y, max_x, max_y.
     create
-        Makes the world in its first state: called now, and at every restart.
+        Makes the world.
     """
 
     time_step = TIME_STEP
 
-    def __init__(self, scene: str, view: Rect, create: Callable[[], jostle.World]) -> None:
-        self.scene = scene
+    def __init__(self, settings: Settings, view: Rect, create: Callable[[], jostle.World]) -> None:
+        self.settings = settings
+        self.scene = settings.scene
         self.view = view
-        self._create = create
-        self._take(create())
+        self.world = create()
+        self._forces = self.world.forces
+        self._pulls: tuple[Pull, ...] = ()
+        self._tags: Tags = np.arange(len(self.world), dtype=np.int64)
+        self._next_tag = len(self.world)
+        self._born: NDArray[np.float64] = np.zeros(len(self.world))
+        self._note_columns()
+        for name in RULES:
+            value = getattr(settings, name)
+            if value is not None:
+                setattr(self.world, name, value)
 
     @classmethod
-    def of_scene(
-        cls,
-        scene: str,
-        n: int | None = None,
-        *,
-        seed: int = 0,
-        method: Rules = "quadtree",
-        leaf_capacity: int | None = None,
-        max_depth: int | None = None,
-    ) -> WorldSimulation:
-        """Return a scene of `jostle.scenes`; None leaves a choice to the scene."""
-
-        def create() -> jostle.World:
-            world = jostle.scenes.create(scene, n=n, seed=seed)
-            world.method = method
-            if leaf_capacity is not None:
-                world.leaf_capacity = leaf_capacity
-            if max_depth is not None:
-                world.max_depth = max_depth
-            return world
-
-        return cls(scene, jostle.scenes.view(scene, n), create)
-
-    def _take(self, world: jostle.World) -> None:
-        self.world = world
-        # These columns change only here, so a picture of a million need not copy them again.
-        self._radii: NDArray[np.float32] = world.radii
-        self._movable: NDArray[np.bool_] = world.movable
-        masses, areas = world.masses, self._radii**2
-        self._densities = np.divide(masses, areas, out=np.zeros_like(masses), where=areas > 0)
+    def of_scene(cls, settings: Settings) -> WorldSimulation:
+        """Return a scene of `jostle.scenes`."""
+        scene, n, seed = settings.scene, settings.n, settings.seed
+        view = jostle.scenes.view(scene, n)
+        return cls(settings, view, lambda: jostle.scenes.create(scene, n=n, seed=seed))
 
     def __len__(self) -> int:
         return len(self.world)
@@ -88,87 +90,187 @@ class WorldSimulation:
         return self.world.container
 
     @property
-    def stage_times(self) -> dict[str, float]:
-        """Return milliseconds for each stage of the last step."""
-        return dict(self.world.profile)
+    def adjustable(self) -> frozenset[str]:
+        """Return what can change while it runs."""
+        return frozenset(RULES)
+
+    # Looking
+
+    def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
+        """Return the present state."""
+        world = self.world
+        return Frame(
+            positions=world.positions,
+            velocities=world.velocities,
+            radii=self._radii,
+            densities=self._densities,
+            movable=self._movable,
+            tags=self._tags,
+            born=self._born,
+            container=world.container,
+            facts=self._facts(),
+            energies=self._energies() if wants.energies else None,
+            tree=self._tree_boxes() if wants.tree else None,
+            touching=self._touching() if wants.contacts else None,
+            springs=self._springs(),
+            attractors=self._pulls,
+        )
+
+    def _facts(self) -> Facts:
+        world, stats = self.world, self.world.stats
+        return Facts(
+            time=world.time,
+            pairs_tested=stats.tests,
+            touching=len(world.contacts.pairs),
+            nodes=stats.nodes,
+            depth=stats.depth,
+            kinetic_energy=world.kinetic_energy,
+            stage_times=dict(world.profile),
+        )
+
+    def _energies(self) -> Energies:
+        world = self.world
+        return Energies(world.kinetic_energy, world.potential_energy, world.momentum)
+
+    def _touching(self) -> Touching:
+        contacts = self.world.contacts
+        return Touching(contacts.pairs, contacts.normals, contacts.depths)
+
+    def _springs(self) -> NDArray[np.uint32] | None:
+        pairs = [force.pairs for force in self.world.forces if isinstance(force, jostle.Springs)]
+        return np.concatenate(pairs) if pairs else None
+
+    def _tree_boxes(self) -> TreeBoxes:
+        """Build a tree over the present positions, with the world's settings, for its boxes."""
+        world = self.world
+        nodes = jostle.Quadtree(
+            world.positions,
+            self._radii,
+            leaf_capacity=world.leaf_capacity,
+            max_depth=world.max_depth,
+        ).nodes()
+        return TreeBoxes(
+            np.asarray(nodes.boxes, np.float64),
+            np.asarray(nodes.depths, np.intp),
+            np.asarray(nodes.counts, np.intp),
+            nodes.is_leaf,
+        )
+
+    def _note_columns(self) -> None:
+        """Copy what only edits change, so a picture of a million need not copy it every time."""
+        world = self.world
+        self._radii: NDArray[np.float32] = world.radii
+        self._movable: NDArray[np.bool_] = world.movable
+        masses, areas = world.masses, self._radii**2
+        self._densities = np.divide(masses, areas, out=np.zeros_like(masses), where=areas > 0)
+
+    # Acting
 
     def step(self) -> None:
         """Go on by 1/60 s."""
         self.world.step(self.time_step)
 
-    def restart(self) -> None:
-        """Go back to the first state; the method stays as it is."""
-        method = self.world.method
-        self._take(self._create())
-        self.world.method = method
-
-    def switch_method(self) -> str | None:
-        """Swap brute force and tree; refused where brute force would freeze the window."""
-        if self.method == "brute":
-            self.world.method = "quadtree"
-        elif len(self) > BRUTE_LIMIT:
+    def adjust(self, name: str, value: Any) -> str | None:
+        """Change a rule; brute force is refused where it would freeze the picture."""
+        if name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
             return f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
-        else:
-            self.world.method = "brute"
+        setattr(self.world, name, value)
+        self.settings = replace(self.settings, **{name: value})
         return None
 
-    def frame(self) -> Frame:
-        """Return copies of the columns a picture needs."""
-        world = self.world
-        return Frame(world.positions, world.velocities, self._radii, self._densities, self._movable)
-
-    def facts(self) -> Facts:
-        """Return the numbers of the last step."""
-        world = self.world
-        return Facts(world.stats.tests, len(world.contacts.pairs), world.kinetic_energy)
-
-    def tree_boxes(self) -> TreeBoxes:
-        """Build a tree over the present positions, with the world's settings, for its boxes."""
-        nodes = self._tree().nodes()
-        return TreeBoxes(
-            np.asarray(nodes.boxes, np.float64), np.asarray(nodes.depths, np.intp), nodes.is_leaf
+    def add(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike,
+        densities: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+    ) -> Tags:
+        """Add particles; return their tags."""
+        ids = self.world.add(
+            positions, velocities, radii, densities=densities, movable=np.asarray(movable)
         )
+        tags = np.arange(self._next_tag, self._next_tag + len(ids), dtype=np.int64)
+        self._next_tag += len(ids)
+        self._tags = np.concatenate([self._tags, tags])
+        self._born = np.concatenate([self._born, np.full(len(ids), self.world.time)])
+        self._note_columns()
+        return tags
 
-    def _tree(self) -> jostle.Quadtree:
-        world = self.world
-        return jostle.Quadtree(
-            world.positions,
-            self._radii,
-            leaf_capacity=world.leaf_capacity,
-            max_depth=world.max_depth,
-        )
+    def remove(self, tags: ArrayLike) -> None:
+        """Remove particles."""
+        rows = np.unique(self._find(tags)[0])
+        self.world.remove(rows)
+        self._tags, self._born = np.delete(self._tags, rows), np.delete(self._born, rows)
+        self._note_columns()
 
-    def pick(self, point: Point, reach: float) -> int | None:
-        """Ask the tree which movable particles overlap a small disc, and take the nearest."""
-        reach = max(reach, MIN_REACH * self._diagonal())
-        hits = self._tree().pairs(jostle.Quadtree(np.array([point], np.float32), reach))[:, 0]
-        hits = hits[self._movable[hits]]
-        if len(hits) == 0:
-            return None
-        gaps = np.hypot(*(self.world.positions[hits] - point).T) - self._radii[hits]
-        return int(hits[np.argmin(gaps)])
+    def change(
+        self,
+        tags: ArrayLike,
+        *,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+    ) -> None:
+        """Set columns of particles."""
+        rows, there = self._find(tags)
+        columns: dict[str, Any] = {}
+        for name, value in [
+            ("positions", positions), ("velocities", velocities), ("movable", movable)
+        ]:  # fmt: skip
+            if value is not None:
+                shape = (len(there),) if name == "movable" else (len(there), 2)
+                columns[name] = np.broadcast_to(np.asarray(value), shape)[there]
+        self.world.set(rows, **columns)
+        if movable is not None:
+            self._note_columns()
 
-    def pull(self, particle: int, point: Point) -> None:
-        """Set the velocity that brings the particle to the hand, like a stiff damped spring.
+    def attract(self, pulls: tuple[Pull, ...]) -> None:
+        """Replace the attractions that a person has placed."""
+        forces = []
+        for pull in pulls:
+            if pull.point is not None:
+                forces.append(jostle.Attractor(pull.point, pull.strength))
+            elif pull.tag is not None:
+                forces += [
+                    jostle.Attractor(strength=pull.strength, particle=int(row))
+                    for row in self._find([pull.tag])[0]
+                ]
+        self.world.forces = (*self._forces, *forces)
+        self._pulls = pulls
 
-        A velocity, not a position: so the particle still pushes what is in its way.
+    def drag(self, tag: int, point: Point, velocity: Point) -> None:
+        """Draw a held particle to the hand by a critically damped spring.
+
+        Its velocity changes, not its place: so it still pushes what is in its way, and is held up
+        by what it cannot push. The spring's step is implicit, so no stiffness is too much for it.
         """
-        way = np.array(point) - self.world.positions[particle]
+        (row,), _ = self._find([tag])
+        dt, stiffness, damping = self.time_step, HAND_RATE**2, 2 * HAND_RATE
+        way = np.array(point) - self.world.positions[row]
         if isinstance(self.container, jostle.Torus):
             sides = np.array([self.container.width, self.container.height])
             way -= sides * np.round(way / sides)  # the short way, across a seam if need be
-        self._throw(particle, way / PULL_TIME)
+        pulled = self.world.velocities[row] + dt * (stiffness * way + damping * np.array(velocity))
+        pulled /= 1 + dt * damping + dt * dt * stiffness
+        limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*pulled)
+        self.world.set([row], velocities=[pulled * min(1.0, limit / max(speed, limit))])
 
-    def release(self, particle: int, velocity: Point) -> None:
-        """Let go of the particle: it keeps the hand's velocity."""
-        self._throw(particle, np.array(velocity))
+    def save(self) -> bytes:
+        """Return the state."""
+        raise NotImplementedError
 
-    def _throw(self, particle: int, velocity: NDArray[np.float64]) -> None:
-        limit = SPEED_LIMIT * self._diagonal()
-        speed = math.hypot(*velocity)
-        if speed > limit:
-            velocity = velocity * (limit / speed)
-        self.world.set([particle], velocities=[velocity])
+    def load(self, state: bytes) -> None:
+        """Go back to a state."""
+        raise NotImplementedError
+
+    def _find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        """Return the rows of the tags that are there, in their order, and which those are."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        at = np.searchsorted(self._tags, wanted)
+        there = at < len(self._tags)
+        there[there] = self._tags[at[there]] == wanted[there]
+        return at[there], there
 
     def _diagonal(self) -> float:
         min_x, min_y, max_x, max_y = self.view

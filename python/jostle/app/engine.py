@@ -1,0 +1,164 @@
+"""Who steps the simulation, and when: short steps at once, long ones beside the window.
+
+Only one thread at a time uses a simulation. While a long step is under way the window goes on
+with the last frame, and edits wait; so a million particles slow the picture, never the hand.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+from jostle.app.pace import Pace
+from jostle.app.simulation import Frame, Simulation, Wants
+
+Edit = Callable[[Simulation], None]
+
+SHORT = 0.020  # seconds: steps up to this long are made at once, so that they are never late
+SMOOTH = 0.2  # share of a new measurement
+
+
+class Engine:
+    """Steps a simulation in real time and keeps its last frame.
+
+    Parameters
+    ----------
+    simulation
+        What to step. Nobody else may use it from now on, but by `edit`.
+
+    Attributes
+    ----------
+    frame
+        The last state, for everybody to look at.
+    wants
+        What the next frames shall hold.
+    last_seconds
+        What the last step took, alone.
+    before, after
+        Called with the simulation around each step, in the thread that steps.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.wants = Wants()
+        self.before: list[Edit] = []
+        self.after: list[Edit] = []
+        self.steps = 0
+        self.last_seconds = 0.0
+        self._worker: ThreadPoolExecutor | None = None
+        self._job: Future[Frame] | None = None
+        self._edits: list[Edit] = []
+        self.take(simulation)
+
+    def take(self, simulation: Simulation) -> None:
+        """Go on with another simulation; a step under way is waited for, its edits forgotten."""
+        self._finish()
+        self._edits.clear()
+        self.simulation = simulation
+        self.settings, self.scene, self.view = (
+            simulation.settings,
+            simulation.scene,
+            simulation.view,
+        )
+        self.time_step, self.adjustable = simulation.time_step, simulation.adjustable
+        self._pace = Pace(simulation.time_step)
+        self._seconds = 0.0  # one step and its frame, smoothed
+        self.frame: Frame = simulation.frame(self.wants)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a step is under way beside the window."""
+        return self._job is not None and not self._job.done()
+
+    @property
+    def step_seconds(self) -> float:
+        """The smoothed time of a step with all that belongs to it."""
+        return self._seconds
+
+    def edit(self, work: Edit) -> None:
+        """Change the simulation: now, or as soon as the step under way is done."""
+        self._edits.append(work)
+        if not self.busy:
+            self._collect()
+            self._apply_edits()
+
+    def look(self) -> None:
+        """Renew the frame, where `wants` has changed and no step does it."""
+        if not self.busy:
+            self._collect()
+            self.frame = self.simulation.frame(self.wants)
+
+    def advance(self, elapsed: float) -> int:
+        """Take `elapsed` simulated seconds; return the steps that were done since the last call."""
+        if self.busy:
+            self._pace.advance(elapsed, lambda: None, most=0)
+            return 0
+        before = self.steps
+        self._collect()
+        self._apply_edits()
+        if self._seconds <= SHORT:
+            if self._pace.advance(elapsed, self._step):
+                self.frame = self.simulation.frame(self.wants)
+        else:
+            self._pace.advance(elapsed, self._start, most=1)
+        return self.steps - before
+
+    def step(self) -> None:
+        """Make one step now, however long it takes."""
+        self._finish()
+        self._apply_edits()
+        self._step()
+        self.frame = self.simulation.frame(self.wants)
+
+    def wait(self) -> None:
+        """Wait for the step under way, if there is one, and for the edits that wait for it."""
+        self._finish()
+        self._apply_edits()
+
+    def close(self) -> None:
+        """Wait for the step under way and let the thread go."""
+        self._finish()
+        if self._worker is not None:
+            self._worker.shutdown()
+            self._worker = None
+
+    def _step(self) -> None:
+        start = time.perf_counter()
+        for hook in self.before:
+            hook(self.simulation)
+        began = time.perf_counter()
+        self.simulation.step()
+        self.last_seconds = time.perf_counter() - began
+        for hook in self.after:
+            hook(self.simulation)
+        self.steps += 1
+        taken = time.perf_counter() - start
+        self._seconds += (taken - self._seconds) * (SMOOTH if self._seconds else 1.0)
+
+    def _start(self) -> None:
+        """Begin a step beside the window."""
+        if self._worker is None:
+            self._worker = ThreadPoolExecutor(1, "jostle-step")
+
+        def work() -> Frame:
+            self._step()
+            return self.simulation.frame(self.wants)
+
+        self._job = self._worker.submit(work)
+
+    def _collect(self) -> None:
+        """Take the frame of a step that is done; what went wrong in it is raised here."""
+        if self._job is not None:
+            job, self._job = self._job, None
+            self.frame = job.result()
+
+    _finish = _collect  # the result of a job that is not done is waited for
+
+    def _apply_edits(self) -> None:
+        if not self._edits:
+            return
+        edits, self._edits = self._edits, []
+        for work in edits:
+            work(self.simulation)
+        self.settings, self.adjustable = self.simulation.settings, self.simulation.adjustable
+        self.frame = self.simulation.frame(self.wants)

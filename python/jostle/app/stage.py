@@ -1,0 +1,64 @@
+"""The ground, the walls and the discs: what every picture begins with."""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.camera import Camera
+from jostle.app.painter import Painter
+from jostle.app.palette import GROUND, STAGE, WALL
+from jostle.app.simulation import Container, Frame, Rect
+
+WALL_WIDTH = 2
+FAR = 30_000  # pixels; what lies beyond is clipped to this before it becomes whole pixels
+
+
+def draw_stage(painter: Painter, container: Container, camera: Camera) -> None:
+    """Clear the canvas and draw the walls."""
+    painter.fill(GROUND)
+    walls = bounds(container)
+    if walls is None:
+        painter.fill(STAGE)
+    elif isinstance(container, jostle.Circle):
+        (x,), (y,) = camera.to_screen(np.array([container.center], np.float64))
+        radius = container.radius * camera.scale
+        painter.circle((x, y), radius + WALL_WIDTH, WALL)
+        painter.circle((x, y), radius, STAGE)
+    else:
+        inside = rect_on_screen(walls, camera)
+        both = np.array(
+            [_corners(inside.inflate(2 * WALL_WIDTH, 2 * WALL_WIDTH)), _corners(inside)]
+        )
+        painter.rects(both, np.array([WALL, STAGE], np.uint8), filled=True)
+
+
+def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera) -> None:
+    """Draw the particles."""
+    x, y = camera.to_screen(frame.positions)
+    painter.discs(x, y, frame.radii.astype(np.float64) * camera.scale, shades)
+
+
+def bounds(container: Container) -> Rect | None:
+    """Return the rectangle around the walls; None where there are none."""
+    if container is None:
+        return None
+    if isinstance(container, jostle.Torus):
+        return 0.0, 0.0, container.width, container.height
+    if isinstance(container, jostle.Circle):
+        (x, y), radius = container.center, container.radius
+        return x - radius, y - radius, x + radius, y + radius
+    return container.min_x, container.min_y, container.max_x, container.max_y
+
+
+def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:
+    """Return a rectangle in whole pixels, clipped far outside of every screen."""
+    x0, y0, x1, y1 = (max(-FAR, min(FAR, round(c))) for c in camera.rect_to_screen(rect))
+    return pygame.Rect(x0, y0, x1 - x0, y1 - y0)
+
+
+def _corners(rect: pygame.Rect) -> Rect:
+    """Return the corners such that a filled rectangle covers the whole of it."""
+    return rect.left, rect.top, rect.right + 1, rect.bottom + 1
