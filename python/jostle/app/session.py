@@ -70,8 +70,7 @@ class Session:
     # Time
 
     def advance(self, elapsed: float) -> int:
-        """Go on by `elapsed` seconds of real time; return the steps done."""
-        self.now += elapsed
+        """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
         wants = self.picture.wants(self.shown)
         changed, self.engine.wants = wants != self.engine.wants, wants

@@ -66,6 +66,7 @@ class Window:
     def frame(self, elapsed: float) -> None:
         """Do everything that belongs to one frame, `elapsed` seconds after the last."""
         elapsed = min(elapsed, LONGEST_FRAME)
+        self.session.now += elapsed
         for event in pygame.event.get():
             self._handle(event)
         self._pan(elapsed)
