@@ -344,6 +344,7 @@ class World:
         restitution: ArrayLike = 1.0,
         container: _Container | None = None,
         forces: Iterable[_Force] = (),
+        on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
         method: Literal["quadtree", "brute"] = "quadtree",
         threads: SupportsIndex | None = None,
         leaf_capacity: SupportsIndex = 96,
@@ -418,6 +419,12 @@ class World:
     def forces(self) -> tuple[_Force, ...]: ...
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
+    @property
+    def on_touch(self) -> Literal["bounce", "merge", "ignore"]: ...
+    @on_touch.setter
+    def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
+    @property
+    def renumbered(self) -> NDArray[np.uint32] | None: ...
     @property
     def method(self) -> Literal["quadtree", "brute"]: ...
     @method.setter
