@@ -23,13 +23,13 @@ const PINNED: [(&str, u64); 16] = [
     ("shots", 0x2803_e36f_d7ce_c049),
     ("billiards", 0x0fd8_5078_8a52_bced),
     ("orbit", 0x28f3_4569_9721_6a13),
-    ("springs", 0),
-    ("stars", 0),
-    ("thermostat", 0),
-    ("sand", 0),
-    ("galton", 0),
-    ("brownian", 0),
-    ("emitters", 0),
+    ("springs", 0x4cd9_a2a4_c07e_3229),
+    ("stars", 0xf3f7_bcc4_63c8_9756),
+    ("thermostat", 0x6a93_6479_066a_4ee0),
+    ("sand", 0xc621_052f_06c2_0a97),
+    ("galton", 0x94b1_232d_bc10_c9fa),
+    ("brownian", 0xe317_d75d_afc7_b5e2),
+    ("emitters", 0x5ed0_ec0c_1fbc_c6c1),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.

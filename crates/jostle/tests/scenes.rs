@@ -29,7 +29,7 @@ fn a_wall_is_smooth_and_ends_where_it_should() {
     let beads = scenes::wall(start, end, 2.5).unwrap();
     assert_eq!((beads[0], beads[beads.len() - 1]), (start, end));
     assert!(beads.windows(2).all(|pair| distance(pair[0], pair[1]) <= 1.0001));
-    let longer = distance(start, end) / 1.0 + 2.0;
+    let longer = distance(start, end) + 2.0;
     assert!((beads.len() as f32) < longer, "{} beads are too many", beads.len());
     assert_eq!(scenes::wall(start, start, 1.0).unwrap(), [start]);
 }
@@ -41,7 +41,7 @@ fn a_wall_without_end_is_refused() {
     assert!(refused([0.0; 2], [1.0; 2], f32::NAN).starts_with("radius is NaN"));
     assert!(refused([f32::NAN, 0.0], [1.0; 2], 1.0).starts_with("start is (NaN, 0)"));
     assert!(refused([0.0; 2], [1.0, 1e19], 1.0).starts_with("end is (1, 1"));
-    assert!(refused([0.0; 2], [1e9, 0.0], 1.0).contains("a wall would have 2500000001 beads"));
+    assert!(refused([0.0; 2], [1e9, 0.0], 1.0).contains("so thin a wall would have"));
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn soft_bodies_come_to_rest_in_one_piece() {
 
 #[test]
 fn no_grain_leaks_and_the_sand_runs_through() {
-    for (n, seed) in [(2000, 0), (300, 1), (700, 2)] {
+    for (n, seed) in [(500, 0), (150, 1)] {
         let mut world = create("sand", Some(n), seed);
         let [_, top, right, floor] = scenes::find("sand").unwrap().view(Some(n)).unwrap();
         let glass: Vec<[f32; 2]> = world

@@ -68,7 +68,7 @@ class WorldSimulation:
 
     def _take(self, world: jostle.World) -> None:
         self.world = world
-        # These columns change only here, so a picture of a million need not copy them again.
+        # While their number stays, these columns do: a picture of a million need not copy them.
         self._radii: NDArray[np.float32] = world.radii
         self._movable: NDArray[np.bool_] = world.movable
         masses, areas = world.masses, self._radii**2
@@ -95,6 +95,8 @@ class WorldSimulation:
     def step(self) -> None:
         """Go on by 1/60 s."""
         self.world.step(self.time_step)
+        if len(self.world) != len(self._radii):  # some have merged
+            self._take(self.world)
 
     def restart(self) -> None:
         """Go back to the first state; the method stays as it is."""

@@ -28,11 +28,11 @@ const PACKED: f32 = 0.82;
 /// drops straight from one peg onto the inner side of the next and turns back; with less it
 /// keeps its direction. With these two it forgets at which side it came.
 const GRAVITY: f32 = 1600.0;
-const DRAG: f32 = 5.7;
+const DRAG: f32 = 6.0;
 const FALL: f32 = GRAVITY / DRAG;
 
 /// From ball to ball in the column that falls onto the first peg, in radii.
-const COLUMN_STEP: f32 = 7.0;
+const COLUMN_STEP: f32 = 8.0;
 
 /// Half the width of the funnel's spout, in radii of a ball, and where the funnel is open.
 const SPOUT: f32 = 1.8;
