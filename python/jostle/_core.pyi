@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import Contacts, Neighbors, Nodes, RayHit, Stats
+from jostle.results import Contacts, GaltonBoard, Neighbors, Nodes, Nozzle, RayHit, Stats
 
 __all__ = [
     "Attractor",
@@ -38,8 +38,12 @@ __all__ = [
     "create_scene",
     "describe_scene",
     "find_pairs",
+    "scene_default_count",
+    "scene_fountains",
+    "scene_galton_board",
     "scene_names",
     "scene_view",
+    "scene_wall",
     "sprite_dict",
     "sprite_pairs",
     "sprite_sides",
@@ -586,3 +590,7 @@ def scene_names() -> list[str]: ...
 def describe_scene(name: str) -> str: ...
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World: ...
 def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float, float, float]: ...
+def scene_default_count(name: str) -> int: ...
+def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]: ...
+def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard: ...
+def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float32]: ...
