@@ -259,7 +259,7 @@ pub fn galton_board<'py>(
 /// >>> beads = jostle.scenes.wall((0, 0), (30, 40), radius=5)
 /// >>> beads.shape
 /// (26, 2)
-/// >>> world = jostle.World(beads, (0, 0), 5, movable=False)
+/// >>> world = jostle.World(beads, 0 * beads, 5, movable=False)
 #[pyfunction]
 pub fn wall<'py>(
     py: Python<'py>,

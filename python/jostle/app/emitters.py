@@ -70,7 +70,7 @@ class Emitters:
         due = self.debt + self._rate * dt
         count = int(due)
         # The first of them has been flying longest.
-        ages = (due - np.arange(1, count + 1)) / max(self._rate, 1e-9)
+        ages: Floats = (due - np.arange(1, count + 1, dtype=np.float64)) / max(self._rate, 1e-9)
         self.debt = due - count
         count = min(count, self.cap)
         first = self.emitted + len(ages) - count
