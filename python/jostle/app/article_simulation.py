@@ -81,6 +81,20 @@ class ArticleSimulation:
         """Return what can change while it runs: only which of the two programs it is."""
         return frozenset({"method"})
 
+    @property
+    def rules(self) -> Settings:
+        """Return the settings with what the article has in place of its choices."""
+        return replace(
+            self.settings,
+            leaf_capacity=article.MAX_PER_BOX,
+            max_depth=article.MAX_LEVEL + 1,
+            gravity=(0.0, GRAVITY * FRAMES_A_SECOND**2),
+            drag=0.0,
+            restitution=article.ELASTICITY,
+            substeps=1,
+            threads=1,
+        )
+
     # Looking
 
     def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)

@@ -61,6 +61,7 @@ class Engine:
             simulation.view,
         )
         self.time_step, self.adjustable = simulation.time_step, simulation.adjustable
+        self.rules = simulation.rules
         self._pace = Pace(simulation.time_step)
         self._seconds = 0.0  # one step and its frame, smoothed
         self.frame: Frame = simulation.frame(self.wants)
@@ -161,4 +162,5 @@ class Engine:
         for work in edits:
             work(self.simulation)
         self.settings, self.adjustable = self.simulation.settings, self.simulation.adjustable
+        self.rules = self.simulation.rules
         self.frame = self.simulation.frame(self.wants)

@@ -6,10 +6,13 @@ knows of a window.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import jostle
 from jostle.app.camera import Camera, Size
+from jostle.app.carry import carry_over
 from jostle.app.engine import Engine
 from jostle.app.hand import Hand
 from jostle.app.picking import pick
@@ -18,6 +21,7 @@ from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
 from jostle.app.simulation import Frame, Point, Simulation
 from jostle.app.start import start
+from jostle.app.statistics import Statistics
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
@@ -45,7 +49,7 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand
+    engine, camera, shown, picture, hand, statistics
         The parts; everybody may look at them.
     cursor
         Where the mouse is, in pixels.
@@ -61,6 +65,7 @@ class Session:
         self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
         self.hand = Hand()
+        self.statistics = Statistics()
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
         self.open = True
@@ -72,13 +77,21 @@ class Session:
     def advance(self, elapsed: float) -> int:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
-        wants = self.picture.wants(self.shown)
-        changed, self.engine.wants = wants != self.engine.wants, wants
+        engine, statistics, wants = self.engine, self.statistics, self.picture.wants(self.shown)
+        changed = replace(engine.wants, energies=wants.energies) != wants
+        energies = wants.energies or statistics.wants_energies(self.now)
+        engine.wants = replace(wants, energies=energies)
+        if statistics.beginning is None:  # drift begins with the very first state
+            engine.look()
+            statistics.sum_up(self.frame)
         steps = 0
         if not self.paused:
-            steps = self.engine.advance(elapsed * self.engine.settings.time_scale)
+            steps = engine.advance(elapsed * engine.settings.time_scale)
         if changed and not steps:
-            self.engine.look()
+            engine.look()
+        statistics.follow(
+            self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
+        )
         return steps
 
     def _act_before(self, simulation: Simulation) -> None:
@@ -112,8 +125,12 @@ class Session:
 
     def begin(self, settings: Settings) -> None:
         """Begin anew with other settings; what the library refuses becomes a notice."""
+        self._take(lambda: start(settings))
+
+    def _take(self, create: Callable[[], Simulation]) -> None:
+        """Go on with another simulation, if it can be made."""
         try:
-            simulation = start(settings)
+            simulation = create()
         except (ValueError, OverflowError, MemoryError) as error:
             self.say(str(error) or "There is not enough memory for that.")
             return
@@ -121,8 +138,26 @@ class Session:
         self.hand.drop()
         self.engine.take(simulation)
         self.picture.restart()
+        self.statistics.restart()
         if moved:
             self.camera.look_at(simulation.view)
+
+    def choose_scene(self, name: str) -> None:
+        """Begin another scene with its own rules; how it is computed and paced stays."""
+        now = self.settings
+        self.begin(
+            Settings(name, method=now.method, threads=now.threads, time_scale=now.time_scale)
+        )
+
+    def next_scene(self, by: int = 1) -> None:
+        """Begin the scene after this one in the list, in a circle."""
+        names = jostle.scenes.names()
+        at = names.index(self.engine.scene) if self.engine.scene in names else -max(by, 0)
+        self.choose_scene(names[(at + by) % len(names)])
+
+    def previous_scene(self) -> None:
+        """Begin the scene before this one in the list, in a circle."""
+        self.next_scene(-1)
 
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
@@ -130,6 +165,16 @@ class Session:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
         else:
             self.begin(replace(self.settings, **{name: value}))
+
+    def choose_method(self, method: str) -> None:
+        """Go on with another method; where the rules change too, with the same particles."""
+        settings = replace(self.settings, method=method)
+        if settings.by_article == self.settings.by_article:
+            self.adjust("method", method)
+        else:
+            self.engine.wait()
+            frame, view = self.frame, self.engine.view
+            self._take(lambda: carry_over(settings, frame, view))
 
     def switch_method(self) -> None:
         """Swap brute force and tree, under the same rules."""

@@ -143,6 +143,10 @@ class Simulation(Protocol):
     def adjustable(self) -> frozenset[str]:
         """The fields of `Settings` that `adjust` can change while it runs."""
 
+    @property
+    def rules(self) -> Settings:
+        """The settings with the rules that hold where they leave a choice open."""
+
     def step(self) -> None:
         """Go on by one time step."""
 

@@ -94,6 +94,11 @@ class WorldSimulation:
         """Return what can change while it runs."""
         return frozenset(RULES)
 
+    @property
+    def rules(self) -> Settings:
+        """Return the settings with the world's own rules."""
+        return replace(self.settings, **{name: getattr(self.world, name) for name in RULES})
+
     # Looking
 
     def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
