@@ -153,10 +153,26 @@ class ArticleSimulation:
     def step(self) -> None:
         """Go on by one frame of the article."""
         start = time.perf_counter()
+        for pull in self._pulls:
+            self._feel(pull)
         self.program.frame()
         self.program.release()  # `drag` holds for one frame
         self._frames += 1
         self._milliseconds = (time.perf_counter() - start) * 1e3
+
+    def _feel(self, pull: Pull) -> None:
+        """Accelerate everything by distance × strength, before the frame moves it."""
+        point = pull.point
+        for row in np.flatnonzero(self._tags == pull.tag).tolist():
+            point = self.program.particles[row].x, self.program.particles[row].y
+        if point is None:  # a particle that is gone
+            return
+        gain = pull.strength / FRAMES_A_SECOND**2
+        for particle in self.program.particles:
+            dx, dy = point[0] - particle.x, point[1] - particle.y
+            particle.angle, particle.speed = article.add_vectors(
+                (particle.angle, particle.speed), (math.atan2(dx, -dy), gain * math.hypot(dx, dy))
+            )
 
     def adjust(self, name: str, value: Any) -> str | None:
         """Swap the article's two programs under the same particles; nothing else can change."""
@@ -204,22 +220,28 @@ class ArticleSimulation:
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
-        """Set places and velocities; immovable particles the article has none."""
-        wanted = np.atleast_1d(np.asarray(tags))
-        for name, value in (("positions", positions), ("velocities", velocities)):
-            if value is None:
-                continue
-            rows = np.broadcast_to(np.asarray(value, np.float64), (len(wanted), 2)).tolist()
-            for tag, (x, y) in zip(wanted.tolist(), rows, strict=True):
-                for row in np.flatnonzero(self._tags == tag).tolist():
-                    particle = self.program.particles[row]
-                    if name == "positions":
-                        particle.x, particle.y = x, y
-                    else:
-                        particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
-                        particle.angle = math.atan2(x, -y)
+        """Set places, velocities, densities; immovable particles the article has none."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        n, known = len(wanted), dict(zip(self._tags.tolist(), self.program.particles, strict=True))
+        found = [(row, known[tag]) for row, tag in enumerate(wanted.tolist()) if tag in known]
+        if positions is not None:
+            places = np.broadcast_to(np.asarray(positions, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                particle.x, particle.y = places[row]
+        if velocities is not None:
+            ways = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                x, y = ways[row]
+                particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
+                particle.angle = math.atan2(x, -y)
+        if densities is not None:
+            heavy = np.broadcast_to(np.asarray(densities, np.float64), n).tolist()
+            for row, particle in found:
+                particle.density = max(round(heavy[row]), 1)
+                particle.__post_init__()  # mass and drag follow
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""
@@ -227,9 +249,9 @@ class ArticleSimulation:
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Let a particle follow the hand, by the article's rule of the mouse."""
-        (row,) = np.flatnonzero(self._tags == tag)
-        self.program.held = self.program.particles[row]
-        self.program.drag_to(*point)
+        for row in np.flatnonzero(self._tags == tag).tolist():
+            self.program.held = self.program.particles[row]
+            self.program.drag_to(*point)
 
     def save(self) -> bytes:
         """Return the state."""

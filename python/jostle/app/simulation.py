@@ -175,6 +175,7 @@ class Simulation(Protocol):
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
         """Set columns of particles; tags that are gone are no mistake, their rows are left out."""
@@ -183,7 +184,10 @@ class Simulation(Protocol):
         """Replace the attractions that a person has placed."""
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Before a step: draw a held particle to the hand, which is at a point and moves."""
+        """Before a step: draw a held particle to the hand, which is at a point and moves.
+
+        A particle that is gone is no mistake.
+        """
 
     def save(self) -> bytes:
         """Return the state, so that `load` goes on from it bit for bit."""
