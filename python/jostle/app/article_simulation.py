@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.settings import Settings
+from jostle.app.packing import pack, unpack
+from jostle.app.settings import Settings, settings_of
 from jostle.app.simulation import (
     Energies,
     Facts,
@@ -31,6 +32,7 @@ from jostle.app.world_simulation import WorldSimulation
 FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
 GRAVITY = 0.5  # pixels a frame, each frame
 DEFAULT_N = 500
+NUMBERS = ("x", "y", "speed", "angle")  # of a particle, in full precision
 
 
 class ArticleSimulation:
@@ -58,9 +60,7 @@ class ArticleSimulation:
         else:
             lender = WorldSimulation.of_scene(replace(settings, method="quadtree"))
             self.program = article_of(lender.frame(), lender.view, rules)
-        width, height = self.program.width, self.program.height
-        self.view: Rect = (0.0, 0.0, float(width), float(height))
-        self.container = jostle.Box(*self.view)
+        self._take_size()
         self._pulls: tuple[Pull, ...] = ()
         self._frames = 0
         self._milliseconds = 0.0
@@ -255,11 +255,52 @@ class ArticleSimulation:
 
     def save(self) -> bytes:
         """Return the state."""
-        raise NotImplementedError
+        program = self.program
+        facts = {
+            "settings": asdict(self.settings),
+            "method": program.method,
+            "size": [program.width, program.height],
+            "counters": [program.tests, program.repeats, program.hits],
+            "frames": self._frames,
+            "next_tag": self._next_tag,
+            "pulls": [asdict(pull) for pull in self._pulls],
+        }
+        numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
+        sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
+        columns = {
+            "numbers": np.array(numbers, np.float64).reshape(-1, len(NUMBERS)),
+            "sizes": np.array(sizes, np.int64).reshape(-1, 6),
+            "leaves": np.array(program.leaves, np.int64).reshape(-1, 5),
+            "tags": self._tags,
+            "born": self._born,
+        }
+        return pack("article", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Go back to a state."""
-        raise NotImplementedError
+        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        facts, columns = unpack("article", state)
+        particles = []
+        rows = zip(columns["numbers"].tolist(), columns["sizes"].tolist(), strict=True)
+        for (x, y, speed, angle), (radius, density, *rectangle) in rows:
+            particle = article.Particle(x, y, radius, density, speed, angle)
+            left, top, width, height = rectangle
+            particle.rectangle = left, top, width, height
+            particles.append(particle)
+        width, height = facts["size"]
+        program = article.Simulation.of(particles, facts["method"], width, height)
+        program.tests, program.repeats, program.hits = facts["counters"]
+        leaves = columns["leaves"].tolist()
+        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves]
+        self.program, self.settings = program, settings_of(facts["settings"])
+        self._take_size()
+        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        self._frames, self._next_tag = facts["frames"], facts["next_tag"]
+        self._tags, self._born = columns["tags"], columns["born"]
+
+    def _take_size(self) -> None:
+        """Let view and walls be those of the program's display."""
+        self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
+        self.container = jostle.Box(*self.view)
 
 
 def _energies(frame: Frame) -> Energies:

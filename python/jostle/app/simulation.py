@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -120,6 +121,13 @@ class Pull:
     strength: float  # 1/s²
     point: Point | None = None
     tag: int | None = None
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> Pull:
+        """Return a pull from its fields, as JSON gives them back."""
+        x_y = facts["point"]
+        point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
+        return cls(facts["strength"], point, facts["tag"])
 
 
 class Simulation(Protocol):

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.settings import Settings
+from jostle.app.packing import blob, pack, unpack
+from jostle.app.settings import Settings, settings_of
 from jostle.app.simulation import (
     Container,
     Energies,
@@ -306,11 +307,33 @@ class WorldSimulation:
 
     def save(self) -> bytes:
         """Return the state."""
-        raise NotImplementedError
+        facts = {
+            "settings": asdict(self.settings),
+            "view": self.view,
+            "next_tag": self._next_tag,
+            "own_forces": len(self.world.forces) - self._pulling(),
+            "pulls": [asdict(pull) for pull in self._pulls],
+        }
+        columns = {"tags": self._tags, "born": self._born, "world": blob(self.world.snapshot())}
+        return pack("world", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Go back to a state."""
-        raise NotImplementedError
+        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        facts, columns = unpack("world", state)
+        world = jostle.World.restore(columns["world"].tobytes())
+        self.settings = settings_of(facts["settings"])
+        self.world, self.view = world, tuple(facts["view"])
+        self._forces = world.forces[: facts["own_forces"]]
+        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        self._tags, self._born = columns["tags"], columns["born"]
+        self._next_tag = facts["next_tag"]
+        self._note_columns()
+
+    def _pulling(self) -> int:
+        """Return how many of the world's forces are those that a person has placed."""
+        particles = [pull.tag for pull in self._pulls if pull.point is None]
+        points = len(self._pulls) - len(particles)
+        return points + len(self._find(np.array(particles, np.int64))[0])
 
     def _find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of the tags that are there, in their order, and which those are."""
