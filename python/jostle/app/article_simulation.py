@@ -78,8 +78,8 @@ class ArticleSimulation:
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return what can change while it runs: only which of the two programs it is."""
-        return frozenset({"method"})
+        """Return what can change while it runs: which of the two programs it is, and the pace."""
+        return frozenset({"method", "time_scale"})
 
     @property
     def rules(self) -> Settings:
@@ -165,7 +165,7 @@ class ArticleSimulation:
         point = pull.point
         for row in np.flatnonzero(self._tags == pull.tag).tolist():
             point = self.program.particles[row].x, self.program.particles[row].y
-        if point is None:  # a particle that is gone
+        if point is None:
             return
         gain = pull.strength / FRAMES_A_SECOND**2
         for particle in self.program.particles:
@@ -175,11 +175,12 @@ class ArticleSimulation:
             )
 
     def adjust(self, name: str, value: Any) -> str | None:
-        """Swap the article's two programs under the same particles; nothing else can change."""
-        if name != "method" or not str(value).startswith("article-"):
+        """Swap the article's two programs under the same particles, or change the pace."""
+        if name == "method" and str(value).startswith("article-"):
+            self.program.method = value.removeprefix("article-")
+        elif name != "time_scale":
             return "The article's rules are fixed."
-        self.program.method = value.removeprefix("article-")
-        self.settings = replace(self.settings, method=value)
+        self.settings = replace(self.settings, **{name: value})
         return None
 
     def add(
@@ -213,6 +214,8 @@ class ArticleSimulation:
         particles = self.program.particles
         self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
+        left = set(self._tags.tolist())
+        self._pulls = tuple(pull for pull in self._pulls if pull.tag is None or pull.tag in left)
 
     def change(
         self,

@@ -27,7 +27,7 @@ class Pulls:
         self._engine = engine
         self.placed: tuple[Pull, ...] = ()
         self._cursor: Point | None = None
-        self._given: tuple[Pull, ...] = ()
+        self._seen: tuple[Pull, ...] = ()  # those of the frame that was looked at last
 
     @property
     def to_cursor(self) -> bool:
@@ -72,25 +72,19 @@ class Pulls:
         """End every attraction that was placed."""
         self._set(())
 
-    def forget(self) -> None:
-        """Begin without any: another simulation has none."""
-        self.placed, self._given, self._cursor = (), (), None
-
     def follow(self, frame: Frame) -> None:
-        """Let go of particles that are gone."""
-        held = tuple(
-            pull for pull in self.placed if pull.tag is None or len(frame.rows(pull.tag))
-        )
-        if len(held) < len(self.placed):
-            self.placed = held
+        """Take over what holds in a frame: some may be gone, a state gone back to has others."""
+        if frame.attractors is not self._seen:
+            self.placed = tuple(pull for pull in frame.attractors if not pull.passing)
+            self._seen = frame.attractors
 
     def apply(self, simulation: Simulation) -> None:
-        """Before a step: let the simulation feel what has changed."""
+        """Before a step: let the simulation feel what a person wants."""
         cursor = self._cursor
-        wanted = self.placed if cursor is None else (*self.placed, Pull(CURSOR_STRENGTH, cursor))
-        if wanted != self._given:
-            simulation.attract(wanted)
-            self._given = wanted
+        if cursor is None:
+            simulation.attract(self.placed)
+        else:
+            simulation.attract((*self.placed, Pull(CURSOR_STRENGTH, cursor, passing=True)))
 
     def _set(self, pulls: tuple[Pull, ...]) -> None:
         self.placed = pulls

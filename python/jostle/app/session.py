@@ -13,18 +13,26 @@ from typing import Any
 import jostle
 from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
+from jostle.app.deeds import Deeds
 from jostle.app.engine import Engine
+from jostle.app.gravity import Gravity
 from jostle.app.hand import Hand
-from jostle.app.picking import pick
+from jostle.app.menu import Menu
+from jostle.app.picking import pick, pick_first
 from jostle.app.picture import Picture
+from jostle.app.pulls import Pulls
+from jostle.app.selection import NOBODY, Selection
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
-from jostle.app.simulation import Frame, Point, Simulation
+from jostle.app.simulation import Frame, Point, Simulation, Tags
 from jostle.app.start import start
 from jostle.app.statistics import Statistics
+from jostle.app.tools import Tool, Tools
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
+CLICK = 4.0  # pixels: a button that moves less while it is down was a click
+SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
 
 _OTHER_METHOD = {
@@ -51,6 +59,10 @@ class Session:
     ----------
     engine, camera, shown, picture, hand, statistics
         The parts; everybody may look at them.
+    selection, tools, deeds, pulls, gravity
+        What a person chooses, and does to particles, attractions and gravity.
+    menu
+        The one that is open.
     cursor
         Where the mouse is, in pixels.
     now
@@ -65,6 +77,14 @@ class Session:
         self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
         self.hand = Hand()
+        self.selection = Selection()
+        self.pulls = Pulls(self.engine)
+        self.deeds = Deeds(self.engine, self.say)
+        self.gravity = Gravity(self.engine, self.say)
+        self.tools = Tools(
+            self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say
+        )
+        self.menu: Menu | None = None
         self.statistics = Statistics()
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
@@ -85,10 +105,13 @@ class Session:
             engine.look()
             statistics.sum_up(self.frame)
         steps = 0
-        if not self.paused:
+        if self.paused:
+            self._hold_in_pause()
+        else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
         if changed and not steps:
             engine.look()
+        self._keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
         )
@@ -96,7 +119,14 @@ class Session:
 
     def _act_before(self, simulation: Simulation) -> None:
         """Before each step: what a person is doing to the simulation at the moment."""
+        self.pulls.apply(simulation)
         self.hand.drag(simulation)
+
+    def scale_time(self, factor: float) -> None:
+        """Let time go faster or slower."""
+        scale = min(max(self.settings.time_scale * factor, SLOWEST), FASTEST)
+        self.adjust("time_scale", scale)
+        self.say(f"Time × {scale:.4g}")
 
     def toggle_pause(self) -> None:
         """Pause, or go on."""
@@ -135,8 +165,12 @@ class Session:
             self.say(str(error) or "There is not enough memory for that.")
             return
         moved = simulation.view != self.engine.view
-        self.hand.drop()
+        self.tools.cancel()
+        self.selection.clear()
+        self.deeds.forget()
+        self.menu = None
         self.engine.take(simulation)
+        self.pulls.follow(self.frame)
         self.picture.restart()
         self.statistics.restart()
         if moved:
@@ -189,20 +223,67 @@ class Session:
         return self.camera.to_world(self.cursor)
 
     def under_cursor(self) -> int | None:
-        """Return the tag of the particle under the cursor."""
+        """Return the tag of the particle under the cursor; the article's rules have their own."""
+        if self.settings.by_article:
+            return pick_first(self.frame, self.at_cursor())
         return pick(self.frame, self.at_cursor(), REACH / self.camera.scale)
 
-    def grab(self) -> None:
-        """Pick up the particle under the cursor, if it can move."""
+    def targets(self) -> Tags:
+        """Return what a key acts on: the selection, or else what is under the cursor."""
+        if len(self.selection):
+            return self.selection.tags
         tag = self.under_cursor()
-        if tag is not None and not self.frame.movable[self.frame.rows(tag)].all():
-            tag = None
-        self.hand.grab(tag, self.at_cursor(), self.now)
+        return NOBODY if tag is None else self.selection.around(tag)
 
-    def throw(self) -> None:
-        """Let go of what is held; it keeps the hand's velocity."""
+    def press(self, *, add: bool = False) -> None:
+        """Begin to use the tool at the cursor; `add` to the selection."""
+        slack = CLICK / self.camera.scale
+        self.tools.press(self.at_cursor(), self.now, self.under_cursor(), slack, add=add)
+
+    def drag_on(self) -> None:
+        """Go on with the tool to the cursor."""
+        self.tools.move(self.at_cursor())
+
+    def release(self) -> None:
+        """End what the tool does; a particle that is held keeps the hand's velocity."""
         self.hand.follow(self.at_cursor(), self.now)
+        self.tools.release(self.at_cursor())
+        if self.paused:
+            self.hand.drop()
         self.engine.edit(self.hand.throw)
+
+    def open_menu(self) -> None:
+        """Open the menu of what is under the cursor."""
+        tag = self.under_cursor()
+        tags = None if tag is None else self.selection.around(tag)
+        self.menu = Menu(self.at_cursor(), self.cursor, tag, tags)
+
+    def escape(self) -> None:
+        """Give up the drag under way; else close what is open, let go of what is chosen; quit."""
+        if self.tools.cancel():
+            return
+        if self.menu is not None:
+            self.menu = None
+        elif self.shown.help:
+            self.shown.help = False
+        elif self.tools.tool is not Tool.POINTER:
+            self.tools.choose(Tool.POINTER)
+        elif len(self.selection):
+            self.selection.clear()
+        else:
+            self.quit()
+
+    def _hold_in_pause(self) -> None:
+        """In a pause, put what is held where the hand is."""
+        if self.hand.held is not None:
+            self.engine.edit(self.hand.carry)
+
+    def _keep_up(self) -> None:
+        """Let go of what is no longer in the world."""
+        self.selection.follow(self.frame)
+        self.pulls.follow(self.frame)
+        if self.hand.held is not None and not len(self.frame.rows(self.hand.held)):
+            self.hand.drop()
 
     # Looks
 

@@ -121,13 +121,14 @@ class Pull:
     strength: float  # 1/s²
     point: Point | None = None
     tag: int | None = None
+    passing: bool = False  # it lasts as long as a key is down
 
     @classmethod
     def of(cls, facts: Mapping[str, Any]) -> Pull:
         """Return a pull from its fields, as JSON gives them back."""
         x_y = facts["point"]
         point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
-        return cls(facts["strength"], point, facts["tag"])
+        return cls(facts["strength"], point, facts["tag"], facts["passing"])
 
 
 class Simulation(Protocol):

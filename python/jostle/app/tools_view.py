@@ -22,6 +22,15 @@ TARGET = 9.0  # pixels: the ring of an attractor that is being placed
 BAND = 0.10  # how much of the accent the rubber band's ground takes
 
 
+def draw_hands(
+    painter: Painter, frame: Frame, selection: Selection, preview: Preview | None, camera: Camera
+) -> None:
+    """Draw what is selected and the drag under way."""
+    draw_selection(painter, frame, selection, camera)
+    if preview is not None:
+        draw_preview(painter, preview, camera)
+
+
 def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera: Camera) -> None:
     """Ring what is selected."""
     rows = frame.rows(selection.tags)

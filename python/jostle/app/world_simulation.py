@@ -94,7 +94,7 @@ class WorldSimulation:
     @property
     def adjustable(self) -> frozenset[str]:
         """Return what can change while it runs."""
-        return frozenset(RULES)
+        return frozenset({*RULES, "time_scale"})
 
     @property
     def rules(self) -> Settings:
@@ -192,7 +192,8 @@ class WorldSimulation:
         """Change a rule; brute force is refused where it would freeze the picture."""
         if name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
             return f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
-        setattr(self.world, name, value)
+        if name in RULES:
+            setattr(self.world, name, value)
         self.settings = replace(self.settings, **{name: value})
         return None
 
@@ -254,6 +255,8 @@ class WorldSimulation:
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""
+        if pulls == self._pulls:
+            return
         forces = []
         for pull in pulls:
             if pull.point is not None:
@@ -268,14 +271,10 @@ class WorldSimulation:
 
     def _renew_pulls(self) -> None:
         """Tie attractions to the rows of the moment; those of particles that are gone end."""
-        if self._pulls:
-            self.attract(
-                tuple(
-                    pull
-                    for pull in self._pulls
-                    if pull.tag is None or len(self._find(pull.tag)[0])
-                )
-            )
+        pulls, self._pulls = self._pulls, ()
+        self.attract(
+            tuple(pull for pull in pulls if pull.tag is None or len(self._find(pull.tag)[0]))
+        )
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Draw a held particle to the hand by a critically damped spring.
@@ -311,7 +310,7 @@ class WorldSimulation:
             "settings": asdict(self.settings),
             "view": self.view,
             "next_tag": self._next_tag,
-            "own_forces": len(self.world.forces) - self._pulling(),
+            "own_forces": self._own_forces,
             "pulls": [asdict(pull) for pull in self._pulls],
         }
         columns = {"tags": self._tags, "born": self._born, "world": blob(self.world.snapshot())}
@@ -323,17 +322,11 @@ class WorldSimulation:
         world = jostle.World.restore(columns["world"].tobytes())
         self.settings = settings_of(facts["settings"])
         self.world, self.view = world, tuple(facts["view"])
-        self._forces = world.forces[: facts["own_forces"]]
+        self._own_forces = facts["own_forces"]
         self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
         self._tags, self._born = columns["tags"], columns["born"]
         self._next_tag = facts["next_tag"]
         self._note_columns()
-
-    def _pulling(self) -> int:
-        """Return how many of the world's forces are those that a person has placed."""
-        particles = [pull.tag for pull in self._pulls if pull.point is None]
-        points = len(self._pulls) - len(particles)
-        return points + len(self._find(np.array(particles, np.int64))[0])
 
     def _find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of the tags that are there, in their order, and which those are."""
