@@ -292,6 +292,15 @@ class Session:
         self.shown.tree = self.shown.tree.next()
         self.say(f"Tree: {self.shown.tree.value}")
 
+    def cycle_colours(self) -> None:
+        """Colour the particles by the next quantity."""
+        self.shown.colour_by = self.shown.colour_by.next()
+        self.say(f"Colour: {self.shown.colour_by.value}")
+
+    def clear_trails(self) -> None:
+        """Forget where particles have been."""
+        self.picture.trails.clear()
+
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""
         setattr(self.shown, name, not getattr(self.shown, name))
