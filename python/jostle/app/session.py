@@ -81,9 +81,7 @@ class Session:
         self.pulls = Pulls(self.engine)
         self.deeds = Deeds(self.engine, self.say)
         self.gravity = Gravity(self.engine, self.say)
-        self.tools = Tools(
-            self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say
-        )
+        self.tools = Tools(self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say)
         self.menu: Menu | None = None
         self.statistics = Statistics()
         self.cursor: Point = (size[0] / 2, size[1] / 2)

@@ -299,10 +299,9 @@ class WorldSimulation:
     def _ease(self, row: int) -> float:
         """Return how readily a particle follows the hand: 1, or less for one that is heavy here."""
         if self._usual_mass is None:
-            mass = self.world.masses[self._movable]
-            self._usual_mass = float(np.median(mass)) if len(mass) else 1.0
-        mass = float(self._densities[row] * self._radii[row] ** 2) or self._usual_mass
-        return min(max((self._usual_mass / mass) ** 0.25, LEAST_EASE), 1.0)
+            self._usual_mass = float(np.median(self.world.masses[self._movable]))
+        share = self._usual_mass / float(self.world.masses[row])
+        return min(max(math.sqrt(math.sqrt(share)), LEAST_EASE), 1.0)
 
     def save(self) -> bytes:
         """Return the state."""
