@@ -168,7 +168,7 @@ class Session:
         self.deeds.forget()
         self.menu = None
         self.engine.take(simulation)
-        self.pulls.follow(self.frame)
+        self.pulls.take_over(self.frame)
         self.picture.restart()
         self.statistics.restart()
         if moved:

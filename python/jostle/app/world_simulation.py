@@ -206,8 +206,13 @@ class WorldSimulation:
         movable: ArrayLike = True,
     ) -> Tags:
         """Add particles; return their tags."""
+        places = np.asarray(positions, np.float32).reshape(-1, 2)
         ids = self.world.add(
-            positions, velocities, radii, densities=densities, movable=np.asarray(movable)
+            places,
+            np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
+            radii,
+            densities=densities,
+            movable=np.asarray(movable),
         )
         tags = np.arange(self._next_tag, self._next_tag + len(ids), dtype=np.int64)
         self._next_tag += len(ids)
