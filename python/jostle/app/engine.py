@@ -26,6 +26,9 @@ class Engine:
     ----------
     simulation
         What to step. Nobody else may use it from now on, but by `edit`.
+    short
+        Steps up to so many seconds are made at once. Less than usual also means caution: a step
+        whose time is not known yet is then made beside the window too.
 
     Attributes
     ----------
@@ -39,7 +42,8 @@ class Engine:
         Called with the simulation around each step, in the thread that steps.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, short: float = SHORT) -> None:
+        self.short = short
         self.wants = Wants()
         self.before: list[Edit] = []
         self.after: list[Edit] = []
@@ -96,7 +100,7 @@ class Engine:
         before = self.steps
         self._collect()
         self._apply_edits()
-        if self._seconds <= SHORT:
+        if self._seconds <= self.short if self._seconds else self.short >= SHORT:
             if self._pace.advance(elapsed, self._step):
                 self.frame = self.simulation.frame(self.wants)
         else:

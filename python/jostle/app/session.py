@@ -12,8 +12,10 @@ from typing import Any
 from jostle.app.camera import Camera, Size
 from jostle.app.engine import Engine
 from jostle.app.hand import Hand
+from jostle.app.painter import Painter
 from jostle.app.picking import pick
 from jostle.app.picture import Picture
+from jostle.app.race import Race, refusal
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
 from jostle.app.simulation import Frame, Point, Simulation
@@ -49,6 +51,8 @@ class Session:
         The parts; everybody may look at them.
     cursor
         Where the mouse is, in pixels.
+    race
+        The other method beside this one, while there is a race.
     now
         Seconds since the session began.
     """
@@ -60,6 +64,7 @@ class Session:
         self.camera = Camera(size, simulation.view, left=left)
         self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
+        self.race: Race | None = None
         self.hand = Hand()
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
@@ -73,10 +78,15 @@ class Session:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
         wants = self.picture.wants(self.shown)
+        if self.race:
+            wants = replace(wants, energies=True)
         changed, self.engine.wants = wants != self.engine.wants, wants
         steps = 0
         if not self.paused:
-            steps = self.engine.advance(elapsed * self.engine.settings.time_scale)
+            elapsed *= self.engine.settings.time_scale
+            steps = self.engine.advance(elapsed)
+            if self.race:
+                self.race.advance(elapsed, wants)
         if changed and not steps:
             self.engine.look()
         return steps
@@ -93,6 +103,8 @@ class Session:
         """Make one step, and pause."""
         self.paused = True
         self.engine.step()
+        if self.race:
+            self.race.engine.step()
 
     # What runs
 
@@ -121,12 +133,14 @@ class Session:
         self.hand.drop()
         self.engine.take(simulation)
         self.picture.restart()
+        if self.race:
+            self.race.begin(settings)
         if moved:
             self.camera.look_at(simulation.view)
 
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
-        if name in self.engine.adjustable:
+        if name in self.engine.adjustable and not self.race:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
         else:
             self.begin(replace(self.settings, **{name: value}))
@@ -136,6 +150,22 @@ class Session:
         method = _OTHER_METHOD[self.settings.method]
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
+
+    def toggle_race(self, method: str) -> None:
+        """Begin anew side by side with another method on the same scene, or end that."""
+        if self.race:
+            self.race.close()
+            self.race = None
+            self.camera.divide(1)
+            return
+        n = len(self.frame)
+        reason = refusal(method, n) or refusal(self.settings.method, n)
+        if reason or method == self.settings.method:
+            self.say(reason or f"{method_name(method)} runs already; race it with another.")
+            return
+        self.begin(self.settings)
+        self.race = Race(self.engine, method)
+        self.camera.divide(2)
 
     # Hands
 
@@ -160,6 +190,13 @@ class Session:
         self.engine.edit(self.hand.throw)
 
     # Looks
+
+    def draw(self, painter: Painter) -> None:
+        """Draw the scene, or both of a race."""
+        if self.race:
+            self.race.draw(painter, self.picture, self.camera, self.shown, self.now)
+        else:
+            self.picture.draw(painter, self.frame, self.camera, self.shown)
 
     def cycle_tree(self) -> None:
         """Show the tree in the next way."""
@@ -195,4 +232,6 @@ class Session:
 
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""
+        if self.race:
+            self.race.close()
         self.engine.close()
