@@ -6,12 +6,16 @@ knows of a window.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from jostle.app.camera import Camera, Size
 from jostle.app.engine import Engine
+from jostle.app.files import Files
 from jostle.app.hand import Hand
+from jostle.app.history import History
 from jostle.app.picking import pick
 from jostle.app.picture import Picture
 from jostle.app.settings import Settings
@@ -56,6 +60,11 @@ class Session:
     def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
         self.engine = Engine(simulation)
         self.engine.before.append(self._act_before)
+        self.history = History()
+        self.history.restart(simulation)
+        self.engine.after.append(self.history.after)
+        self.engine.touched.append(self.history.touch)
+        self.files = Files(self)
         self.first = simulation.settings  # what restart goes back to
         self.camera = Camera(size, simulation.view, left=left)
         self.shown = Shown(tree=TreeView.OUTLINE)
@@ -79,10 +88,13 @@ class Session:
             steps = self.engine.advance(elapsed * self.engine.settings.time_scale)
         if changed and not steps:
             self.engine.look()
+        self.files.follow()
         return steps
 
     def _act_before(self, simulation: Simulation) -> None:
         """Before each step: what a person is doing to the simulation at the moment."""
+        if self.hand.held is not None:
+            self.history.touch()
         self.hand.drag(simulation)
 
     def toggle_pause(self) -> None:
@@ -93,6 +105,25 @@ class Session:
         """Make one step, and pause."""
         self.paused = True
         self.engine.step()
+
+    def step_back(self) -> None:
+        """Go back to the moment before, and pause; what a person did last is undone first."""
+        self._show(lambda: self.history.at - 1)
+
+    def scrub(self, seconds_ago: float) -> None:
+        """Show what was so long before the youngest moment, and pause."""
+        self._show(lambda: self.history.index_of(seconds_ago))
+
+    def _show(self, which: Callable[[], int]) -> None:
+        self.paused = True
+        self.hand.drop()
+
+        def show(simulation: Simulation) -> None:
+            self.history.hold(simulation)
+            self.history.show(simulation, which(), self.engine.last_seconds)
+            self.picture.restart()
+
+        self.engine.edit(show, changes=False)
 
     # What runs
 
@@ -118,11 +149,16 @@ class Session:
             self.say(str(error) or "There is not enough memory for that.")
             return
         moved = simulation.view != self.engine.view
-        self.hand.drop()
-        self.engine.take(simulation)
-        self.picture.restart()
+        self.take(simulation)
         if moved:
             self.camera.look_at(simulation.view)
+
+    def take(self, simulation: Simulation) -> None:
+        """Go on with another simulation."""
+        self.hand.drop()
+        self.engine.take(simulation)
+        self.history.restart(simulation)
+        self.picture.restart()
 
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
@@ -180,6 +216,24 @@ class Session:
         """Return the sentence to show now, or nothing."""
         return self._notice if self.now < self._notice_until else ""
 
+    # Files
+
+    def save(self, path: Path | None = None) -> None:
+        """Save the scene: its state, its settings, and how it is looked at."""
+        self.files.save(path)
+
+    def load(self, path: Path) -> None:
+        """Go on with a saved scene; where that cannot be, nothing changes."""
+        self.files.load(path)
+
+    def screenshot(self) -> None:
+        """Save the picture."""
+        self.files.screenshot()
+
+    def toggle_recording(self) -> None:
+        """Begin a film, or end it."""
+        self.files.toggle_recording()
+
     def quit(self) -> None:
         """Leave the loop after this frame."""
         self.open = False
@@ -187,3 +241,4 @@ class Session:
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""
         self.engine.close()
+        self.files.close()
