@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import Contacts, Neighbors, Nodes, RayHit, Stats
+from jostle.results import Contacts, GaltonBoard, Neighbors, Nodes, Nozzle, RayHit, Stats
 
 __all__ = [
     "Attractor",
@@ -37,8 +37,12 @@ __all__ = [
     "create_scene",
     "describe_scene",
     "find_pairs",
+    "scene_default_count",
+    "scene_fountains",
+    "scene_galton_board",
     "scene_names",
     "scene_view",
+    "scene_wall",
     "sprite_dict",
     "sprite_pairs",
     "sprite_sides",
@@ -340,6 +344,7 @@ class World:
         restitution: ArrayLike = 1.0,
         container: _Container | None = None,
         forces: Iterable[_Force] = (),
+        on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
         method: Literal["quadtree", "brute"] = "quadtree",
         threads: SupportsIndex | None = None,
         leaf_capacity: SupportsIndex = 96,
@@ -414,6 +419,12 @@ class World:
     def forces(self) -> tuple[_Force, ...]: ...
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
+    @property
+    def on_touch(self) -> Literal["bounce", "merge", "ignore"]: ...
+    @on_touch.setter
+    def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
+    @property
+    def renumbered(self) -> NDArray[np.uint32] | None: ...
     @property
     def method(self) -> Literal["quadtree", "brute"]: ...
     @method.setter
@@ -571,3 +582,7 @@ def scene_names() -> list[str]: ...
 def describe_scene(name: str) -> str: ...
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World: ...
 def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float, float, float]: ...
+def scene_default_count(name: str) -> int: ...
+def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]: ...
+def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard: ...
+def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float32]: ...

@@ -61,6 +61,13 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 ///     The walls. A particle outside is brought in by the first step.
 /// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
 ///     What accelerates particles, apart from gravity and contacts.
+/// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
+///     What becomes of particles that touch. "merge" makes them one at the end of the
+///     step: area, mass and momentum are summed up at the centre of mass, restitution is
+///     the mean by mass, and the id is the smallest; ids behind the others close up, see
+///     `renumbered`. What is not movable holds those that merge with it, and their
+///     momentum is lost. What would not fit between the walls as one stays apart.
+///     "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found, never which.
 /// threads : int, optional
@@ -107,13 +114,13 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
-            container=None, forces=Given::NOTHING, method=Given::NOTHING, threads=None,
-            leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=Given::NOTHING,
+            container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
+            method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, forces=(), method='quadtree', threads=None, \
-                          leaf_capacity=96, max_depth=4096, substeps=4)"
+                          container=None, forces=(), on_touch='bounce', method='quadtree', \
+                          threads=None, leaf_capacity=96, max_depth=4096, substeps=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -129,6 +136,7 @@ impl PyWorld {
         restitution: Given<'py>,
         container: Option<&Bound<'py, PyAny>>,
         forces: Given<'py>,
+        on_touch: Given<'py>,
         method: Given<'py>,
         threads: Option<&Bound<'py, PyAny>>,
         leaf_capacity: Given<'py>,
@@ -141,6 +149,7 @@ impl PyWorld {
         draft.movable = truths("movable", movable, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
+            on_touch: settings::on_touch(&on_touch)?,
             method: settings::method(&method)?,
             substeps: settings::substeps(&substeps)?,
             tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
@@ -192,6 +201,7 @@ impl PyWorld {
     fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
         let dt = number("dt", dt)?;
         let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
+        self.long(py, |state| state.world.forget_renumbering())?;
         loop {
             left = self.long(py, |state| state.step(dt, left))??;
             if left == 0 {
@@ -478,7 +488,8 @@ impl PyWorld {
 
     /// What accelerates particles: a tuple of `Attractor`, `Gravitation`, `Springs` and
     /// `Thermostat`. Assign any sequence of them. They name particles by id; when one is
-    /// removed, its attractors and springs go with it.
+    /// removed, its attractors and springs go with it; when one merges, they are tied to
+    /// what it becomes, and a spring whose ends become one goes.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         forces::show(py, self.long(py, |state| state.world.forces().to_vec())?)
@@ -488,6 +499,27 @@ impl PyWorld {
     fn set_forces(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let forces = forces::read(value)?;
         self.long(py, |state| state.world.set_forces(forces))?.map_err(refused)
+    }
+
+    /// What becomes of particles that touch: "bounce", "merge" or "ignore".
+    #[getter]
+    fn on_touch(&self, py: Python<'_>) -> PyResult<&'static str> {
+        Ok(settings::on_touch_name(self.rules(py)?.on_touch))
+    }
+
+    #[setter]
+    fn set_on_touch(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let on_touch = settings::on_touch(&value)?;
+        self.change_rules(py, |rules| rules.on_touch = on_touch)
+    }
+
+    /// What merging has made of ids in the last call of `step`: ndarray of uint32, shape
+    /// (n before it,), the new id of each old one, so that `ids = world.renumbered[ids]`
+    /// follows particles; those that merged share one. None where nothing has merged.
+    #[getter]
+    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let ids = self.long(py, |state| state.world.renumbered().map(<[u32]>::to_vec))?;
+        Ok(ids.map(|ids| column(py, ids)))
     }
 
     /// How pairs are found: "quadtree" or "brute".
@@ -552,19 +584,20 @@ impl PyWorld {
 
     /// The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
     /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), how far they
-    /// overlapped when it ended, negative where they had parted again.
+    /// overlapped when it ended, negative where they had parted again. Where `on_touch` is
+    /// not "bounce", the pairs that overlap now.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let touching = self.long(py, |state| {
-            let touches = state.world.contacts();
-            Overlaps {
+            let touches = state.world.contacts()?;
+            Ok(Overlaps {
                 pairs: touches.iter().map(|touch| touch.pair).collect(),
                 normals: touches.iter().map(|touch| touch.normal).collect(),
                 depths: touches.iter().map(|touch| touch.depth).collect(),
                 ..Overlaps::default()
-            }
+            })
         });
-        results::contacts(py, touching?)
+        results::contacts(py, touching?.map_err(refused)?)
     }
 
     /// Sum of mass times velocity, (x, y).

@@ -78,8 +78,22 @@ class ArticleSimulation:
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return what can change while it runs: only which of the two programs it is."""
-        return frozenset({"method"})
+        """Return what can change while it runs: which of the two programs it is, and the pace."""
+        return frozenset({"method", "time_scale"})
+
+    @property
+    def rules(self) -> Settings:
+        """Return the settings with what the article has in place of its choices."""
+        return replace(
+            self.settings,
+            leaf_capacity=article.MAX_PER_BOX,
+            max_depth=article.MAX_LEVEL + 1,
+            gravity=(0.0, GRAVITY * FRAMES_A_SECOND**2),
+            drag=0.0,
+            restitution=article.ELASTICITY,
+            substeps=1,
+            threads=1,
+        )
 
     # Looking
 
@@ -139,17 +153,34 @@ class ArticleSimulation:
     def step(self) -> None:
         """Go on by one frame of the article."""
         start = time.perf_counter()
+        for pull in self._pulls:
+            self._feel(pull)
         self.program.frame()
         self.program.release()  # `drag` holds for one frame
         self._frames += 1
         self._milliseconds = (time.perf_counter() - start) * 1e3
 
+    def _feel(self, pull: Pull) -> None:
+        """Accelerate everything by distance × strength, before the frame moves it."""
+        point = pull.point
+        for row in np.flatnonzero(self._tags == pull.tag).tolist():
+            point = self.program.particles[row].x, self.program.particles[row].y
+        if point is None:
+            return
+        gain = pull.strength / FRAMES_A_SECOND**2
+        for particle in self.program.particles:
+            dx, dy = point[0] - particle.x, point[1] - particle.y
+            particle.angle, particle.speed = article.add_vectors(
+                (particle.angle, particle.speed), (math.atan2(dx, -dy), gain * math.hypot(dx, dy))
+            )
+
     def adjust(self, name: str, value: Any) -> str | None:
-        """Swap the article's two programs under the same particles; nothing else can change."""
-        if name != "method" or not str(value).startswith("article-"):
+        """Swap the article's two programs under the same particles, or change the pace."""
+        if name == "method" and str(value).startswith("article-"):
+            self.program.method = value.removeprefix("article-")
+        elif name != "time_scale":
             return "The article's rules are fixed."
-        self.program.method = value.removeprefix("article-")
-        self.settings = replace(self.settings, method=value)
+        self.settings = replace(self.settings, **{name: value})
         return None
 
     def add(
@@ -183,6 +214,8 @@ class ArticleSimulation:
         particles = self.program.particles
         self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
+        left = set(self._tags.tolist())
+        self._pulls = tuple(pull for pull in self._pulls if pull.tag is None or pull.tag in left)
 
     def change(
         self,
@@ -190,22 +223,28 @@ class ArticleSimulation:
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
-        """Set places and velocities; immovable particles the article has none."""
-        wanted = np.atleast_1d(np.asarray(tags))
-        for name, value in (("positions", positions), ("velocities", velocities)):
-            if value is None:
-                continue
-            rows = np.broadcast_to(np.asarray(value, np.float64), (len(wanted), 2)).tolist()
-            for tag, (x, y) in zip(wanted.tolist(), rows, strict=True):
-                for row in np.flatnonzero(self._tags == tag).tolist():
-                    particle = self.program.particles[row]
-                    if name == "positions":
-                        particle.x, particle.y = x, y
-                    else:
-                        particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
-                        particle.angle = math.atan2(x, -y)
+        """Set places, velocities, densities; immovable particles the article has none."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        n, known = len(wanted), dict(zip(self._tags.tolist(), self.program.particles, strict=True))
+        found = [(row, known[tag]) for row, tag in enumerate(wanted.tolist()) if tag in known]
+        if positions is not None:
+            places = np.broadcast_to(np.asarray(positions, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                particle.x, particle.y = places[row]
+        if velocities is not None:
+            ways = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                x, y = ways[row]
+                particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
+                particle.angle = math.atan2(x, -y)
+        if densities is not None:
+            heavy = np.broadcast_to(np.asarray(densities, np.float64), n).tolist()
+            for row, particle in found:
+                particle.density = max(round(heavy[row]), 1)
+                particle.__post_init__()  # mass and drag follow
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""
@@ -213,9 +252,9 @@ class ArticleSimulation:
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Let a particle follow the hand, by the article's rule of the mouse."""
-        (row,) = np.flatnonzero(self._tags == tag)
-        self.program.held = self.program.particles[row]
-        self.program.drag_to(*point)
+        for row in np.flatnonzero(self._tags == tag).tolist():
+            self.program.held = self.program.particles[row]
+            self.program.drag_to(*point)
 
     def save(self) -> bytes:
         """Return the state."""

@@ -64,6 +64,7 @@ class Engine:
             simulation.view,
         )
         self.time_step, self.adjustable = simulation.time_step, simulation.adjustable
+        self.rules = simulation.rules
         self._pace = Pace(simulation.time_step)
         self._seconds = 0.0  # one step and its frame, smoothed
         self.frame: Frame = simulation.frame(self.wants)
@@ -170,5 +171,5 @@ class Engine:
                     hook(self.simulation)
             work(self.simulation)
         self.settings, self.adjustable = self.simulation.settings, self.simulation.adjustable
-        self.view = self.simulation.view
+        self.rules, self.view = self.simulation.rules, self.simulation.view
         self.frame = self.simulation.frame(self.wants)

@@ -11,20 +11,31 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import jostle
 from jostle.app.camera import Camera, Size
+from jostle.app.carry import carry_over
+from jostle.app.deeds import Deeds
 from jostle.app.engine import Engine
 from jostle.app.files import Files
+from jostle.app.gravity import Gravity
 from jostle.app.hand import Hand
 from jostle.app.history import History
-from jostle.app.picking import pick
+from jostle.app.menu import Menu
+from jostle.app.picking import pick, pick_first
 from jostle.app.picture import Picture
+from jostle.app.pulls import Pulls
+from jostle.app.selection import NOBODY, Selection
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
-from jostle.app.simulation import Frame, Point, Simulation
+from jostle.app.simulation import Frame, Point, Simulation, Tags
 from jostle.app.start import start
+from jostle.app.statistics import Statistics
+from jostle.app.tools import Tool, Tools
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
+CLICK = 4.0  # pixels: a button that moves less while it is down was a click
+SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
 
 _OTHER_METHOD = {
@@ -49,8 +60,12 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand
+    engine, camera, shown, picture, hand, statistics
         The parts; everybody may look at them.
+    selection, tools, deeds, pulls, gravity
+        What a person chooses, and does to particles, attractions and gravity.
+    menu
+        The one that is open.
     cursor
         Where the mouse is, in pixels.
     now
@@ -70,6 +85,15 @@ class Session:
         self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
         self.hand = Hand()
+        self.selection = Selection()
+        self.pulls = Pulls(self.engine)
+        self.deeds = Deeds(self.engine, self.say)
+        self.gravity = Gravity(self.engine, self.say)
+        self.tools = Tools(
+            self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say
+        )
+        self.menu: Menu | None = None
+        self.statistics = Statistics()
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
         self.open = True
@@ -81,21 +105,39 @@ class Session:
     def advance(self, elapsed: float) -> int:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
-        wants = self.picture.wants(self.shown)
-        changed, self.engine.wants = wants != self.engine.wants, wants
+        engine, statistics, wants = self.engine, self.statistics, self.picture.wants(self.shown)
+        changed = replace(engine.wants, energies=wants.energies) != wants
+        energies = wants.energies or statistics.wants_energies(self.now)
+        engine.wants = replace(wants, energies=energies)
+        if statistics.beginning is None:  # drift begins with the very first state
+            engine.look()
+            statistics.sum_up(self.frame)
         steps = 0
-        if not self.paused:
-            steps = self.engine.advance(elapsed * self.engine.settings.time_scale)
+        if self.paused:
+            self._hold_in_pause()
+        else:
+            steps = engine.advance(elapsed * engine.settings.time_scale)
         if changed and not steps:
-            self.engine.look()
+            engine.look()
+        self._keep_up()
+        statistics.follow(
+            self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
+        )
         self.files.follow()
         return steps
 
     def _act_before(self, simulation: Simulation) -> None:
         """Before each step: what a person is doing to the simulation at the moment."""
-        if self.hand.held is not None:
+        if self.hand.held is not None or self.pulls.to_cursor:
             self.history.touch()
+        self.pulls.apply(simulation)
         self.hand.drag(simulation)
+
+    def scale_time(self, factor: float) -> None:
+        """Let time go faster or slower."""
+        scale = min(max(self.settings.time_scale * factor, SLOWEST), FASTEST)
+        self.adjust("time_scale", scale)
+        self.say(f"Time × {scale:.4g}")
 
     def toggle_pause(self) -> None:
         """Pause, or go on."""
@@ -143,8 +185,12 @@ class Session:
 
     def begin(self, settings: Settings) -> None:
         """Begin anew with other settings; what the library refuses becomes a notice."""
+        self._take(lambda: start(settings))
+
+    def _take(self, create: Callable[[], Simulation]) -> None:
+        """Go on with another simulation, if it can be made."""
         try:
-            simulation = start(settings)
+            simulation = create()
         except (ValueError, OverflowError, MemoryError) as error:
             self.say(str(error) or "There is not enough memory for that.")
             return
@@ -155,10 +201,32 @@ class Session:
 
     def take(self, simulation: Simulation) -> None:
         """Go on with another simulation."""
-        self.hand.drop()
+        self.tools.cancel()
+        self.selection.clear()
+        self.deeds.forget()
+        self.menu = None
         self.engine.take(simulation)
         self.history.restart(simulation)
+        self.pulls.follow(self.frame)
         self.picture.restart()
+        self.statistics.restart()
+
+    def choose_scene(self, name: str) -> None:
+        """Begin another scene with its own rules; how it is computed and paced stays."""
+        now = self.settings
+        self.begin(
+            Settings(name, method=now.method, threads=now.threads, time_scale=now.time_scale)
+        )
+
+    def next_scene(self, by: int = 1) -> None:
+        """Begin the scene after this one in the list, in a circle."""
+        names = jostle.scenes.names()
+        at = names.index(self.engine.scene) if self.engine.scene in names else -max(by, 0)
+        self.choose_scene(names[(at + by) % len(names)])
+
+    def previous_scene(self) -> None:
+        """Begin the scene before this one in the list, in a circle."""
+        self.next_scene(-1)
 
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
@@ -166,6 +234,16 @@ class Session:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
         else:
             self.begin(replace(self.settings, **{name: value}))
+
+    def choose_method(self, method: str) -> None:
+        """Go on with another method; where the rules change too, with the same particles."""
+        settings = replace(self.settings, method=method)
+        if settings.by_article == self.settings.by_article:
+            self.adjust("method", method)
+        else:
+            self.engine.wait()
+            frame, view = self.frame, self.engine.view
+            self._take(lambda: carry_over(settings, frame, view))
 
     def switch_method(self) -> None:
         """Swap brute force and tree, under the same rules."""
@@ -180,20 +258,67 @@ class Session:
         return self.camera.to_world(self.cursor)
 
     def under_cursor(self) -> int | None:
-        """Return the tag of the particle under the cursor."""
+        """Return the tag of the particle under the cursor; the article's rules have their own."""
+        if self.settings.by_article:
+            return pick_first(self.frame, self.at_cursor())
         return pick(self.frame, self.at_cursor(), REACH / self.camera.scale)
 
-    def grab(self) -> None:
-        """Pick up the particle under the cursor, if it can move."""
+    def targets(self) -> Tags:
+        """Return what a key acts on: the selection, or else what is under the cursor."""
+        if len(self.selection):
+            return self.selection.tags
         tag = self.under_cursor()
-        if tag is not None and not self.frame.movable[self.frame.rows(tag)].all():
-            tag = None
-        self.hand.grab(tag, self.at_cursor(), self.now)
+        return NOBODY if tag is None else self.selection.around(tag)
 
-    def throw(self) -> None:
-        """Let go of what is held; it keeps the hand's velocity."""
+    def press(self, *, add: bool = False) -> None:
+        """Begin to use the tool at the cursor; `add` to the selection."""
+        slack = CLICK / self.camera.scale
+        self.tools.press(self.at_cursor(), self.now, self.under_cursor(), slack, add=add)
+
+    def drag_on(self) -> None:
+        """Go on with the tool to the cursor."""
+        self.tools.move(self.at_cursor())
+
+    def release(self) -> None:
+        """End what the tool does; a particle that is held keeps the hand's velocity."""
         self.hand.follow(self.at_cursor(), self.now)
+        self.tools.release(self.at_cursor())
+        if self.paused:
+            self.hand.drop()
         self.engine.edit(self.hand.throw)
+
+    def open_menu(self) -> None:
+        """Open the menu of what is under the cursor."""
+        tag = self.under_cursor()
+        tags = None if tag is None else self.selection.around(tag)
+        self.menu = Menu(self.at_cursor(), self.cursor, tag, tags)
+
+    def escape(self) -> None:
+        """Give up the drag under way; else close what is open, let go of what is chosen; quit."""
+        if self.tools.cancel():
+            return
+        if self.menu is not None:
+            self.menu = None
+        elif self.shown.help:
+            self.shown.help = False
+        elif self.tools.tool is not Tool.POINTER:
+            self.tools.choose(Tool.POINTER)
+        elif len(self.selection):
+            self.selection.clear()
+        else:
+            self.quit()
+
+    def _hold_in_pause(self) -> None:
+        """In a pause, put what is held where the hand is."""
+        if self.hand.held is not None:
+            self.engine.edit(self.hand.carry)
+
+    def _keep_up(self) -> None:
+        """Let go of what is no longer in the world."""
+        self.selection.follow(self.frame)
+        self.pulls.follow(self.frame)
+        if self.hand.held is not None and not len(self.frame.rows(self.hand.held)):
+            self.hand.drop()
 
     # Looks
 
@@ -201,6 +326,15 @@ class Session:
         """Show the tree in the next way."""
         self.shown.tree = self.shown.tree.next()
         self.say(f"Tree: {self.shown.tree.value}")
+
+    def cycle_colours(self) -> None:
+        """Colour the particles by the next quantity."""
+        self.shown.colour_by = self.shown.colour_by.next()
+        self.say(f"Colour: {self.shown.colour_by.value}")
+
+    def clear_trails(self) -> None:
+        """Forget where particles have been."""
+        self.picture.trails.clear()
 
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""
