@@ -88,6 +88,24 @@ class Camera:
         other.center = self.center[0] + shift[0] - aside, self.center[1] + shift[1]
         return other
 
+    @property
+    def at_home(self) -> bool:
+        """Whether the whole view is shown, as large as fits."""
+        return self._at_home
+
+    def aim(self, center: Point, scale: float) -> None:
+        """Show the surroundings of a world point, at a scale."""
+        self._at_home = False
+        self.center, self.scale = center, scale
+
+    def on(self, size: Size) -> Camera:
+        """Return a camera that shows the same on a screen of another size, without a readout."""
+        other = Camera(size, self._view)
+        if not self._at_home:
+            zoom = min(size[0] / self.size[0], size[1] / self.size[1])
+            other.aim(self.center, self.scale * zoom)
+        return other
+
     def resize(self, size: Size) -> None:
         """Take a new screen size; a view at home stays at home."""
         self.size = size

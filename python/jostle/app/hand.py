@@ -50,8 +50,13 @@ class Hand:
         if self.held is not None:
             simulation.drag(self.held, self.point, self.velocity)
 
-    def throw(self, simulation: Simulation) -> None:
-        """Let go; the particle takes the hand's velocity."""
+    def carry(self, simulation: Simulation) -> None:
+        """In a pause: put the held particle where the hand is."""
         if self.held is not None:
+            simulation.change([self.held], positions=[self.point])
+
+    def throw(self, simulation: Simulation) -> None:
+        """Let go; the particle takes the hand's velocity, or by the article keeps its own."""
+        if self.held is not None and not simulation.settings.by_article:
             simulation.change([self.held], velocities=[self.velocity])
         self.held = None

@@ -11,7 +11,6 @@ from jostle.app.engine import SHORT, Engine
 from jostle.app.painter import Painter
 from jostle.app.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
 from jostle.app.picture import Picture
-from jostle.app.settings import Settings
 from jostle.app.shown import Shown
 from jostle.app.simulation import Facts, Frame, Wants
 from jostle.app.start import start
@@ -26,12 +25,15 @@ EVERY = 0.2  # seconds between new numbers: faster ones cannot be read
 PAD, EDGE, WIDEST = 12, 12, 420  # pixels
 
 
-def refusal(method: str, n: int) -> str | None:
-    """Return why a method cannot race with n particles, or nothing."""
-    most = MOST.get(method, n)
-    if n <= most:
-        return None
-    return f"With more than {most:,} particles {method_name(method)} is too slow to race."
+def refusal(left: str, right: str, n: int) -> str | None:
+    """Return why two methods cannot race with n particles, or nothing."""
+    if left == right:
+        return f"A race needs two methods, and {method_name(left)} runs already."
+    for method in (left, right):
+        most = MOST.get(method, n)
+        if n > most:
+            return f"With more than {most:,} particles {method_name(method)} is too slow to race."
+    return None
 
 
 class Lane:
@@ -39,10 +41,6 @@ class Lane:
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
-        self.begin()
-
-    def begin(self) -> None:
-        """Count from here."""
         self._first = self.engine.steps
         self._seen = 0
         self.milliseconds = 0.0
@@ -69,7 +67,7 @@ class Lane:
 class Race:
     """A second engine on the same scene, and the picture of both.
 
-    What a hand does is done to the left one alone; other settings begin both anew.
+    What a hand does is done to the left one alone; with other settings a new race begins.
 
     Parameters
     ----------
@@ -88,16 +86,9 @@ class Race:
         self._sheets: list[pygame.Surface] = []
         self._due = 0.0
 
-    def begin(self, settings: Settings) -> None:
-        """Begin anew, when the left one has."""
-        self.engine.take(start(replace(settings, method=self.method)))
-        self._picture.restart()
-        self._due = 0.0
-        for lane in self.lanes:
-            lane.begin()
-
     def advance(self, elapsed: float, wants: Wants) -> None:
         """Let the right one go on by simulated seconds, or fall behind; the left one has."""
+        wants = replace(wants, energies=True)
         changed, self.engine.wants = wants != self.engine.wants, wants
         steps = self.engine.advance(elapsed)
         if changed and not steps:
