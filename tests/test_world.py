@@ -386,6 +386,15 @@ def test_the_profile_is_of_the_last_step() -> None:
     assert world.profile == before
 
 
+def test_forces_have_a_stage_of_their_own() -> None:
+    world = gas(4000, forces=[jostle.Gravitation(0.1)])
+    assert world.profile == dict.fromkeys([*STAGES, "forces"], 0.0)
+    world.step(1 / 60)
+    assert all(time > 0 for time in world.profile.values())
+    world.forces = ()
+    assert list(world.profile) == STAGES
+
+
 def test_sums() -> None:
     world = three(gravity=(0, 10))
     assert world.momentum == (1, 8)

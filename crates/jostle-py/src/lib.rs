@@ -2,6 +2,7 @@
 //! is computed in the core; `arrays` is the only place that converts.
 
 mod error;
+mod files;
 mod arrays;
 mod settings;
 mod shapes;

@@ -1,5 +1,6 @@
 //! `jostle.World`.
 
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
@@ -9,11 +10,12 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
 use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
 use crate::containers;
-use crate::error::refused;
+use crate::error::{refused, type_error};
+use crate::files;
 use crate::forces;
 use crate::particles::{Draft, reals, truths, vectors};
 use crate::results;
@@ -24,7 +26,7 @@ use crate::settings;
 const LOOK_UP: Duration = Duration::from_millis(50);
 
 /// Names of the stages, in the order of [`Stage`].
-const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"];
+const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve", "forces"];
 
 /// Circles that move, collide and bounce off walls.
 ///
@@ -612,7 +614,10 @@ impl PyWorld {
         self.long(py, |state| state.world.kinetic_energy())
     }
 
-    /// Energy of everything movable in the field of gravity, 0 at the origin.
+    /// Energy of everything movable in the fields of gravity (0 at the origin) and of
+    /// attractors (harmonic 0 at the point, inverse square 0 far away), of springs that
+    /// have not broken (½ stiffness times stretch squared) and of gravitation (0 far
+    /// away), which is summed up as its forces are, by boxes where particles are many.
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.potential_energy())
@@ -625,12 +630,16 @@ impl PyWorld {
     }
 
     /// Milliseconds that each stage of the last step took: a dict of "integrate",
-    /// "build", "pairs", "contacts" and "resolve".
+    /// "build", "pairs", "contacts" and "resolve", and "forces" where there are any.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let times = self.state(py)?.profile;
+        let (times, forces) = {
+            let state = self.state(py)?;
+            (state.profile, !state.world.forces().is_empty())
+        };
         let profile = PyDict::new(py);
-        for (stage, time) in STAGES.iter().zip(times) {
+        let shown = if forces { STAGES.len() } else { STAGES.len() - 1 };
+        for (stage, time) in STAGES.iter().zip(times).take(shown) {
             profile.set_item(stage, time.as_secs_f64() * 1e3)?;
         }
         Ok(profile)
@@ -659,6 +668,132 @@ impl PyWorld {
     /// True
     fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {
         self.long(py, |state| state.world.state_hash())
+    }
+
+    /// Put all of the world into bytes.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     Particles, settings, forces, the time, and what leans on what. They are the same
+    ///     on every machine, and a world that `restore` makes of them goes on to the bit.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+    /// >>> before = world.snapshot()
+    /// >>> world.step(0.5, steps=4)
+    /// >>> world.time, jostle.World.restore(before).time
+    /// (2.0, 0.0)
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.long(py, |state| state.world.snapshot())?;
+        PyBytes::new_with(py, bytes.len(), |to| {
+            py.detach(|| to.copy_from_slice(&bytes));
+            Ok(())
+        })
+    }
+
+    /// Make a world of the bytes of `snapshot`.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : bytes, bytearray or memoryview
+    ///
+    /// Returns
+    /// -------
+    /// World
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `data` are no bytes.
+    /// ValueError
+    ///     If they are not from `snapshot`, or cut off or damaged since.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.scenes.create("gas", n=100)
+    /// >>> copy = jostle.World.restore(world.snapshot())
+    /// >>> world.step(0.01, steps=50); copy.step(0.01, steps=50)
+    /// >>> copy.state_hash() == world.state_hash()
+    /// True
+    #[classmethod]
+    fn restore(_class: &Bound<'_, PyType>, data: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = data.py();
+        let bytes = if let Ok(bytes) = data.cast::<PyBytes>() {
+            bytes.clone()
+        } else if data.is_instance_of::<PyByteArray>() || data.is_instance_of::<PyMemoryView>() {
+            py.get_type::<PyBytes>().call1((data,))?.cast_into()?
+        } else {
+            return Err(type_error("data", "bytes", data));
+        };
+        let bytes = bytes.as_bytes();
+        Ok(Self::of(py.detach(|| World::restore(bytes)).map_err(refused)?))
+    }
+
+    /// Write the world into a file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A file that is there is replaced, once the new one is whole.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written; then an old one is left as it was.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, os, tempfile
+    /// >>> path = os.path.join(tempfile.mkdtemp(), "gas.jostle")
+    /// >>> jostle.scenes.create("gas", n=100).save(path)
+    /// >>> len(jostle.World.load(path))
+    /// 100
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let bytes = self.long(py, |state| state.world.snapshot())?;
+        files::replace(py, &path, &bytes)
+    }
+
+    /// Read a world from a file that `save` has written.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///
+    /// Returns
+    /// -------
+    /// World
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     If there is no world in it, or it is cut off or damaged.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, os, tempfile
+    /// >>> path = os.path.join(tempfile.mkdtemp(), "pile.jostle")
+    /// >>> jostle.scenes.create("pile", n=50).save(path)
+    /// >>> jostle.World.load(path)
+    /// <jostle.World of 50 particles after 0.000 s>
+    #[classmethod]
+    fn load(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        let py = class.py();
+        let bytes = files::read(py, &path)?;
+        Ok(Self::of(py.detach(|| World::restore(&bytes)).map_err(refused)?))
+    }
+
+    /// Copies and pickles are snapshots.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((py.get_type::<Self>().getattr("restore")?, (self.snapshot(py)?,)))
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {

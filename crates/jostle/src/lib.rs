@@ -22,6 +22,7 @@ pub mod integrate;
 pub mod forces;
 pub mod contacts;
 pub mod resolve;
+pub mod bytes;
 pub mod world;
 pub mod scenes;
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import jostle
@@ -15,12 +16,16 @@ from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
 from jostle.app.deeds import Deeds
 from jostle.app.engine import Engine
+from jostle.app.files import Files
 from jostle.app.gravity import Gravity
 from jostle.app.hand import Hand
+from jostle.app.history import History
 from jostle.app.menu import Menu
+from jostle.app.painter import Painter
 from jostle.app.picking import pick, pick_first
 from jostle.app.picture import Picture
 from jostle.app.pulls import Pulls
+from jostle.app.race import Race, refusal
 from jostle.app.selection import NOBODY, Selection
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
@@ -65,6 +70,8 @@ class Session:
         The one that is open.
     cursor
         Where the mouse is, in pixels.
+    race
+        The other method beside this one, while there is a race.
     now
         Seconds since the session began.
     """
@@ -72,10 +79,16 @@ class Session:
     def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
         self.engine = Engine(simulation)
         self.engine.before.append(self._act_before)
+        self.history = History()
+        self.history.restart(simulation)
+        self.engine.after.append(self.history.after)
+        self.engine.touched.append(self.history.touch)
+        self.files = Files(self)
         self.first = simulation.settings  # what restart goes back to
         self.camera = Camera(size, simulation.view, left=left)
         self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
+        self.race: Race | None = None
         self.hand = Hand()
         self.selection = Selection()
         self.pulls = Pulls(self.engine)
@@ -107,16 +120,21 @@ class Session:
             self._hold_in_pause()
         else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
+            if self.race:
+                self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
             engine.look()
         self._keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
         )
+        self.files.follow()
         return steps
 
     def _act_before(self, simulation: Simulation) -> None:
         """Before each step: what a person is doing to the simulation at the moment."""
+        if self.hand.held is not None or self.pulls.to_cursor:
+            self.history.touch()
         self.pulls.apply(simulation)
         self.hand.drag(simulation)
 
@@ -134,6 +152,27 @@ class Session:
         """Make one step, and pause."""
         self.paused = True
         self.engine.step()
+        if self.race:
+            self.race.engine.step()
+
+    def step_back(self) -> None:
+        """Go back to the moment before, and pause; what a person did last is undone first."""
+        self._show(lambda: self.history.at - 1)
+
+    def scrub(self, seconds_ago: float) -> None:
+        """Show what was so long before the youngest moment, and pause."""
+        self._show(lambda: self.history.index_of(seconds_ago))
+
+    def _show(self, which: Callable[[], int]) -> None:
+        self.paused = True
+        self.hand.drop()
+
+        def show(simulation: Simulation) -> None:
+            self.history.hold(simulation)
+            self.history.show(simulation, which(), self.engine.last_seconds)
+            self.picture.restart()
+
+        self.engine.edit(show, changes=False)
 
     # What runs
 
@@ -163,16 +202,25 @@ class Session:
             self.say(str(error) or "There is not enough memory for that.")
             return
         moved = simulation.view != self.engine.view
+        rival = self.race.method if self.race else None
+        self.take(simulation)
+        if rival:
+            self._start_race(rival)
+        if moved:
+            self.camera.look_at(simulation.view)
+
+    def take(self, simulation: Simulation) -> None:
+        """Go on with another simulation."""
+        self._end_race()
         self.tools.cancel()
         self.selection.clear()
         self.deeds.forget()
         self.menu = None
         self.engine.take(simulation)
+        self.history.restart(simulation)
         self.pulls.take_over(self.frame)
         self.picture.restart()
         self.statistics.restart()
-        if moved:
-            self.camera.look_at(simulation.view)
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own rules; how it is computed and paced stays."""
@@ -193,7 +241,8 @@ class Session:
 
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
-        if name in self.engine.adjustable:
+        live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
+        if live:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
         else:
             self.begin(replace(self.settings, **{name: value}))
@@ -201,7 +250,7 @@ class Session:
     def choose_method(self, method: str) -> None:
         """Go on with another method; where the rules change too, with the same particles."""
         settings = replace(self.settings, method=method)
-        if settings.by_article == self.settings.by_article:
+        if self.race or settings.by_article == self.settings.by_article:
             self.adjust("method", method)
         else:
             self.engine.wait()
@@ -213,6 +262,28 @@ class Session:
         method = _OTHER_METHOD[self.settings.method]
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
+
+    def toggle_race(self, method: str) -> None:
+        """Begin anew side by side with another method on the same scene, or end that."""
+        if self.race:
+            self._end_race()
+        else:
+            self.begin(self.settings)
+            self._start_race(method)
+
+    def _start_race(self, method: str) -> None:
+        reason = refusal(self.settings.method, method, len(self.frame))
+        if reason:
+            self.say(reason)
+        else:
+            self.race = Race(self.engine, method)
+            self.camera.divide(2)
+
+    def _end_race(self) -> None:
+        if self.race:
+            self.race.close()
+            self.race = None
+            self.camera.divide(1)
 
     # Hands
 
@@ -285,6 +356,13 @@ class Session:
 
     # Looks
 
+    def draw(self, painter: Painter) -> None:
+        """Draw the scene, or both of a race."""
+        if self.race:
+            self.race.draw(painter, self.picture, self.camera, self.shown, self.now)
+        else:
+            self.picture.draw(painter, self.frame, self.camera, self.shown)
+
     def cycle_tree(self) -> None:
         """Show the tree in the next way."""
         self.shown.tree = self.shown.tree.next()
@@ -313,10 +391,30 @@ class Session:
         """Return the sentence to show now, or nothing."""
         return self._notice if self.now < self._notice_until else ""
 
+    # Files
+
+    def save(self, path: Path | None = None) -> None:
+        """Save the scene: its state, its settings, and how it is looked at."""
+        self.files.save(path)
+
+    def load(self, path: Path) -> None:
+        """Go on with a saved scene; where that cannot be, nothing changes."""
+        self.files.load(path)
+
+    def screenshot(self) -> None:
+        """Save the picture."""
+        self.files.screenshot()
+
+    def toggle_recording(self) -> None:
+        """Begin a film, or end it."""
+        self.files.toggle_recording()
+
     def quit(self) -> None:
         """Leave the loop after this frame."""
         self.open = False
 
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""
+        self._end_race()
         self.engine.close()
+        self.files.close()

@@ -172,7 +172,7 @@ fn bounded(value: f32) -> f32 {
 
 /// The offset to the nearest image of what is at `offset`.
 #[inline(always)]
-fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
+pub fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
     let Container::Torus { size } = container else { return offset };
     [0, 1].map(|k| nearest_on(offset[k], size[k]))
 }

@@ -78,6 +78,18 @@ impl Springs {
         });
     }
 
+    /// Sum of ½ · stiffness · stretch².
+    pub fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+        let energy = |spring: &Spring| {
+            let stretch = length(spring, bodies) - f64::from(spring.length);
+            0.5 * f64::from(spring.stiffness) * stretch * stretch
+        };
+        let mut all: Vec<f64> = self.0.iter().map(energy).collect();
+        // Springs come in any order; their sum must not depend on it.
+        all.sort_unstable_by(f64::total_cmp);
+        all.iter().sum()
+    }
+
     /// Removes those that are stretched too far.
     pub fn break_stretched(&mut self, bodies: &Bodies<'_>) {
         self.0.retain(|spring| {

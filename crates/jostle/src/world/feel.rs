@@ -100,7 +100,7 @@ pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>)
 }
 
 /// The particles as forces see them, at some positions.
-fn bodies<'a>(
+pub(super) fn bodies<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
     places: &'a [u32],

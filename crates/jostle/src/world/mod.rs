@@ -10,6 +10,7 @@ mod feel;
 mod merge;
 mod search;
 mod settings;
+mod snapshot;
 mod step;
 mod sums;
 
@@ -43,6 +44,8 @@ pub enum Stage {
     Contacts,
     /// Velocities and positions from contacts.
     Resolve,
+    /// What forces do, before and between all that. Told only where there are forces.
+    Forces,
 }
 
 /// What the last step's search looked like.

@@ -92,6 +92,9 @@ impl World {
     /// pairs → contacts → resolved velocities and positions.
     fn step_once(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         self.feel(dt)?;
+        if !self.forces.is_empty() {
+            watch(Stage::Forces);
+        }
         self.sweep(dt);
         watch(Stage::Integrate);
         self.build();
@@ -101,7 +104,7 @@ impl World {
         self.arrange();
         self.meet();
         watch(Stage::Contacts);
-        self.resolve(dt);
+        self.resolve(dt, watch);
         self.break_springs();
         self.merge();
         watch(Stage::Resolve);
@@ -202,7 +205,7 @@ impl World {
         self.contacts.collect(pairs, particles, restitution, tree.rows(), threads);
     }
 
-    fn resolve(&mut self, dt: f32) {
+    fn resolve(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) {
         let settings = &self.settings;
         let [gx, gy] = settings.gravity;
         let rules = Rules {
@@ -234,6 +237,7 @@ impl World {
         let h = dt / settings.substeps as f32;
         for substep in 0..settings.substeps {
             if substep > 0 && forces::pull(&self.forces) {
+                watch(Stage::Resolve);
                 for (place, halfway) in forces.halfway.iter_mut().enumerate() {
                     let (position, velocity) =
                         (motions.position(place as u32), motions.velocity(place as u32));
@@ -241,10 +245,13 @@ impl World {
                     *halfway = settings.container.wrap(there);
                 }
                 accelerate(&self.forces, scene.particles, settings, forces);
+                watch(Stage::Forces);
             }
             resolve::kick(&scene, &rules, &forces.accelerations, h);
-            if !self.forces.is_empty() {
+            if !forces.sprung.is_empty() && !self.forces.is_empty() {
+                watch(Stage::Resolve);
                 forces.sprung.act(motions, h);
+                watch(Stage::Forces);
             }
             resolve::substep(&mut scene, &rules, h);
             merge::note(&mut memory.meetings, motions, rules.threads);
