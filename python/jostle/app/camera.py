@@ -23,13 +23,13 @@ class Camera:
         Width and height of the screen in pixels.
     view
         The part of the world to show, as min_x, min_y, max_x, max_y.
-    left
-        Pixels at the left edge that the scene shall stay clear of (the readout).
+    left, right
+        Pixels at the edges that the scene shall stay clear of (the panels).
     """
 
-    def __init__(self, size: Size, view: Rect, left: int = 0) -> None:
+    def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:
         self.size = size
-        self.left = left
+        self.left, self.right = left, right
         self._view = view
         self.home()
 
@@ -39,18 +39,26 @@ class Camera:
         self.home()
 
     def home(self) -> None:
-        """Show the whole view, as large as fits beside the readout."""
+        """Show the whole view, as large as fits between the panels."""
         min_x, min_y, max_x, max_y = self._view
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
         left = self.left if self.left < self.size[0] / 2 else 0
-        free = max(self.size[0] - left - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN, 16)
+        right = self.right if left + self.right < 0.7 * self.size[0] else 0
+        free = max(self.size[0] - left - right - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN, 16)
         self.scale = min(free[0] / width, free[1] / height)
         self._fit_scale = self.scale
         self.center = (
-            (min_x + max_x) / 2 - left / 2 / self.scale,
+            (min_x + max_x) / 2 - (left - right) / 2 / self.scale,
             (min_y + max_y) / 2,
         )
         self._at_home = True
+
+    def keep_clear(self, left: int, right: int) -> None:
+        """Leave other edges free from now on; a view at home stays at home."""
+        if (left, right) != (self.left, self.right):
+            self.left, self.right = left, right
+            if self._at_home:
+                self.home()
 
     def resize(self, size: Size) -> None:
         """Take a new screen size; a view at home stays at home."""

@@ -22,10 +22,14 @@ from jostle.app.shown import Shown, TreeView
 from jostle.app.simulation import Frame, Point, Simulation
 from jostle.app.start import start
 from jostle.app.statistics import Statistics
+from jostle.app.traces import Traces
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
 REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
+
+# What to change does work on the particles: drift begins again, for it is not theirs.
+WORK = {"n", "gravity", "world_size", "container"}
 
 _OTHER_METHOD = {
     "quadtree": "brute",
@@ -49,7 +53,7 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand, statistics
+    engine, camera, shown, picture, hand, statistics, traces
         The parts; everybody may look at them.
     cursor
         Where the mouse is, in pixels.
@@ -66,6 +70,7 @@ class Session:
         self.picture = Picture()
         self.hand = Hand()
         self.statistics = Statistics()
+        self.traces = Traces(self.statistics)
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
         self.open = True
@@ -163,6 +168,8 @@ class Session:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
         if name in self.engine.adjustable:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
+            if name in WORK:
+                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
 
