@@ -22,6 +22,8 @@ picking, hand           what is under the cursor; pick up and throw
 series, statistics, traces      numbers over time; times, pairs, energy, momentum and how they drift
 pace, engine            real time to whole steps; who steps, and in which thread
 session                 all that a person has before them, without a window
+gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
+                        `gui_shapes`, `gui_software` draw it
 controls, acts          the table of keys, and what each does to a session
 window                  the interactive loop
 recorder                MP4 and PNG files
