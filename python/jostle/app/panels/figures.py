@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
-import numpy as np
 from imgui_bundle import imgui
 
 from jostle.app.gui import Gui
 from jostle.app.palette import Colour
 from jostle.app.panels import plots
 from jostle.app.panels.ink import (
-    ACCENT,
     ACROSS,
-    CHOSEN,
     DOWN,
     KINETIC,
     POTENTIAL,
     RAISED,
     STAGES,
+    TEXT,
     TEXT_SOFT,
     TOTAL,
     ink,
     vec,
 )  # fmt: skip
 from jostle.app.panels.layout import TAB, layout
-from jostle.app.panels.widgets import at_right, colours, hint, row, section, soft
+from jostle.app.panels.widgets import at_right, button, colours, hint, row, section, signed, width
 from jostle.app.session import Session
-from jostle.app.traces import SPAN
+from jostle.app.traces import SPAN, Floats
 from jostle.app.words import pairs_of, scientific, share
 
+COLUMN_GAP = 18.0
+LONG = 1e5  # numbers from here on have a power of ten
 MARGIN = 0.08  # of the span of a plot, left free above and below
 LEAST_PLOT, MOST_PLOT = 56.0, 150.0
-TEXT_LINES = 520.0  # what everything but the three plots needs, in points
+TEXT_LINES = 505.0  # what everything but the three plots needs, in points
 
 FLAGS = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -60,13 +60,17 @@ def build(session: Session, gui: Gui) -> None:
 
 
 def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
-    """Build the sections alone, with plots of a height as far as they can be read."""
-    session.traces.refresh(session.now)
+    """Build the sections alone, with plots of a height as far as they can be read.
+
+    Each is a window of its own inside the panel, so that only what changes is drawn anew.
+    """
+    session.traces.refresh(session.frame, session.now)
     height = min(max(height, LEAST_PLOT), MOST_PLOT)
-    for title, contents in (("Time", _times), ("Pairs", _pairs), ("Energy", _energy),
-                            ("Momentum", _momentum)):  # fmt: skip
+    for title, contents in SECTIONS.items():
         if section(gui, title):
+            imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y)
             contents(session, gui, height)
+            imgui.end_child()
 
 
 def _head(session: Session, gui: Gui) -> None:
@@ -82,85 +86,106 @@ def _head(session: Session, gui: Gui) -> None:
     at_right(words, quiet=True)
 
 
-def _swatch(name: str, colour: Colour, value: str) -> None:
-    """Write a line of a legend: a dot, a name, a number."""
+def _swatch(name: str, colour: Colour, value: str, across: float = 0.0) -> None:
+    """Write an entry of a legend: a dot, a name, a number; as wide as the panel, or less."""
+    across = across or width()
     at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
     middle = at.y + size / 2 + 1
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled((at.x, middle - 4), (at.x + 8, middle + 4), ink(colour), 2.0)
-    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 16)
-    soft(name)
-    if value:
-        at_right(value)
+    draw.add_text((at.x + 16, at.y), ink(TEXT_SOFT), name)
+    draw.add_text((at.x + across - imgui.calc_text_size(value).x, at.y), ink(TEXT), value)
+    imgui.dummy((across, size))
 
 
 def _times(session: Session, gui: Gui, height: float) -> None:
     traces, stages = session.traces, session.statistics.stages
     tints = [STAGES.get(stage, TEXT_SOFT) for stage in stages]
-    corner = f"{traces.top:g} ms, last {SPAN:g} s"
+    corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
     with plots.plot("times", height, (-SPAN, 0.0), (0.0, traces.top), corner) as seen:
         if seen:
             plots.areas(traces.ages, traces.stacked, tints)
             plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
-    for stage, tint in reversed(list(zip(stages, tints, strict=True))):
-        _swatch(stage, tint, f"{traces.means.get(stage, 0.0):.2f} ms")
-    _swatch("from picture to picture", TOTAL, f"{traces.frame_mean:.2f} ms")
+    legend = [
+        *(
+            (stage, tint, traces.means.get(stage, 0.0))
+            for stage, tint in zip(stages, tints, strict=True)
+        ),
+        ("a picture", TOTAL, traces.frame_mean),
+    ]
+    half = -(-len(legend) // 2)  # two columns, read downwards
+    across = (width() - COLUMN_GAP) / 2
+    for k in range(half):
+        _swatch(*_in_ms(legend[k]), across)
+        if half + k < len(legend):
+            imgui.same_line(across + COLUMN_GAP + imgui.get_style().window_padding.x)
+            _swatch(*_in_ms(legend[half + k]), across)
+
+
+def _in_ms(entry: tuple[str, Colour, float]) -> tuple[str, Colour, str]:
+    name, tint, milliseconds = entry
+    return name, tint, f"{milliseconds:.2f}"
 
 
 def _pairs(session: Session, gui: Gui, height: float) -> None:
-    facts, every = session.frame.facts, pairs_of(len(session.frame))
+    facts, every = session.traces.facts, pairs_of(session.traces.count)
     row("tested", f"{facts.pairs_tested:,}")
     row("of n(n\u22121)/2", f"{every:,}")
     row("share", share(facts.pairs_tested, every))
     row("touching", f"{facts.touching:,}")
-    row("nodes of the tree", f"{facts.nodes:,}")
-    row("depth of the tree", f"{facts.depth:,}")
+    row("tree", f"{facts.nodes:,} nodes, {facts.depth:,} deep" if facts.nodes else "\u2013")
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
-    lines = (("kinetic", KINETIC), ("potential", POTENTIAL), ("total", TOTAL))
-    _lines(session, gui, "energy", lines, height)
-    drift = 100 * session.statistics.energy_drift
-    row("drift since the start", f"{drift:+.2f} %".replace("-", "\u2212"))
+    time, *columns, drift = session.traces.energies
+    names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
+    _lines(gui, "energy", height, time, names, tints, columns)
+    row("drift since the start", signed(drift[-1] if len(drift) else 0.0, "+.2f") + " %")
     hint(
         "How far the total energy is from where it began, compared with the energy in play. "
         "Right physics loses energy to restitution and drag alone; the article's rules lose and "
-        "invent it."
+        "invent it. The potential energy counts from the start."
     )
 
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:
-    lines = (("momentum_x", ACROSS), ("momentum_y", DOWN))
-    _lines(session, gui, "momentum", lines, height)
-    row("drift since the start", f"{100 * session.statistics.momentum_drift:.2f} %")
-    with colours(button=vec(RAISED, 0.7), button_hovered=vec(ACCENT, 0.25),
-                 button_active=vec(CHOSEN)):  # fmt: skip
-        if imgui.button("Measure drift from now on", (-1.0, 25.0)):
-            session.statistics.begin_again()
-    gui.mark("measure drift")
-
-
-WORDS = {"momentum_x": "to the right", "momentum_y": "down"}
+    time, *columns = session.traces.momenta
+    _lines(gui, "momentum", height, time, ("to the right", "down"), (ACROSS, DOWN), columns)
+    row("drift since the start", f"{100 * session.traces.momentum_drift:.2f} %")
+    hint("How much momentum has come or gone, compared with all of it flying one way.")
+    if button(gui, "measure drift", "Measure drift from now on"):
+        session.statistics.begin_again()
 
 
 def _lines(
-    session: Session, gui: Gui, name: str, lines: tuple[tuple[str, Colour], ...], height: float
+    gui: Gui,
+    name: str,
+    height: float,
+    time: Floats,
+    names: tuple[str, ...],
+    tints: tuple[Colour, ...],
+    columns: list[Floats],
 ) -> None:
-    """Plot columns of the sums over simulated time, with a legend that tells the last values."""
-    traces = session.traces
-    time = traces.sum("time")
-    columns = [traces.sum(column) for column, _ in lines]
+    """Plot columns over simulated time, with a legend that tells their last values."""
     if not len(time):
         return
-    low, high = (float(f([f(c) for c in columns])) for f in (np.min, np.max))
+    low = min(float(values.min()) for values in columns)
+    high = max(float(values.max()) for values in columns)
     room = MARGIN * (high - low) or abs(high) or 1.0
     across = float(time[0]), max(float(time[-1]), float(time[0]) + 1.0)
-    corner = f"{scientific(high)}, {across[1] - across[0]:,.0f} s"
-    with plots.plot(name, height, across, (low - room, high + room), corner) as seen:
+    corners = _sum(high), f"{across[1] - across[0]:,.0f} s"
+    with plots.plot(name, height, across, (low - room, high + room), corners) as seen:
         if seen:
-            for (column, colour), values in zip(lines, columns, strict=True):
-                plots.line(column, time, values, colour)
+            for word, tint, values in zip(names, tints, columns, strict=True):
+                plots.line(word, time, values, tint)
     gui.mark(f"plot {name}")
-    for (column, colour), values in zip(lines, columns, strict=True):
-        _swatch(WORDS.get(column, column), colour, scientific(float(values[-1])))
+    for word, tint, values in zip(names, tints, columns, strict=True):
+        _swatch(word, tint, _sum(float(values[-1])))
+
+
+def _sum(value: float) -> str:
+    return signed(value, ",.1f") if abs(value) < LONG else scientific(value).replace("-", "\u2212")
+
+
+SECTIONS = {"Time": _times, "Pairs": _pairs, "Energy": _energy, "Momentum": _momentum}

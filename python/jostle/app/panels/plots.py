@@ -24,9 +24,14 @@ SMALL = 12.0
 
 @contextmanager
 def plot(
-    name: str, height: float, across: tuple[float, float], up: tuple[float, float], corner: str
+    name: str,
+    height: float,
+    across: tuple[float, float],
+    up: tuple[float, float],
+    corners: tuple[str, str],
 ) -> Iterator[bool]:
-    """Make a plot with the limits of its axes; `corner` is written at its upper left."""
+    """Make a plot with the limits of its axes; `corners` are words for the upper two."""
+    implot.push_style_var(implot.StyleVar_.plot_padding, (0.0, 3.0))
     seen = implot.begin_plot(f"##{name}", (-1.0, height), BARE)
     if seen:
         grid = AXIS & ~implot.AxisFlags_.no_grid_lines
@@ -36,15 +41,14 @@ def plot(
     yield seen
     if seen:
         low, size = implot.get_plot_pos(), implot.get_plot_size()
-        _small(low.x + 6.0, low.y + 3.0, corner)
         implot.end_plot()
-        del size
-
-
-def _small(x: float, y: float, text: str) -> None:
-    imgui.push_font(None, SMALL)
-    imgui.get_window_draw_list().add_text((x, y), ink(TEXT_SOFT), text)
-    imgui.pop_font()
+        imgui.push_font(None, SMALL)
+        draw, y = imgui.get_window_draw_list(), low.y + 3.0
+        right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
+        draw.add_text((low.x + 6.0, y), ink(TEXT_SOFT), corners[0])
+        draw.add_text((right, y), ink(TEXT_SOFT), corners[1])
+        imgui.pop_font()
+    implot.pop_style_var()
 
 
 def areas(at: Floats, stacked: Floats, colours: Sequence[Colour]) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import jostle
 from jostle.app.gui import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
-from jostle.app.panels.widgets import combo
+from jostle.app.panels.widgets import combo, signed
 from jostle.app.session import Session
 
 ANY_TIME = {"n", "time_scale"}  # what the article's rules leave open
@@ -27,11 +27,11 @@ def _whole(value: float) -> str:
 
 
 def _short(value: float) -> str:
-    return f"{value:.2f}".replace("-", "\u2212")
+    return signed(value, ".2f")
 
 
 def _signed(value: float) -> str:
-    return f"{value:,.0f}".replace("-", "\u2212")
+    return signed(value, ",.0f")
 
 
 def _times(value: float) -> str:

@@ -14,6 +14,7 @@ LABEL = 92.0  # points: where controls begin, the same in every section
 NUMBER = 62.0  # the room for numbers at the right
 GAP = 6.0
 BUTTON = 25.0  # height
+ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
 Col = imgui.Col_
@@ -21,17 +22,28 @@ Col = imgui.Col_
 
 def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
     """Head a section that can be folded; return whether it is open."""
-    imgui.dummy((0.0, 3.0))
-    flags = imgui.TreeNodeFlags_.default_open if open_at_first else imgui.TreeNodeFlags_.none
-    with colours(header=CLEAR, header_hovered=vec(RAISED, 0.5), header_active=vec(RAISED)):
-        is_open = imgui.collapsing_header(f"##{title}", flags | imgui.TreeNodeFlags_.allow_overlap)
+    imgui.dummy((0.0, ABOVE))
+    storage, kept = imgui.get_state_storage(), imgui.get_id(f"{title} is open")
+    is_open = storage.get_bool(kept, open_at_first)
+    if imgui.invisible_button(f"##{title}", (max(width(), 1.0), HEAD)):
+        storage.set_bool(kept, not is_open)
     gui.mark(f"section {title}")
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    draw, middle = imgui.get_window_draw_list(), (low.y + high.y) / 2
-    draw.add_text((low.x + 24, middle - imgui.get_font_size() / 2), ink(TEXT), title)
-    line = low.x + 32 + imgui.calc_text_size(title).x
-    draw.add_line((line, middle + 0.5), (high.x, middle + 0.5), ink(RAISED))
+    draw, middle = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
+    draw.add_text((low.x, middle - imgui.get_font_size() / 2), ink(TEXT), title)
+    after = low.x + imgui.calc_text_size(title).x + 10
+    draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), ink(RAISED))
+    _chevron(high.x - 5, down=is_open)
     return is_open
+
+
+def _chevron(x: float, *, down: bool) -> None:
+    """Draw the sign of what opens, in the middle of the last widget's height."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    tint, y = ink(ACCENT if imgui.is_item_hovered() else TEXT_SOFT), round((low.y + high.y) / 2)
+    draw, rise = imgui.get_window_draw_list(), 2.0 if down else -2.0
+    for side in (-4.0, 4.0):
+        draw.add_line((x + side, y - rise), (x, y + rise), tint, 1.5)
 
 
 @contextmanager
@@ -74,6 +86,14 @@ def row(name: str, value: str) -> None:
     at_right(value)
 
 
+def signed(value: float, form: str) -> str:
+    """Return a number with a true minus sign, and none before zeros."""
+    words = format(value, form)
+    if not any(digit in words for digit in "123456789"):
+        words = words.lstrip("+-")
+    return words.replace("-", "\u2212")
+
+
 def hint(text: str) -> None:
     """Explain the last widget where the mouse rests on it, switched off or not."""
     flags = imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled
@@ -106,6 +126,11 @@ def choice(
     return clicked and not reason
 
 
+def button(gui: Gui, name: str, text: str) -> bool:
+    """Build a button as wide as the panel."""
+    return choice(gui, name, text, width(), chosen=False)
+
+
 def share_out(count: int) -> float:
     """Return the width of each of `count` buttons that fill the rest of the line."""
     return (width() - GAP * (count - 1)) / count
@@ -124,8 +149,10 @@ def combo(
     picked = None
     imgui.begin_disabled(bool(reason))
     imgui.set_next_item_width(width())
-    is_open = imgui.begin_combo(f"##{name}", options.get(chosen, chosen))
+    flags = imgui.ComboFlags_.no_arrow_button
+    is_open = imgui.begin_combo(f"##{name}", options.get(chosen, chosen), flags)
     gui.mark(name)
+    _chevron(imgui.get_item_rect_max().x - 13, down=True)
     if is_open:
         for value, words in options.items():
             if imgui.selectable(words, value == chosen)[0]:
