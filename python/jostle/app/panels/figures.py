@@ -28,9 +28,10 @@ from jostle.app.words import pairs_of, scientific, share
 
 COLUMN_GAP = 18.0
 LONG = 1e5  # numbers from here on have a power of ten
+WORDS = 16.0  # points that the words in a plot's corners are high
 MARGIN = 0.08  # of the span of a plot, left free above and below
 LEAST_PLOT, MOST_PLOT = 56.0, 150.0
-TEXT_LINES = 505.0  # what everything but the three plots needs, in points
+TEXT_LINES = 540.0  # what everything but the three plots needs, in points
 
 FLAGS = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -119,7 +120,7 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     for k in range(half):
         _swatch(*_in_ms(legend[k]), across)
         if half + k < len(legend):
-            imgui.same_line(across + COLUMN_GAP + imgui.get_style().window_padding.x)
+            imgui.same_line(0.0, COLUMN_GAP)
             _swatch(*_in_ms(legend[half + k]), across)
 
 
@@ -175,7 +176,8 @@ def _lines(
     room = MARGIN * (high - low) or abs(high) or 1.0
     across = float(time[0]), max(float(time[-1]), float(time[0]) + 1.0)
     corners = _sum(high), f"{across[1] - across[0]:,.0f} s"
-    with plots.plot(name, height, across, (low - room, high + room), corners) as seen:
+    above = (high - low) * WORDS / (height - WORDS)  # no line crosses the words in the corners
+    with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
                 plots.line(word, time, values, tint)

@@ -11,7 +11,7 @@ from jostle.app.session import Session
 COLUMN, FIGURES = 290.0, 296.0  # points
 NARROW = 0.42  # of a small window, at most, for the column
 LEAST_COLUMN = 220.0  # what is narrower cannot be used; there is no column then
-ROOM_FOR_FIGURES = 960.0  # below it the statistics move into the column
+ROOM_FOR_FIGURES = 1180.0  # below it the statistics move into the column
 TAB = 34.0  # height of the statistics when they are folded
 
 
