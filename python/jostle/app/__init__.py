@@ -21,7 +21,7 @@ picture                 all layers in their order: the one picture of window and
 words, text, readout    words and numbers on the screen
 notices, helping        short sentences; the overlay that lists the keys
 picking, hand           what is under the cursor; pick up and throw
-series, statistics      numbers over time; times, pairs, energy, momentum and how they drift
+series, statistics, traces      numbers over time; times, pairs, energy, momentum and how they drift
 pace, engine            real time to whole steps; who steps, and in which thread
 session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
