@@ -91,9 +91,7 @@ def free_places(
         left = np.flatnonzero(~found)
         if len(left) == 0:
             break
-        tries = brought_in(
-            chance.uniform(rect[0], rect[1], (len(left), 2)), radii[left], container
-        )
+        tries = brought_in(chance.uniform(rect[0], rect[1], (len(left), 2)), radii[left], container)
         free = _free(tries, radii[left], there, sizes)
         chosen = left[free]
         places[chosen], found[chosen] = tries[free], True

@@ -31,9 +31,7 @@ def write_series(path: Path, columns: Mapping[str, ArrayLike]) -> None:
     _write_table(path, tuple(columns), list(columns.values()), ["%.17g"] * len(columns))
 
 
-def _write_table(
-    path: Path, names: Iterable[str], columns: list[Any], formats: list[str]
-) -> None:
+def _write_table(path: Path, names: Iterable[str], columns: list[Any], formats: list[str]) -> None:
     table = np.column_stack([np.asarray(column, np.float64) for column in columns])
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(",".join(names) + "\n")

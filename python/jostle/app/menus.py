@@ -20,6 +20,7 @@ def build(session: Session, gui: Gui) -> None:
         return
     if not menu.shown:
         imgui.open_popup(POPUP)
+        imgui.set_next_window_pos(imgui.ImVec2(*menu.pixel))
         menu.shown = True
     if not imgui.begin_popup(POPUP):
         session.menu = None  # clicked beside it, or Esc

@@ -270,13 +270,13 @@ class Session:
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
 
-    def toggle_race(self, method: str) -> None:
+    def toggle_race(self, method: str | None = None) -> None:
         """Begin anew side by side with another method on the same scene, or end that."""
         if self.race:
             self._end_race()
         else:
             self.begin(self.settings)
-            self._start_race(method)
+            self._start_race(method or _OTHER_METHOD[self.settings.method])
 
     def _start_race(self, method: str) -> None:
         reason = refusal(self.settings.method, method, len(self.frame))
