@@ -15,8 +15,9 @@ from jostle.app.marks import draw_attractors, draw_contacts, draw_springs, draw_
 from jostle.app.painter import Painter
 from jostle.app.shown import ColourBy, Shown, TreeView
 from jostle.app.simulation import Frame, TreeBoxes, Wants
-from jostle.app.stage import Beads, bounds, draw_discs, draw_stage, rect_on_screen
+from jostle.app.stage import Beads, draw_discs, draw_stage, rect_on_screen
 from jostle.app.trails import Trails
+from jostle.app.walls import bounds
 
 DrawTree = Callable[[Painter, TreeBoxes, Camera], Legend | None]
 
@@ -40,6 +41,10 @@ class Picture:
         self.colouring = Colouring()
         self.trails = Trails()
         self._beads = Beads()
+
+    def clear_trails(self) -> None:
+        """Forget where particles have been."""
+        self.trails.clear()
 
     @staticmethod
     def wants(shown: Shown) -> Wants:

@@ -94,9 +94,7 @@ class Session:
         self.pulls = Pulls(self.engine)
         self.deeds = Deeds(self.engine, self.say)
         self.gravity = Gravity(self.engine, self.say)
-        self.tools = Tools(
-            self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say
-        )
+        self.tools = Tools(self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say)
         self.menu: Menu | None = None
         self.statistics = Statistics()
         self.cursor: Point = (size[0] / 2, size[1] / 2)
@@ -126,6 +124,7 @@ class Session:
                 self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
             engine.look()
+        self.camera.follow(engine.view)
         self._keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
@@ -377,7 +376,7 @@ class Session:
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
-        self.picture.trails.clear()
+        self.picture.clear_trails()
 
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""
