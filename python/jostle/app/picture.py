@@ -9,6 +9,7 @@ import pygame
 from jostle.app import overlays
 from jostle.app.camera import Camera
 from jostle.app.colouring import Colouring
+from jostle.app.extras import Extras
 from jostle.app.labels import draw_labels
 from jostle.app.legend import Card, Legend, draw_cards
 from jostle.app.marks import draw_attractors, draw_contacts, draw_springs, draw_velocities
@@ -41,6 +42,7 @@ class Picture:
         self.colouring = Colouring()
         self.trails = Trails()
         self._beads = Beads()
+        self._extras = Extras()
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
@@ -72,6 +74,7 @@ class Picture:
             cards.append(_draw_tree(overlays.draw_heat, painter, frame, camera, part))
         if shown.trails:
             cards.append(self.trails.draw(painter, frame, shades, camera))
+        self._extras.draw_below(painter, frame, camera)
         draw_springs(painter, frame, camera)
         draw_discs(painter, frame, shades, camera)
         self._beads.draw(painter, frame, camera)
@@ -84,6 +87,7 @@ class Picture:
             cards.append(draw_velocities(painter, frame, camera))
         if shown.labels:
             cards.append(draw_labels(painter, frame, camera))
+        cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
         draw_cards(painter, [card for card in cards if card])
 

@@ -46,21 +46,22 @@ def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
 
 @dataclass(frozen=True)
 class Home:
-    """The walls and the view that a scene begins with, to be scaled or replaced."""
+    """The walls, the view and the number that a scene begins with."""
 
     view: Rect
     rect: Rect  # around the walls; the view where there are none
     kind: str
+    n: int | None
 
     @classmethod
-    def of(cls, container: Container, view: Rect) -> Home:
+    def of(cls, container: Container, view: Rect, n: int | None) -> Home:
         """Return the home of a scene."""
-        return cls(view, bounds(container) or view, kind_of(container))
+        return cls(view, bounds(container) or view, kind_of(container), n)
 
     @classmethod
     def read(cls, facts: Mapping[str, Any]) -> Home:
         """Return it from its fields."""
-        return cls(tuple(facts["view"]), tuple(facts["rect"]), str(facts["kind"]))
+        return cls(tuple(facts["view"]), tuple(facts["rect"]), str(facts["kind"]), facts["n"])
 
     def fitted(self, kind: str | None, factor: float) -> tuple[Container, Rect]:
         """Return walls of a kind (None: the scene's own), scaled, and the view on them.

@@ -74,7 +74,7 @@ class WorldSimulation:
             value = getattr(settings, name)
             if value is not None:
                 setattr(self.world, name, value)
-        self._home = Home.of(self.world.container, view)
+        self._home = Home.of(self.world.container, view, settings.n)
         self.emitters: Emitters | None = None
         if settings.world_size != 1.0 or settings.container is not None:
             self._fit_walls()
@@ -132,6 +132,8 @@ class WorldSimulation:
             touching=self._touching() if wants.contacts else None,
             springs=self._springs(),
             attractors=self._pulls,
+            scene=self.scene,
+            begun_with=self._home.n,
         )
 
     def _facts(self) -> Facts:
