@@ -65,10 +65,9 @@ class Menu:
 
     def facts(self, frame: Frame) -> list[tuple[str, str]]:
         """Return the numbers of the particle under it, as they are now."""
-        rows = frame.rows(self.tag) if self.tag is not None else ()
-        if len(rows) == 0:
+        if self.tag is None or self.is_over(frame):
             return []
-        row = rows[0]
+        row = frame.rows(self.tag)[0]
         (x, y), velocity = frame.positions[row].tolist(), frame.velocities[row].tolist()
         return [
             ("speed", f"{math.hypot(*velocity):,.1f}"),

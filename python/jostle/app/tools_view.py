@@ -37,7 +37,7 @@ def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera:
     if len(rows) == 0:
         return
     x, y = camera.to_screen(frame.positions[rows])
-    radii = frame.radii[rows] * camera.scale + RING_GAP
+    radii = frame.radii[rows].astype(np.float64) * camera.scale + RING_GAP
     if len(rows) <= MOST_RINGS:
         _rings(painter, x, y, radii, ACCENT)
     else:

@@ -300,8 +300,13 @@ class WorldSimulation:
         movable: ArrayLike = True,
     ) -> Tags:
         """Add particles; return their tags."""
+        places = np.asarray(positions, np.float32).reshape(-1, 2)
         ids = self.world.add(
-            positions, velocities, radii, densities=densities, movable=np.asarray(movable)
+            places,
+            np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
+            radii,
+            densities=densities,
+            movable=np.asarray(movable),
         )
         tags = self._tag_last(len(ids))
         self._note_columns()
@@ -390,10 +395,9 @@ class WorldSimulation:
     def _ease(self, row: int) -> float:
         """Return how readily a particle follows the hand: 1, or less for one that is heavy here."""
         if self._usual_mass is None:
-            mass = self.world.masses[self._movable]
-            self._usual_mass = float(np.median(mass)) if len(mass) else 1.0
-        mass = float(self._densities[row] * self._radii[row] ** 2) or self._usual_mass
-        return min(max((self._usual_mass / mass) ** 0.25, LEAST_EASE), 1.0)
+            self._usual_mass = float(np.median(self.world.masses[self._movable]))
+        share = self._usual_mass / float(self.world.masses[row])
+        return min(max(math.sqrt(math.sqrt(share)), LEAST_EASE), 1.0)
 
     def save(self) -> bytes:
         """Return the state."""
