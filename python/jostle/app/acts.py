@@ -52,7 +52,7 @@ ACTS: dict[Action, Callable[[Session], None]] = {
     Action.CONTACTS: _switch("contacts"),
     Action.VELOCITIES: _switch("velocities"),
     Action.TRAILS: _switch("trails"),
-    Action.CLEAR_TRAILS: lambda session: session.picture.clear_trails(),
+    Action.CLEAR_TRAILS: Session.clear_trails,
     Action.LABELS: _switch("labels"),
     Action.COLOURS: Session.cycle_colours,
     Action.PANELS: lambda session: session.toggle("panels"),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.engine import Edit, Engine
 from jostle.app.simulation import Container, Frame, Point, Rect, Simulation, Tags
-from jostle.app.stage import bounds
+from jostle.app.walls import bounds
 
 BEAD_SHARE = 0.5  # a wall is as thick as a typical particle is wide, halved
 MOST_BEADS = 2_000  # in one wall: a longer one gets thicker beads
@@ -174,7 +174,8 @@ def scatter(
         angle = chance.uniform(0, 2 * math.pi, n)
         reach = np.maximum(container.radius - radii, 0) * np.sqrt(chance.uniform(0, 1, n))
         around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        return np.array(container.center) + around * reach[:, None]
+        inside: NDArray[np.float64] = np.array(container.center) + around * reach[:, None]
+        return inside
     low, high = np.array(view[:2]), np.array(view[2:])
     walls = bounds(container)
     if walls is not None:

@@ -26,6 +26,9 @@ class Engine:
     ----------
     simulation
         What to step. Nobody else may use it from now on, but by `edit`.
+    short
+        Steps up to so many seconds are made at once. Less than usual also means caution: a step
+        whose time is not known yet is then made beside the window too.
 
     Attributes
     ----------
@@ -41,7 +44,8 @@ class Engine:
         Called with the simulation before a person changes it.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, short: float = SHORT) -> None:
+        self.short = short
         self.wants = Wants()
         self.before: list[Edit] = []
         self.after: list[Edit] = []
@@ -103,7 +107,7 @@ class Engine:
         before = self.steps
         self._collect()
         self._apply_edits()
-        if self._seconds <= SHORT:
+        if self._seconds <= self.short if self._seconds else self.short >= SHORT:
             if self._pace.advance(elapsed, self._step):
                 self.frame = self.simulation.frame(self.wants)
         else:

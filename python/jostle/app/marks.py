@@ -131,7 +131,8 @@ def _depth_colours(depth: NDArray[np.floating]) -> NDArray[np.uint8]:
     stops = np.array(CONTACT_STOPS, np.float64)
     at = np.clip(depth, 0, 1) * (len(stops) - 1)
     columns = [np.interp(at, np.arange(len(stops)), stops[:, c]) for c in range(3)]
-    return np.rint(np.column_stack(columns)).astype(np.uint8)
+    colours: NDArray[np.uint8] = np.rint(np.column_stack(columns)).astype(np.uint8)
+    return colours
 
 
 def _seen(ends: Floats, camera: Camera) -> Floats:

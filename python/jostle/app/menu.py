@@ -65,10 +65,9 @@ class Menu:
 
     def facts(self, frame: Frame) -> list[tuple[str, str]]:
         """Return the numbers of the particle under it, as they are now."""
-        rows = frame.rows(self.tag) if self.tag is not None else ()
-        if len(rows) == 0:
+        if self.tag is None or self.is_over(frame):
             return []
-        row = rows[0]
+        row = frame.rows(self.tag)[0]
         (x, y), velocity = frame.positions[row].tolist(), frame.velocities[row].tolist()
         return [
             ("speed", f"{math.hypot(*velocity):,.1f}"),
@@ -125,21 +124,15 @@ def _on_the_ground(session: Session, point: Point) -> list[Line]:
     return [
         Item("create", "New particle here", lambda: deeds.create(point), key="A"),
         Item("attractor", "New attractor here", lambda: pulls.place(point)),
-        Item(
-            "stop attraction", "Stop all attraction", pulls.stop, enabled=bool(pulls.placed)
-        ),
+        Item("stop attraction", "Stop all attraction", pulls.stop, enabled=bool(pulls.placed)),
         None,
         Item("triple", "Gravity × 3", lambda: gravity.scale(GRAVITY_FACTOR), enabled=can_fall),
         Item("third", "Gravity ÷ 3", lambda: gravity.scale(1 / GRAVITY_FACTOR), enabled=can_fall),
         Item("invert", "Invert gravity", gravity.invert, enabled=can_fall, key="I"),
         Item("zero", "No gravity", gravity.zero, enabled=can_fall, key="0"),
-        Number(
-            "gravity", "downwards", gravity.value[1], gravity.set_downwards, enabled=can_fall
-        ),
+        Number("gravity", "downwards", gravity.value[1], gravity.set_downwards, enabled=can_fall),
         None,
         Item("scramble", "Scramble places", deeds.scramble),
         Item("dance", "Dance party", deeds.dance),
-        Item(
-            "clear walls", "Clear drawn walls", deeds.clear_walls, enabled=bool(deeds.walls)
-        ),
+        Item("clear walls", "Clear drawn walls", deeds.clear_walls, enabled=bool(deeds.walls)),
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from jostle.app import gui
+from jostle.app.gui import Gui
 from jostle.app.menu import Item, Menu, Number
 from jostle.app.palette import TEXT_SOFT
 from jostle.app.session import Session
@@ -13,7 +13,7 @@ POPUP = "menu"
 NUMBER_WIDTH = 90.0
 
 
-def build(session: Session) -> None:
+def build(session: Session, gui: Gui) -> None:
     """Show the menu that is open, if there is one, and do what is clicked."""
     menu = session.menu
     if menu is None:
@@ -28,12 +28,13 @@ def build(session: Session) -> None:
         session.menu = None
         imgui.close_current_popup()
     else:
-        _fill(session, menu)
+        _fill(session, gui, menu)
     imgui.end_popup()
 
 
-def _fill(session: Session, menu: Menu) -> None:
-    soft = imgui.ImVec4(*(channel / 255 for channel in TEXT_SOFT), 1.0)
+def _fill(session: Session, gui: Gui, menu: Menu) -> None:
+    red, green, blue = TEXT_SOFT
+    soft = imgui.ImVec4(red / 255, green / 255, blue / 255, 1.0)
     imgui.text(menu.title(session.frame))
     for name, value in menu.facts(session.frame):
         imgui.text_colored(soft, name)
@@ -44,12 +45,12 @@ def _fill(session: Session, menu: Menu) -> None:
         if line is None:
             imgui.separator()
         elif isinstance(line, Number):
-            _number(session, line)
+            _number(gui, line)
         else:
-            _item(session, line)
+            _item(session, gui, line)
 
 
-def _item(session: Session, item: Item) -> None:
+def _item(session: Session, gui: Gui, item: Item) -> None:
     clicked, _ = imgui.menu_item(item.label, item.key, item.checked, item.enabled)
     gui.mark(f"menu {item.name}")
     if clicked:
@@ -57,7 +58,7 @@ def _item(session: Session, item: Item) -> None:
         session.menu = None
 
 
-def _number(session: Session, number: Number) -> None:
+def _number(gui: Gui, number: Number) -> None:
     """Take a number when Enter is pressed or the field is left."""
     imgui.begin_disabled(not number.enabled)
     imgui.set_next_item_width(NUMBER_WIDTH)

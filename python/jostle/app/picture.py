@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pygame
+
 from jostle.app import overlays
 from jostle.app.camera import Camera
 from jostle.app.colouring import Colouring
+from jostle.app.extras import Extras
 from jostle.app.labels import draw_labels
 from jostle.app.legend import Card, Legend, draw_cards
 from jostle.app.marks import draw_attractors, draw_contacts, draw_springs, draw_velocities
 from jostle.app.painter import Painter
 from jostle.app.shown import ColourBy, Shown, TreeView
 from jostle.app.simulation import Frame, TreeBoxes, Wants
-from jostle.app.stage import Beads, bounds, draw_discs, draw_stage, rect_on_screen
+from jostle.app.stage import Beads, draw_discs, draw_stage, rect_on_screen
 from jostle.app.trails import Trails
+from jostle.app.walls import bounds
 
-DrawTree = Callable[[Painter, TreeBoxes, Camera], "Legend | None"]
+DrawTree = Callable[[Painter, TreeBoxes, Camera], Legend | None]
 
 
 class Picture:
@@ -38,30 +42,44 @@ class Picture:
         self.colouring = Colouring()
         self.trails = Trails()
         self._beads = Beads()
+        self._extras = Extras()
+
+    def clear_trails(self) -> None:
+        """Forget where particles have been."""
+        self.trails.clear()
 
     @staticmethod
     def wants(shown: Shown) -> Wants:
         """Return what a frame must hold for what is shown."""
         return Wants(tree=shown.tree is not TreeView.OFF, contacts=shown.contacts)
 
-    def draw(self, painter: Painter, frame: Frame, camera: Camera, shown: Shown) -> None:
-        """Draw the world as far as the camera sees it."""
+    def draw(
+        self,
+        painter: Painter,
+        frame: Frame,
+        camera: Camera,
+        shown: Shown,
+        part: pygame.Rect | None = None,
+    ) -> None:
+        """Draw the world as far as the camera sees it, on the whole canvas or a part of it."""
+        painter.clip(part)
         cards: list[Card | None] = []
         shades = self.colouring.shades(frame, shown.colour_by)
         if shown.colour_by is not ColourBy.AUTO:
             cards.append(self.colouring.legend)
         draw_stage(painter, frame.container, camera)
         if shown.tree is TreeView.FILLED:
-            _draw_tree(overlays.draw_filled, painter, frame, camera)
+            _draw_tree(overlays.draw_filled, painter, frame, camera, part)
         elif shown.tree is TreeView.HEAT:
-            cards.append(_draw_tree(overlays.draw_heat, painter, frame, camera))
+            cards.append(_draw_tree(overlays.draw_heat, painter, frame, camera, part))
         if shown.trails:
             cards.append(self.trails.draw(painter, frame, shades, camera))
+        self._extras.draw_below(painter, frame, camera)
         draw_springs(painter, frame, camera)
         draw_discs(painter, frame, shades, camera)
         self._beads.draw(painter, frame, camera)
         if shown.tree is TreeView.OUTLINE:
-            _draw_tree(overlays.draw_outline, painter, frame, camera)
+            _draw_tree(overlays.draw_outline, painter, frame, camera, part)
         draw_attractors(painter, frame, camera)
         if shown.contacts:
             cards.append(draw_contacts(painter, frame, camera))
@@ -69,16 +87,21 @@ class Picture:
             cards.append(draw_velocities(painter, frame, camera))
         if shown.labels:
             cards.append(draw_labels(painter, frame, camera))
+        cards += self._extras.draw_above(painter, frame, camera)
+        painter.clip(None)
         draw_cards(painter, [card for card in cards if card])
 
 
-def _draw_tree(draw: DrawTree, painter: Painter, frame: Frame, camera: Camera) -> Legend | None:
+def _draw_tree(
+    draw: DrawTree, painter: Painter, frame: Frame, camera: Camera, part: pygame.Rect | None
+) -> Legend | None:
     """Draw the boxes inside the walls: the squares beyond them are always empty."""
     if frame.tree is None:
         return None
     walls = bounds(frame.container)
     if walls is not None:
-        painter.clip(rect_on_screen(walls, camera))
+        inside = rect_on_screen(walls, camera)
+        painter.clip(inside if part is None else inside.clip(part))
     legend = draw(painter, frame.tree, camera)
-    painter.clip(None)
+    painter.clip(part)
     return legend

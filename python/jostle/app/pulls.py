@@ -72,11 +72,15 @@ class Pulls:
         """End every attraction that was placed."""
         self._set(())
 
+    def take_over(self, frame: Frame) -> None:
+        """Go on with what holds in a frame: a state that is gone back to has attractions too."""
+        self.placed = tuple(pull for pull in frame.attractors if not pull.passing)
+        self._seen = frame.attractors
+
     def follow(self, frame: Frame) -> None:
-        """Take over what holds in a frame: some may be gone, a state gone back to has others."""
+        """Let go of those that are gone."""
         if frame.attractors is not self._seen:
-            self.placed = tuple(pull for pull in frame.attractors if not pull.passing)
-            self._seen = frame.attractors
+            self.take_over(frame)
 
     def apply(self, simulation: Simulation) -> None:
         """Before a step: let the simulation feel what a person wants."""

@@ -22,9 +22,11 @@ from jostle.app.gravity import Gravity
 from jostle.app.hand import Hand
 from jostle.app.history import History
 from jostle.app.menu import Menu
+from jostle.app.painter import Painter
 from jostle.app.picking import pick, pick_first
 from jostle.app.picture import Picture
 from jostle.app.pulls import Pulls
+from jostle.app.race import Race, refusal
 from jostle.app.selection import NOBODY, Selection
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
@@ -32,12 +34,16 @@ from jostle.app.simulation import Frame, Point, Simulation, Tags
 from jostle.app.start import start
 from jostle.app.statistics import Statistics
 from jostle.app.tools import Tool, Tools
+from jostle.app.traces import Traces
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
 CLICK = 4.0  # pixels: a button that moves less while it is down was a click
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
+
+# What to change does work on the particles: drift begins again, for it is not theirs.
+WORK = {"n", "gravity", "world_size", "container"}
 
 _OTHER_METHOD = {
     "quadtree": "brute",
@@ -61,7 +67,7 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand, statistics
+    engine, camera, shown, picture, hand, statistics, traces
         The parts; everybody may look at them.
     selection, tools, deeds, pulls, gravity
         What a person chooses, and does to particles, attractions and gravity.
@@ -69,6 +75,8 @@ class Session:
         The one that is open.
     cursor
         Where the mouse is, in pixels.
+    race
+        The other method beside this one, while there is a race.
     now
         Seconds since the session began.
     """
@@ -86,16 +94,16 @@ class Session:
         self.camera = Camera(size, simulation.view, left=left)
         self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
+        self.race: Race | None = None
         self.hand = Hand()
         self.selection = Selection()
         self.pulls = Pulls(self.engine)
         self.deeds = Deeds(self.engine, self.say)
         self.gravity = Gravity(self.engine, self.say)
-        self.tools = Tools(
-            self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say
-        )
+        self.tools = Tools(self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say)
         self.menu: Menu | None = None
         self.statistics = Statistics()
+        self.traces = Traces(self.statistics)
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
         self.open = True
@@ -120,8 +128,11 @@ class Session:
             self._hold_in_pause()
         else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
+            if self.race:
+                self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
             engine.look()
+        self.camera.follow(engine.view)
         self._keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
@@ -150,6 +161,8 @@ class Session:
         """Make one step, and pause."""
         self.paused = True
         self.engine.step()
+        if self.race:
+            self.race.engine.step()
 
     def step_back(self) -> None:
         """Go back to the moment before, and pause; what a person did last is undone first."""
@@ -199,19 +212,23 @@ class Session:
             self.say(str(error) or "There is not enough memory for that.")
             return
         moved = simulation.view != self.engine.view
+        rival = self.race.method if self.race else None
         self.take(simulation)
+        if rival:
+            self._start_race(rival)
         if moved:
             self.camera.look_at(simulation.view)
 
     def take(self, simulation: Simulation) -> None:
         """Go on with another simulation."""
+        self._end_race()
         self.tools.cancel()
         self.selection.clear()
         self.deeds.forget()
         self.menu = None
         self.engine.take(simulation)
         self.history.restart(simulation)
-        self.pulls.follow(self.frame)
+        self.pulls.take_over(self.frame)
         self.picture.restart()
         self.statistics.restart()
 
@@ -234,15 +251,18 @@ class Session:
 
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
-        if name in self.engine.adjustable:
+        live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
+        if live:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
+            if name in WORK:
+                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
 
     def choose_method(self, method: str) -> None:
         """Go on with another method; where the rules change too, with the same particles."""
         settings = replace(self.settings, method=method)
-        if settings.by_article == self.settings.by_article:
+        if self.race or settings.by_article == self.settings.by_article:
             self.adjust("method", method)
         else:
             self.engine.wait()
@@ -254,6 +274,28 @@ class Session:
         method = _OTHER_METHOD[self.settings.method]
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
+
+    def toggle_race(self, method: str) -> None:
+        """Begin anew side by side with another method on the same scene, or end that."""
+        if self.race:
+            self._end_race()
+        else:
+            self.begin(self.settings)
+            self._start_race(method)
+
+    def _start_race(self, method: str) -> None:
+        reason = refusal(self.settings.method, method, len(self.frame))
+        if reason:
+            self.say(reason)
+        else:
+            self.race = Race(self.engine, method)
+            self.camera.divide(2)
+
+    def _end_race(self) -> None:
+        if self.race:
+            self.race.close()
+            self.race = None
+            self.camera.divide(1)
 
     # Hands
 
@@ -326,6 +368,13 @@ class Session:
 
     # Looks
 
+    def draw(self, painter: Painter) -> None:
+        """Draw the scene, or both of a race."""
+        if self.race:
+            self.race.draw(painter, self.picture, self.camera, self.shown, self.now)
+        else:
+            self.picture.draw(painter, self.frame, self.camera, self.shown)
+
     def cycle_tree(self) -> None:
         """Show the tree in the next way."""
         self.shown.tree = self.shown.tree.next()
@@ -338,7 +387,7 @@ class Session:
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
-        self.picture.trails.clear()
+        self.picture.clear_trails()
 
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""
@@ -389,5 +438,6 @@ class Session:
 
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""
+        self._end_race()
         self.engine.close()
         self.files.close()

@@ -99,6 +99,15 @@ class SoftwarePainter:
         """Lay a surface, with its alpha, over the canvas."""
         self._canvas.blit(surface, (round(place[0]), round(place[1])))
 
+    def show(self) -> None:
+        """Put the canvas on the window."""
+        window = pygame.display.get_surface()
+        if window is not None:
+            window.blit(self._canvas, (0, 0))
+
+    def release(self) -> None:
+        """Give everything back: nothing but memory."""
+
 
 def _near(corners: Floats, size: Size) -> NDArray[np.float64]:
     """Clip rectangles just outside the canvas, where no edge shows."""

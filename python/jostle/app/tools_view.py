@@ -37,7 +37,7 @@ def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera:
     if len(rows) == 0:
         return
     x, y = camera.to_screen(frame.positions[rows])
-    radii = frame.radii[rows] * camera.scale + RING_GAP
+    radii = frame.radii[rows].astype(np.float64) * camera.scale + RING_GAP
     if len(rows) <= MOST_RINGS:
         _rings(painter, x, y, radii, ACCENT)
     else:
@@ -71,9 +71,7 @@ def _wall(
     length = math.hypot(x1 - x0, y1 - y0)
     across = (-(y1 - y0) / length, (x1 - x0) / length) if length else (0.0, 0.0)
     side_x, side_y = across[0] * radius, across[1] * radius
-    sides = [
-        [x0 + s * side_x, y0 + s * side_y, x1 + s * side_x, y1 + s * side_y] for s in (-1, 1)
-    ]
+    sides = [[x0 + s * side_x, y0 + s * side_y, x1 + s * side_x, y1 + s * side_y] for s in (-1, 1)]
     painter.lines(np.array([[x0, y0, x1, y1]]), _colours(FIXED, 1), max(2 * radius - 2, 1.0))
     painter.circle(start, radius, FIXED)
     painter.circle(end, radius, FIXED)

@@ -65,8 +65,8 @@ class Trails:
         share = STRONGEST * (1 - np.nan_to_num(age, nan=1.0, posinf=1.0))
         steps, many = ends.shape[:2]
         flat = ends.reshape(-1, 4)
-        kept = ~np.isnan(flat).any(axis=1) & np.repeat(share > 0.02, many)
-        kept &= ~_jumped(flat, frame.container)
+        gaps = np.isnan(flat).any(axis=1) | _jumped(flat, frame.container)
+        kept = np.flatnonzero(~gaps & np.repeat(share > 0.02, many))
         flat = flat[kept]
         inks = np.tile(np.array(DISCS, np.uint8)[shades[rows]], (steps, 1))
         alpha = np.rint(255 * np.repeat(share, many)).astype(np.uint8)
@@ -101,5 +101,5 @@ def _jumped(ends: Floats, container: Container) -> NDArray[np.bool_]:
     if not isinstance(container, jostle.Torus):
         return np.zeros(len(ends), np.bool_)
     sides = np.array([container.width, container.height])
-    over: NDArray[np.bool_] = (np.abs(ends[:, 2:] - ends[:, :2]) > sides / 2).any(axis=1)
-    return over
+    over = np.abs(ends[:, 2:] - ends[:, :2]) > sides / 2
+    return np.logical_or(over[:, 0], over[:, 1])

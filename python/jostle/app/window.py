@@ -96,7 +96,7 @@ class Window:
     def _draw(self) -> None:
         start = time.perf_counter()
         session, painter = self.session, self.painter
-        session.picture.draw(painter, session.frame, session.camera, session.shown)
+        session.draw(painter)
         draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
         if painter.size[0] >= 2 * SPACE:  # else it would hide the scene
             self.readout.draw(
