@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
+RENDERERS = ("auto", "opengl", "software")
 
 OnTouch = Literal["bounce", "merge", "ignore"]
 
