@@ -12,9 +12,17 @@ pygame = pytest.importorskip("pygame")
 import jostle  # noqa: E402
 from jostle.app.camera import Camera  # noqa: E402
 from jostle.app.colouring import Colouring  # noqa: E402
-from jostle.app.overlays import draw_filled, draw_outline  # noqa: E402
+from jostle.app.overlays import STRONGEST, draw_filled, draw_outline  # noqa: E402
 from jostle.app.painter import Painter  # noqa: E402
-from jostle.app.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, level_colour  # noqa: E402
+from jostle.app.palette import (  # noqa: E402
+    DISCS,
+    FIXED_SHADE,
+    SHADES,
+    STAGE,
+    WALL,
+    blend,
+    level_colour,
+)
 from jostle.app.renderers import NoRendererError, Screen  # noqa: E402
 from jostle.app.simulation import Frame, TreeBoxes  # noqa: E402
 from jostle.app.software import SoftwarePainter  # noqa: E402
@@ -179,8 +187,9 @@ def test_tree_is_coloured_by_level(painter) -> None:
     painter.fill(STAGE)
     draw_outline(painter, tree, camera_of_pixels())
     canvas = painter.canvas()
-    assert canvas.get_at((20, 180))[:3] == level_colour(0, 1)
-    assert canvas.get_at((120, 60))[:3] == level_colour(1, 1)
+    root, child = canvas.get_at((20, 180)), canvas.get_at((120, 60))
+    assert root[:3] == pytest.approx(blend(STAGE, level_colour(0, 1), STRONGEST), abs=8)
+    assert STAGE[0] + 20 < child[0] < root[0]  # a share of its level's colour, a fainter one
     assert canvas.get_at((60, 60))[:3] == STAGE
     draw_filled(painter, tree, camera_of_pixels())
     canvas = painter.canvas()

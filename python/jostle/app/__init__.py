@@ -8,7 +8,7 @@ settings                what to simulate: the command, a file and the sliders ha
 simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
 world_simulation        `jostle.World` behind that protocol
 article_simulation      `jostle.article.Simulation` behind that protocol
-start                   from settings to a simulation
+start, carry            from settings to a simulation; from one set of rules to the other
 camera                  world to screen and back, pan and zoom
 painter                 what can be drawn, whoever draws it
 stamps, dust, software  the painter that needs no graphics card
@@ -21,6 +21,7 @@ picture                 all layers in their order: the one picture of window and
 words, text, readout    words and numbers on the screen
 notices, helping        short sentences; the overlay that lists the keys
 picking, hand           what is under the cursor; pick up and throw
+series, statistics      numbers over time; times, pairs, energy, momentum and how they drift
 pace, engine            real time to whole steps; who steps, and in which thread
 session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,

@@ -21,6 +21,7 @@ from jostle.app.software import SoftwarePainter
 Draw = Callable[[Painter, Camera], None]
 
 LONG = 0.040  # seconds; pictures that take longer are drawn beside the window
+FEW = 20_000  # particles that are always drawn in the window
 MANY = 150_000  # particles whose first picture is not even tried in the window
 PAUSE, LONGEST_PAUSE = 4, 512
 LARGEST_STRETCH = 16.0  # a picture stretched further shows nothing
@@ -42,7 +43,8 @@ class Backdrop:
     @property
     def beside(self) -> bool:
         """Whether pictures are drawn beside the window at the moment."""
-        return self._job is not None or self._seconds > LONG or self._rest > 0
+        slow = self._seconds > LONG or self._rest > 0
+        return self._job is not None or (slow and self._count > FEW)
 
     def draw(self, painter: Painter, camera: Camera, count: int, draw: Draw) -> None:
         """Draw a scene of `count` particles, or show the last picture of it."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -120,6 +121,14 @@ class Pull:
     strength: float  # 1/s²
     point: Point | None = None
     tag: int | None = None
+    passing: bool = False  # it lasts as long as a key is down
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> Pull:
+        """Return a pull from its fields, as JSON gives them back."""
+        x_y = facts["point"]
+        point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
+        return cls(facts["strength"], point, facts["tag"], facts["passing"])
 
 
 class Simulation(Protocol):
@@ -142,6 +151,10 @@ class Simulation(Protocol):
     @property
     def adjustable(self) -> frozenset[str]:
         """The fields of `Settings` that `adjust` can change while it runs."""
+
+    @property
+    def rules(self) -> Settings:
+        """The settings with the rules that hold where they leave a choice open."""
 
     def step(self) -> None:
         """Go on by one time step."""
@@ -171,6 +184,7 @@ class Simulation(Protocol):
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
         """Set columns of particles; tags that are gone are no mistake, their rows are left out."""
@@ -179,7 +193,10 @@ class Simulation(Protocol):
         """Replace the attractions that a person has placed."""
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Before a step: draw a held particle to the hand, which is at a point and moves."""
+        """Before a step: draw a held particle to the hand, which is at a point and moves.
+
+        A particle that is gone is no mistake.
+        """
 
     def save(self) -> bytes:
         """Return the state, so that `load` goes on from it bit for bit."""

@@ -9,24 +9,22 @@ from collections.abc import Callable
 import pygame
 
 from jostle.app import gui
-from jostle.app.acts import ACTS
 from jostle.app.backdrop import Backdrop
 from jostle.app.camera import Camera, Size
-from jostle.app.controls import PANNING, Action, action_of
 from jostle.app.gui import Gui
 from jostle.app.helping import draw_help
+from jostle.app.input import Input
 from jostle.app.notices import draw_hint, draw_notice
 from jostle.app.painter import Painter
 from jostle.app.readout import SPACE, Readout
 from jostle.app.renderers import FAILURES, Screen
 from jostle.app.session import Session
 from jostle.app.simulation import Simulation
+from jostle.app.tools_view import draw_hands
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
 FRAMES_UNSEEN = 10  # a second, while the window is minimised: the world goes on, nothing is drawn
-PAN_SPEED = 700.0  # pixels a second while an arrow key is down
-ZOOM_STEP = 1.15  # for one notch of the wheel
 LONGEST_FRAME = 0.25  # seconds; a longer one was a machine asleep, or a window being dragged
 
 
@@ -70,7 +68,7 @@ class Window:
         self.gui = Gui(self.painter) if gui.available() else None
         self._backdrop = Backdrop()
         self._steps_left = steps
-        self._held_keys: set[Action] = set()
+        self.input = Input(self.session)
         self._rate: float | None = None
         self._seen = True
 
@@ -106,7 +104,7 @@ class Window:
         self.session.now += elapsed
         for event in pygame.event.get():
             self._handle(event)
-        self._pan(elapsed)
+        self.input.hold(elapsed)
         steps = self.session.advance(elapsed)
         if steps:
             self.readout.measure(**self.session.frame.facts.stage_times)
@@ -122,12 +120,6 @@ class Window:
             return
         if event.type == pygame.QUIT:
             self.session.quit()
-        elif event.type == pygame.KEYDOWN:
-            self._act(action_of(event.key))
-        elif event.type == pygame.KEYUP:
-            self._held_keys.discard(action_of(event.key) or Action.QUIT)
-        elif event.type == pygame.WINDOWFOCUSLOST:
-            self._held_keys.clear()  # their KEYUP goes to another window
         elif event.type in (pygame.VIDEORESIZE, pygame.WINDOWSIZECHANGED):
             self._resize()
         elif event.type in (pygame.WINDOWMINIMIZED, pygame.WINDOWHIDDEN):
@@ -136,35 +128,9 @@ class Window:
             self._seen = True
             self._resize()
         else:
-            self._handle_mouse(_in_pixels(event, self.screen.scale))
-
-    def _handle_mouse(self, event: pygame.event.Event) -> None:
-        session = self.session
-        if event.type == pygame.MOUSEMOTION:
-            session.cursor = event.pos
-        elif event.type == pygame.MOUSEWHEEL:
-            turns = getattr(event, "precise_y", event.y)
-            session.camera.zoom_at(session.cursor, ZOOM_STEP**turns)
-        elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            session.cursor = event.pos
-            session.grab()
-        elif event.type == pygame.MOUSEBUTTONUP and event.button == 1:
-            session.cursor = event.pos
-            session.throw()
-
-    def _act(self, action: Action | None) -> None:
-        if action in PANNING:
-            self._held_keys.add(action)
-        elif action is not None:
-            ACTS[action](self.session)
+            self.input.handle(_in_pixels(event, self.screen.scale))
 
     # The picture
-
-    def _pan(self, elapsed: float) -> None:
-        for action in self._held_keys:
-            x, y = PANNING[action]
-            way = PAN_SPEED * elapsed
-            self.session.camera.pan((x * way, y * way))
 
     def _resize(self) -> None:
         if self.screen.fit():
@@ -203,6 +169,9 @@ class Window:
 
     def _draw_scene(self) -> None:
         session = self.session
+        if session.race:  # of few particles
+            session.draw(self.painter)
+            return
         frame, shown = session.frame, copy.copy(session.shown)
 
         def draw(painter: Painter, camera: Camera) -> None:
@@ -212,6 +181,7 @@ class Window:
 
     def _draw_words(self) -> None:
         session, painter = self.session, self.painter
+        draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
         panels = self.gui is not None and self.builders and session.shown.panels
         if not panels and painter.size[0] >= 2 * SPACE:  # else it would hide the scene
             self.readout.draw(

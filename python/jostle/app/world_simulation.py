@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.settings import Settings
+from jostle.app.packing import blob, pack, unpack
+from jostle.app.settings import Settings, settings_of
 from jostle.app.simulation import (
     Container,
     Energies,
@@ -29,6 +30,7 @@ from jostle.app.simulation import (
 TIME_STEP = 1 / 60
 BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the picture for seconds
 HAND_RATE = 40.0  # 1/s: the spring of the hand brings a particle near in a few hundredths
+LEAST_EASE = 0.3  # of that rate, for the heaviest: a hundred times the usual mass lags threefold
 SPEED_LIMIT = 4.0  # a held particle's speed, in diagonals of the view a second
 
 # Settings that are attributes of a world, by the same name.
@@ -58,7 +60,7 @@ class WorldSimulation:
         self.scene = settings.scene
         self.view = view
         self.world = create()
-        self._forces = self.world.forces
+        self._own_forces = len(self.world.forces)  # those of a person come behind
         self._pulls: tuple[Pull, ...] = ()
         self._tags: Tags = np.arange(len(self.world), dtype=np.int64)
         self._next_tag = len(self.world)
@@ -92,7 +94,12 @@ class WorldSimulation:
     @property
     def adjustable(self) -> frozenset[str]:
         """Return what can change while it runs."""
-        return frozenset(RULES)
+        return frozenset({*RULES, "time_scale"})
+
+    @property
+    def rules(self) -> Settings:
+        """Return the settings with the world's own rules."""
+        return replace(self.settings, **{name: getattr(self.world, name) for name in RULES})
 
     # Looking
 
@@ -161,6 +168,7 @@ class WorldSimulation:
         world = self.world
         self._radii: NDArray[np.float32] = world.radii
         self._movable: NDArray[np.bool_] = world.movable
+        self._usual_mass: float | None = None  # the median; only the hand asks for it
         masses, areas = world.masses, self._radii**2
         self._densities = np.divide(masses, areas, out=np.zeros_like(masses), where=areas > 0)
 
@@ -169,12 +177,23 @@ class WorldSimulation:
     def step(self) -> None:
         """Go on by 1/60 s."""
         self.world.step(self.time_step)
+        renumbered = self.world.renumbered
+        if renumbered is not None:
+            self._follow_merging(renumbered)
+
+    def _follow_merging(self, renumbered: NDArray[np.uint32]) -> None:
+        """Give what has become of several particles the tag of the oldest of them."""
+        _, oldest = np.unique(renumbered, return_index=True)
+        self._tags, self._born = self._tags[oldest], self._born[oldest]
+        self._note_columns()
+        self._renew_pulls()
 
     def adjust(self, name: str, value: Any) -> str | None:
         """Change a rule; brute force is refused where it would freeze the picture."""
         if name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
             return f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
-        setattr(self.world, name, value)
+        if name in RULES:
+            setattr(self.world, name, value)
         self.settings = replace(self.settings, **{name: value})
         return None
 
@@ -187,8 +206,13 @@ class WorldSimulation:
         movable: ArrayLike = True,
     ) -> Tags:
         """Add particles; return their tags."""
+        places = np.asarray(positions, np.float32).reshape(-1, 2)
         ids = self.world.add(
-            positions, velocities, radii, densities=densities, movable=np.asarray(movable)
+            places,
+            np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
+            radii,
+            densities=densities,
+            movable=np.asarray(movable),
         )
         tags = np.arange(self._next_tag, self._next_tag + len(ids), dtype=np.int64)
         self._next_tag += len(ids)
@@ -200,9 +224,12 @@ class WorldSimulation:
     def remove(self, tags: ArrayLike) -> None:
         """Remove particles."""
         rows = np.unique(self._find(tags)[0])
+        self.world.forces = self.world.forces[: self._own_forces]
         self.world.remove(rows)
+        self._own_forces = len(self.world.forces)  # some may have been tied to what is gone
         self._tags, self._born = np.delete(self._tags, rows), np.delete(self._born, rows)
         self._note_columns()
+        self._renew_pulls()
 
     def change(
         self,
@@ -210,23 +237,31 @@ class WorldSimulation:
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
         """Set columns of particles."""
         rows, there = self._find(tags)
         columns: dict[str, Any] = {}
-        for name, value in [
-            ("positions", positions), ("velocities", velocities), ("movable", movable)
-        ]:  # fmt: skip
+        for name, value, width in [
+            ("positions", positions, 2),
+            ("velocities", velocities, 2),
+            ("masses", densities, 1),
+            ("movable", movable, 1),
+        ]:
             if value is not None:
-                shape = (len(there),) if name == "movable" else (len(there), 2)
+                shape = (len(there), 2) if width == 2 else (len(there),)
                 columns[name] = np.broadcast_to(np.asarray(value), shape)[there]
+        if densities is not None:
+            columns["masses"] = columns["masses"] * self._radii[rows] ** 2
         self.world.set(rows, **columns)
-        if movable is not None:
+        if movable is not None or densities is not None:
             self._note_columns()
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""
+        if pulls == self._pulls:
+            return
         forces = []
         for pull in pulls:
             if pull.point is not None:
@@ -234,10 +269,17 @@ class WorldSimulation:
             elif pull.tag is not None:
                 forces += [
                     jostle.Attractor(strength=pull.strength, particle=int(row))
-                    for row in self._find([pull.tag])[0]
+                    for row in self._find(pull.tag)[0]
                 ]
-        self.world.forces = (*self._forces, *forces)
+        self.world.forces = (*self.world.forces[: self._own_forces], *forces)
         self._pulls = pulls
+
+    def _renew_pulls(self) -> None:
+        """Tie attractions to the rows of the moment; those of particles that are gone end."""
+        pulls, self._pulls = self._pulls, ()
+        self.attract(
+            tuple(pull for pull in pulls if pull.tag is None or len(self._find(pull.tag)[0]))
+        )
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Draw a held particle to the hand by a critically damped spring.
@@ -245,24 +287,50 @@ class WorldSimulation:
         Its velocity changes, not its place: so it still pushes what is in its way, and is held up
         by what it cannot push. The spring's step is implicit, so no stiffness is too much for it.
         """
-        (row,), _ = self._find([tag])
-        dt, stiffness, damping = self.time_step, HAND_RATE**2, 2 * HAND_RATE
+        rows, _ = self._find(tag)
+        if not len(rows):
+            return
+        (row,), dt = rows, self.time_step
+        rate = HAND_RATE * self._ease(row)
         way = np.array(point) - self.world.positions[row]
         if isinstance(self.container, jostle.Torus):
             sides = np.array([self.container.width, self.container.height])
             way -= sides * np.round(way / sides)  # the short way, across a seam if need be
-        pulled = self.world.velocities[row] + dt * (stiffness * way + damping * np.array(velocity))
-        pulled /= 1 + dt * damping + dt * dt * stiffness
+        pulled = self.world.velocities[row] + dt * rate * (rate * way + 2 * np.array(velocity))
+        pulled /= (1 + dt * rate) ** 2
         limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*pulled)
         self.world.set([row], velocities=[pulled * min(1.0, limit / max(speed, limit))])
 
+    def _ease(self, row: int) -> float:
+        """Return how readily a particle follows the hand: 1, or less for one that is heavy here."""
+        if self._usual_mass is None:
+            self._usual_mass = float(np.median(self.world.masses[self._movable]))
+        share = self._usual_mass / float(self.world.masses[row])
+        return min(max(math.sqrt(math.sqrt(share)), LEAST_EASE), 1.0)
+
     def save(self) -> bytes:
         """Return the state."""
-        raise NotImplementedError
+        facts = {
+            "settings": asdict(self.settings),
+            "view": self.view,
+            "next_tag": self._next_tag,
+            "own_forces": self._own_forces,
+            "pulls": [asdict(pull) for pull in self._pulls],
+        }
+        columns = {"tags": self._tags, "born": self._born, "world": blob(self.world.snapshot())}
+        return pack("world", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Go back to a state."""
-        raise NotImplementedError
+        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        facts, columns = unpack("world", state)
+        world = jostle.World.restore(columns["world"].tobytes())
+        self.settings = settings_of(facts["settings"])
+        self.world, self.view = world, tuple(facts["view"])
+        self._own_forces = facts["own_forces"]
+        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        self._tags, self._born = columns["tags"], columns["born"]
+        self._next_tag = facts["next_tag"]
+        self._note_columns()
 
     def _find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of the tags that are there, in their order, and which those are."""
