@@ -17,13 +17,12 @@ from typing import Any
 import jostle
 from jostle.app.camera import Size
 from jostle.app.rules import Rule, check, one_of, unknown, whole
-from jostle.app.settings import GROUP_RULES, RULES, TRUTH, Settings, settings_of
+from jostle.app.settings import GROUP_RULES, RENDERERS, RULES, TRUTH, Settings, settings_of
 from jostle.app.shown import Shown
 
 Key = tuple[str | int, ...]  # names of tables, and numbers within arrays of tables
 
 LARGEST, SMALLEST = 16_384, 64  # pixels
-RENDERERS = ("auto", "opengl", "software")
 
 WINDOW_RULES: dict[str, Rule] = {
     "size": Rule(

@@ -175,6 +175,7 @@ class Session:
     def _show(self, which: Callable[[], int]) -> None:
         self.paused = True
         self.hand.drop()
+        self._end_race()
 
         def show(simulation: Simulation) -> None:
             self.history.hold(simulation)
@@ -182,7 +183,7 @@ class Session:
             self.picture.restart()
 
         self.engine.edit(show, changes=False)
-        self.pulls.follow(self.frame)
+        self.pulls.take_over(self.frame)
 
     # What runs
 
