@@ -299,6 +299,7 @@ SETTINGS: dict[str, tuple[Any, Any]] = {
     "drag": (0, 0.3),
     "restitution": (1, 0.7),
     "container": (None, jostle.Box(-50, -50, 50, 50)),
+    "on_touch": ("bounce", "merge"),
     "method": ("quadtree", "brute"),
     "threads": (None, 2),
     "leaf_capacity": (jostle.World([], [], []).leaf_capacity, 5),
@@ -385,6 +386,15 @@ def test_the_profile_is_of_the_last_step() -> None:
     assert world.profile == before
 
 
+def test_forces_have_a_stage_of_their_own() -> None:
+    world = gas(4000, forces=[jostle.Gravitation(0.1)])
+    assert world.profile == dict.fromkeys([*STAGES, "forces"], 0.0)
+    world.step(1 / 60)
+    assert all(time > 0 for time in world.profile.values())
+    world.forces = ()
+    assert list(world.profile) == STAGES
+
+
 def test_sums() -> None:
     world = three(gravity=(0, 10))
     assert world.momentum == (1, 8)
@@ -410,6 +420,50 @@ def test_settings_that_change_nothing_but_speed(settings: Any) -> None:
     for each in (world, other):
         each.step(1 / 60, steps=10)
     assert world.state_hash() == other.state_hash()
+
+
+# ---- touching ------------------------------------------------------------------------------------
+
+
+def test_what_touches_merges_and_ids_can_be_followed() -> None:
+    positions = [(0, 0), (9, 0), (1.5, 0), (20, 0)]
+    tie = jostle.Springs([(0, 2), (2, 3)], 18, 0)
+    world = jostle.World(positions, [(0, 0)] * 4, 1.0, on_touch="merge", forces=[tie])
+    assert world.renumbered is None
+    world.step(0.01)
+    assert world.renumbered is not None
+    assert (world.renumbered.dtype, world.renumbered.tolist()) == (np.uint32, [0, 1, 0, 2])
+    assert world.masses.tolist() == [2, 1, 1]
+    assert world.positions[0].tolist() == [0.75, 0]
+    (springs,) = world.forces
+    assert isinstance(springs, jostle.Springs)
+    assert springs.pairs.tolist() == [[0, 2]]
+    assert world.contacts.pairs.shape == (0, 2)
+    world.step(0.01)
+    assert world.renumbered is None
+
+
+def test_ids_are_followed_through_long_calls() -> None:
+    world = gas(3000, on_touch="merge")
+    masses = world.masses
+    world.step(1 / 600, steps=300)  # the call looks up in between
+    ids = world.renumbered
+    assert ids is not None
+    assert 0 < len(world) < 1000
+    sums = np.bincount(ids, weights=masses, minlength=len(world))
+    np.testing.assert_allclose(world.masses, sums, rtol=1e-5)
+    world.step(1 / 600, steps=0)
+    assert world.renumbered is None
+
+
+def test_what_touches_may_be_ignored() -> None:
+    world = jostle.World([(0, 0), (3, 0)], [(1, 0), (-1, 0)], 1.0, on_touch="ignore")
+    world.step(0.1, steps=10)
+    pairs, normals, depths = world.contacts
+    assert (pairs.tolist(), normals.tolist()) == ([[0, 1]], [[1, 0]])
+    np.testing.assert_allclose(depths, [1], rtol=1e-5)
+    world.step(0.1, steps=10)
+    np.testing.assert_allclose(world.positions[:, 0], [2, 1], rtol=1e-5)
 
 
 # ---- threads -------------------------------------------------------------------------------------
@@ -505,6 +559,8 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: setattr(w, "restitution", [1] * 3), TypeError, "restitution must be a number, not"),
     (lambda w: setattr(w, "method", "auto"), ValueError, "method is 'auto'; it must be 'quadtree'"),
     (lambda w: setattr(w, "method", None), TypeError, "method must be 'quadtree' or 'brute', not"),
+    (lambda w: setattr(w, "on_touch", "stick"), ValueError, "on_touch is 'stick'; it must be 'bo"),
+    (lambda w: setattr(w, "on_touch", 1), TypeError, "on_touch must be 'bounce', 'merge' or 'ign"),
     (lambda w: setattr(w, "threads", 0), ValueError, "threads is 0; it must be at least 1"),
     (lambda w: setattr(w, "leaf_capacity", 0), ValueError, "leaf_capacity is 0; it must be at"),
     (lambda w: setattr(w, "max_depth", -1), ValueError, "max_depth is -1; it must be at least 0"),

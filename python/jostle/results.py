@@ -7,7 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Contacts", "Hits", "Neighbors", "Nodes", "RayHit", "RayHits", "Stats"]
+__all__ = [
+    "Contacts",
+    "GaltonBoard",
+    "Hits",
+    "Neighbors",
+    "Nodes",
+    "Nozzle",
+    "RayHit",
+    "RayHits",
+    "Stats",
+]
 
 
 class Contacts(NamedTuple):
@@ -149,3 +159,58 @@ class Stats(NamedTuple):
     leaves: int
     depth: int
     tests: int
+
+
+class GaltonBoard(NamedTuple):
+    """Where things are on the board of the scene `galton`. y grows downwards.
+
+    Attributes
+    ----------
+    rows : int
+        Rows of pegs. A ball that turns right at k of them ends in bin k, counted from 0 on the
+        left; k is binomial: `rows` throws of a fair coin.
+    bin_edges : ndarray of float32, shape (rows + 2,)
+        Edges of the bins along x, ascending.
+    bin_top : float
+        Where the bins are open.
+    floor : float
+        Where they end.
+    ball_radius : float
+        Radius of the balls.
+    """
+
+    rows: int
+    bin_edges: NDArray[np.float32]
+    bin_top: float
+    floor: float
+    ball_radius: float
+
+
+class Nozzle(NamedTuple):
+    """Where drops come from in the scene `emitters`.
+
+    Attributes
+    ----------
+    position : tuple of float
+        Their centre as they come out, x and y.
+    velocity : tuple of float
+        Their velocity, in pixels a second.
+    width : float
+        They come out anywhere on a line of this length across the velocity.
+    spread : float
+        Most that is added to it by chance, in any direction, in pixels a second.
+    radii : tuple of float
+        The smallest radius and the largest.
+    density : float
+        Mass over the radius squared.
+    drops_per_second : float
+        How many come out in a second.
+    """
+
+    position: tuple[float, float]
+    velocity: tuple[float, float]
+    width: float
+    spread: float
+    radii: tuple[float, float]
+    density: float
+    drops_per_second: float

@@ -2,6 +2,7 @@
 //! is computed in the core; `arrays` is the only place that converts.
 
 mod error;
+mod files;
 mod arrays;
 mod settings;
 mod shapes;
@@ -24,7 +25,9 @@ mod _core {
     use pyo3::prelude::*;
     use pyo3::types::IntoPyDict;
 
-    use super::scenes::{create, describe, names, view};
+    use super::scenes::{
+        create, default_count, describe, fountains, galton_board, names, view, wall,
+    };
 
     #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
@@ -60,6 +63,10 @@ mod _core {
         module.add("describe_scene", wrap_pyfunction!(describe, module)?)?;
         module.add("create_scene", wrap_pyfunction!(create, module)?)?;
         module.add("scene_view", wrap_pyfunction!(view, module)?)?;
+        module.add("scene_default_count", wrap_pyfunction!(default_count, module)?)?;
+        module.add("scene_fountains", wrap_pyfunction!(fountains, module)?)?;
+        module.add("scene_galton_board", wrap_pyfunction!(galton_board, module)?)?;
+        module.add("scene_wall", wrap_pyfunction!(wall, module)?)?;
         abandon_threads_after_fork(module)
     }
 

@@ -3,11 +3,12 @@
 use jostle::Scalar;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
+use jostle::scenes::{GaltonBoard, Nozzle};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::arrays::{column, matrix, table};
+use crate::arrays::{column, decimal, matrix, table};
 
 /// `jostle.Contacts`.
 pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
@@ -80,4 +81,24 @@ pub fn ray_hits<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'
     static RAY_HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (column(py, all.ids), column(py, all.distances));
     RAY_HITS.import(py, "jostle.results", "RayHits")?.call1(fields)
+}
+
+/// `jostle.scenes.GaltonBoard`.
+pub fn galton_board(py: Python<'_>, all: GaltonBoard) -> PyResult<Bound<'_, PyAny>> {
+    static GALTON_BOARD: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let GaltonBoard { rows, bin_edges, bin_top, floor, ball_radius } = all;
+    let [bin_top, floor, ball_radius] = [bin_top, floor, ball_radius].map(decimal);
+    let fields = (rows, column(py, bin_edges), bin_top, floor, ball_radius);
+    GALTON_BOARD.import(py, "jostle.results", "GaltonBoard")?.call1(fields)
+}
+
+/// `jostle.scenes.Nozzle`.
+pub fn nozzle<'py>(py: Python<'py>, of: &Nozzle) -> PyResult<Bound<'py, PyAny>> {
+    static NOZZLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let pair = |[a, b]: [f32; 2]| (decimal(a), decimal(b));
+    let [position, velocity, radii] = [of.position, of.velocity, of.radii].map(pair);
+    let [width, spread] = [of.width, of.spread].map(decimal);
+    let [density, rate] = [of.density, of.drops_per_second].map(decimal);
+    let fields = (position, velocity, width, spread, radii, density, rate);
+    NOZZLE.import(py, "jostle.results", "Nozzle")?.call1(fields)
 }

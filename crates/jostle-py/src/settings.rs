@@ -2,7 +2,7 @@
 
 use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
 use jostle::world::DEFAULT_SUBSTEPS;
-use jostle::{Method, Settings};
+use jostle::{Method, OnTouch, Settings};
 use pyo3::prelude::*;
 
 use crate::arrays::{Given, count, word};
@@ -65,6 +65,26 @@ pub fn method_name(method: Method) -> &'static str {
     match method {
         Method::Quadtree => "quadtree",
         Method::Brute => "brute",
+    }
+}
+
+/// What becomes of particles that touch.
+pub fn on_touch(given: &Given<'_>) -> PyResult<OnTouch> {
+    let rule = "'bounce', 'merge' or 'ignore'";
+    match word("on_touch", given, rule)?.as_deref() {
+        None | Some("bounce") => Ok(OnTouch::Bounce),
+        Some("merge") => Ok(OnTouch::Merge),
+        Some("ignore") => Ok(OnTouch::Ignore),
+        Some(other) => Err(value_error("on_touch", format!("'{other}'"), rule)),
+    }
+}
+
+/// What Python calls it.
+pub fn on_touch_name(on_touch: OnTouch) -> &'static str {
+    match on_touch {
+        OnTouch::Bounce => "bounce",
+        OnTouch::Merge => "merge",
+        OnTouch::Ignore => "ignore",
     }
 }
 

@@ -1,5 +1,6 @@
 //! `jostle.World`.
 
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
@@ -9,11 +10,12 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
 use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
 use crate::containers;
-use crate::error::refused;
+use crate::error::{refused, type_error};
+use crate::files;
 use crate::forces;
 use crate::particles::{Draft, reals, truths, vectors};
 use crate::results;
@@ -24,7 +26,7 @@ use crate::settings;
 const LOOK_UP: Duration = Duration::from_millis(50);
 
 /// Names of the stages, in the order of [`Stage`].
-const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"];
+const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve", "forces"];
 
 /// Circles that move, collide and bounce off walls.
 ///
@@ -61,6 +63,13 @@ const STAGES: [&str; 5] = ["integrate", "build", "pairs", "contacts", "resolve"]
 ///     The walls. A particle outside is brought in by the first step.
 /// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
 ///     What accelerates particles, apart from gravity and contacts.
+/// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
+///     What becomes of particles that touch. "merge" makes them one at the end of the
+///     step: area, mass and momentum are summed up at the centre of mass, restitution is
+///     the mean by mass, and the id is the smallest; ids behind the others close up, see
+///     `renumbered`. What is not movable holds those that merge with it, and their
+///     momentum is lost. What would not fit between the walls as one stays apart.
+///     "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found, never which.
 /// threads : int, optional
@@ -107,13 +116,13 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
-            container=None, forces=Given::NOTHING, method=Given::NOTHING, threads=None,
-            leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=Given::NOTHING,
+            container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
+            method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, forces=(), method='quadtree', threads=None, \
-                          leaf_capacity=96, max_depth=4096, substeps=4)"
+                          container=None, forces=(), on_touch='bounce', method='quadtree', \
+                          threads=None, leaf_capacity=96, max_depth=4096, substeps=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -129,6 +138,7 @@ impl PyWorld {
         restitution: Given<'py>,
         container: Option<&Bound<'py, PyAny>>,
         forces: Given<'py>,
+        on_touch: Given<'py>,
         method: Given<'py>,
         threads: Option<&Bound<'py, PyAny>>,
         leaf_capacity: Given<'py>,
@@ -141,6 +151,7 @@ impl PyWorld {
         draft.movable = truths("movable", movable, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
+            on_touch: settings::on_touch(&on_touch)?,
             method: settings::method(&method)?,
             substeps: settings::substeps(&substeps)?,
             tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
@@ -192,6 +203,7 @@ impl PyWorld {
     fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
         let dt = number("dt", dt)?;
         let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
+        self.long(py, |state| state.world.forget_renumbering())?;
         loop {
             left = self.long(py, |state| state.step(dt, left))??;
             if left == 0 {
@@ -478,7 +490,8 @@ impl PyWorld {
 
     /// What accelerates particles: a tuple of `Attractor`, `Gravitation`, `Springs` and
     /// `Thermostat`. Assign any sequence of them. They name particles by id; when one is
-    /// removed, its attractors and springs go with it.
+    /// removed, its attractors and springs go with it; when one merges, they are tied to
+    /// what it becomes, and a spring whose ends become one goes.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         forces::show(py, self.long(py, |state| state.world.forces().to_vec())?)
@@ -488,6 +501,27 @@ impl PyWorld {
     fn set_forces(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let forces = forces::read(value)?;
         self.long(py, |state| state.world.set_forces(forces))?.map_err(refused)
+    }
+
+    /// What becomes of particles that touch: "bounce", "merge" or "ignore".
+    #[getter]
+    fn on_touch(&self, py: Python<'_>) -> PyResult<&'static str> {
+        Ok(settings::on_touch_name(self.rules(py)?.on_touch))
+    }
+
+    #[setter]
+    fn set_on_touch(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let on_touch = settings::on_touch(&value)?;
+        self.change_rules(py, |rules| rules.on_touch = on_touch)
+    }
+
+    /// What merging has made of ids in the last call of `step`: ndarray of uint32, shape
+    /// (n before it,), the new id of each old one, so that `ids = world.renumbered[ids]`
+    /// follows particles; those that merged share one. None where nothing has merged.
+    #[getter]
+    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let ids = self.long(py, |state| state.world.renumbered().map(<[u32]>::to_vec))?;
+        Ok(ids.map(|ids| column(py, ids)))
     }
 
     /// How pairs are found: "quadtree" or "brute".
@@ -552,19 +586,20 @@ impl PyWorld {
 
     /// The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
     /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), how far they
-    /// overlapped when it ended, negative where they had parted again.
+    /// overlapped when it ended, negative where they had parted again. Where `on_touch` is
+    /// not "bounce", the pairs that overlap now.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let touching = self.long(py, |state| {
-            let touches = state.world.contacts();
-            Overlaps {
+            let touches = state.world.contacts()?;
+            Ok(Overlaps {
                 pairs: touches.iter().map(|touch| touch.pair).collect(),
                 normals: touches.iter().map(|touch| touch.normal).collect(),
                 depths: touches.iter().map(|touch| touch.depth).collect(),
                 ..Overlaps::default()
-            }
+            })
         });
-        results::contacts(py, touching?)
+        results::contacts(py, touching?.map_err(refused)?)
     }
 
     /// Sum of mass times velocity, (x, y).
@@ -579,7 +614,10 @@ impl PyWorld {
         self.long(py, |state| state.world.kinetic_energy())
     }
 
-    /// Energy of everything movable in the field of gravity, 0 at the origin.
+    /// Energy of everything movable in the fields of gravity (0 at the origin) and of
+    /// attractors (harmonic 0 at the point, inverse square 0 far away), of springs that
+    /// have not broken (½ stiffness times stretch squared) and of gravitation (0 far
+    /// away), which is summed up as its forces are, by boxes where particles are many.
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.potential_energy())
@@ -592,12 +630,16 @@ impl PyWorld {
     }
 
     /// Milliseconds that each stage of the last step took: a dict of "integrate",
-    /// "build", "pairs", "contacts" and "resolve".
+    /// "build", "pairs", "contacts" and "resolve", and "forces" where there are any.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let times = self.state(py)?.profile;
+        let (times, forces) = {
+            let state = self.state(py)?;
+            (state.profile, !state.world.forces().is_empty())
+        };
         let profile = PyDict::new(py);
-        for (stage, time) in STAGES.iter().zip(times) {
+        let shown = if forces { STAGES.len() } else { STAGES.len() - 1 };
+        for (stage, time) in STAGES.iter().zip(times).take(shown) {
             profile.set_item(stage, time.as_secs_f64() * 1e3)?;
         }
         Ok(profile)
@@ -626,6 +668,132 @@ impl PyWorld {
     /// True
     fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {
         self.long(py, |state| state.world.state_hash())
+    }
+
+    /// Put all of the world into bytes.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     Particles, settings, forces, the time, and what leans on what. They are the same
+    ///     on every machine, and a world that `restore` makes of them goes on to the bit.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+    /// >>> before = world.snapshot()
+    /// >>> world.step(0.5, steps=4)
+    /// >>> world.time, jostle.World.restore(before).time
+    /// (2.0, 0.0)
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.long(py, |state| state.world.snapshot())?;
+        PyBytes::new_with(py, bytes.len(), |to| {
+            py.detach(|| to.copy_from_slice(&bytes));
+            Ok(())
+        })
+    }
+
+    /// Make a world of the bytes of `snapshot`.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : bytes, bytearray or memoryview
+    ///
+    /// Returns
+    /// -------
+    /// World
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `data` are no bytes.
+    /// ValueError
+    ///     If they are not from `snapshot`, or cut off or damaged since.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.scenes.create("gas", n=100)
+    /// >>> copy = jostle.World.restore(world.snapshot())
+    /// >>> world.step(0.01, steps=50); copy.step(0.01, steps=50)
+    /// >>> copy.state_hash() == world.state_hash()
+    /// True
+    #[classmethod]
+    fn restore(_class: &Bound<'_, PyType>, data: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = data.py();
+        let bytes = if let Ok(bytes) = data.cast::<PyBytes>() {
+            bytes.clone()
+        } else if data.is_instance_of::<PyByteArray>() || data.is_instance_of::<PyMemoryView>() {
+            py.get_type::<PyBytes>().call1((data,))?.cast_into()?
+        } else {
+            return Err(type_error("data", "bytes", data));
+        };
+        let bytes = bytes.as_bytes();
+        Ok(Self::of(py.detach(|| World::restore(bytes)).map_err(refused)?))
+    }
+
+    /// Write the world into a file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A file that is there is replaced, once the new one is whole.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written; then an old one is left as it was.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, os, tempfile
+    /// >>> path = os.path.join(tempfile.mkdtemp(), "gas.jostle")
+    /// >>> jostle.scenes.create("gas", n=100).save(path)
+    /// >>> len(jostle.World.load(path))
+    /// 100
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let bytes = self.long(py, |state| state.world.snapshot())?;
+        files::replace(py, &path, &bytes)
+    }
+
+    /// Read a world from a file that `save` has written.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///
+    /// Returns
+    /// -------
+    /// World
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     If there is no world in it, or it is cut off or damaged.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, os, tempfile
+    /// >>> path = os.path.join(tempfile.mkdtemp(), "pile.jostle")
+    /// >>> jostle.scenes.create("pile", n=50).save(path)
+    /// >>> jostle.World.load(path)
+    /// <jostle.World of 50 particles after 0.000 s>
+    #[classmethod]
+    fn load(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        let py = class.py();
+        let bytes = files::read(py, &path)?;
+        Ok(Self::of(py.detach(|| World::restore(&bytes)).map_err(refused)?))
+    }
+
+    /// Copies and pickles are snapshots.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((py.get_type::<Self>().getattr("restore")?, (self.snapshot(py)?,)))
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {

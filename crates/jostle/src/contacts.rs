@@ -212,15 +212,25 @@ impl Contacts {
             })
             .collect();
         let stays = |contact: &Contact| contact.places.iter().all(|&place| keep[place as usize]);
-        let canonical: Vec<Contact> = self.canonical().copied().filter(stays).collect();
-        self.order = (0..canonical.len() as u32).collect();
-        self.list = canonical;
-        self.ends = Ends::default();
-        self.sources.clear();
-        for contact in &mut self.list {
+        let mut kept: Vec<Contact> = self.canonical().copied().filter(stays).collect();
+        for contact in &mut kept {
             contact.places = contact.places.map(|place| renamed[place as usize]);
         }
-        self.remember(left as usize);
+        self.recall(kept, left as usize);
+    }
+
+    /// Replaces all by these, which are in canonical order, of so many places.
+    pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
+        self.order = (0..list.len() as u32).collect();
+        self.list = list;
+        self.ends = Ends::default();
+        self.sources.clear();
+        self.remember(places);
+    }
+
+    /// Those that have pushed or hold something up, in canonical order.
+    pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
+        self.canonical().filter(|contact| contact.touched || contact.impulse > 0.0)
     }
 
     /// The ranges of `list` that have one colour.

@@ -191,6 +191,16 @@ impl Container {
         [wrapped(0), wrapped(1)]
     }
 
+    /// The offset to the nearest image of what is at `offset`.
+    #[inline]
+    pub fn short_way(&self, offset: [f64; 2]) -> [f64; 2] {
+        let Self::Torus { size } = self else { return offset };
+        [0, 1].map(|k| {
+            let side = f64::from(size[k]);
+            offset[k] - side * (offset[k] / side).round()
+        })
+    }
+
     /// The walls near a particle, flat ones at their own index.
     #[inline]
     pub fn walls(&self, position: [f32; 2], radius: f32) -> [Option<Wall>; MAX_WALLS] {

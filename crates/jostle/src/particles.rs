@@ -8,7 +8,7 @@ use crate::shapes::{check_finite, check_sizes};
 pub const FARTHEST: f32 = 1e18;
 
 /// Masses and their inverses stay well inside float32.
-const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
+pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
 
 /// Circles with a velocity and a mass, a row each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -91,6 +91,16 @@ impl Particles {
         parallel::gather(threads, &mut self.masses, &source.masses, order);
         parallel::gather(threads, &mut self.restitutions, &source.restitutions, order);
         parallel::gather(threads, &mut self.movable, &source.movable, order);
+    }
+
+    /// Writes the first row of `one` over `row`.
+    pub fn put(&mut self, row: usize, one: &Self) {
+        self.positions[row] = one.positions[0];
+        self.velocities[row] = one.velocities[0];
+        self.radii[row] = one.radii[0];
+        self.masses[row] = one.masses[0];
+        self.restitutions[row] = one.restitutions[0];
+        self.movable[row] = one.movable[0];
     }
 
     /// Keeps the rows for which `keep` says so.

@@ -418,6 +418,101 @@ fn a_thermostat_reaches_its_speed() {
     }
 }
 
+// ---- energy --------------------------------------------------------------------------------------
+
+/// The largest change of the total energy in 1,000 steps, over the kinetic energy at its most.
+fn drift(world: &mut World, dt: f64) -> f64 {
+    let total = |world: &World| world.kinetic_energy() + world.potential_energy();
+    let (first, mut most, mut worst) = (total(world), 0.0f64, 0.0f64);
+    for _ in 0..1000 {
+        run(world, dt, 1);
+        worst = worst.max((total(world) - first).abs());
+        most = most.max(world.kinetic_energy());
+    }
+    println!("off by {:.2e} of {most}", worst / most);
+    worst / most
+}
+
+#[test]
+fn a_spring_pendulum_keeps_its_energy() {
+    let mut bodies = particles(vec![[0.0, 0.0], [2.5, 0.0]], vec![[0.0; 2]; 2], vec![1.0, 2.0]);
+    bodies.movable[0] = false;
+    let settings = WorldSettings { gravity: [0.0, 9.8], ..WorldSettings::default() };
+    let forces = vec![Force::Springs(Springs(vec![spring([0, 1], 2.0, 150.0)]))];
+    assert!(drift(&mut world(bodies, settings, forces), 1.0 / 60.0) < 0.01);
+}
+
+#[test]
+fn a_kepler_orbit_keeps_its_energy() {
+    let two =
+        particles(vec![[-1.0, 0.0], [3.0, 0.0]], vec![[0.0, -0.2], [0.0, 0.6]], vec![3.0, 1.0]);
+    let pull = Force::Gravitation(gravitation(0.5));
+    assert!(drift(&mut world(two, WorldSettings::default(), vec![pull]), 0.05) < 1e-4);
+    let one = particles(vec![[3.0, 0.0]], vec![[0.0, 0.6]], vec![2.0]);
+    let pull = attractor(Pole::Point([0.0, 0.0]), 1.5, Law::InverseSquare);
+    assert!(drift(&mut world(one, WorldSettings::default(), vec![pull]), 0.05) < 1e-4);
+}
+
+#[test]
+fn a_harmonic_swing_keeps_its_energy() {
+    let bodies = particles(vec![[3.0, 1.0]], vec![[0.0, 2.0]], vec![7.0]);
+    let pull = attractor(Pole::Point([1.0, 1.0]), 4.0, Law::Harmonic);
+    let mut world = world(bodies, WorldSettings::default(), vec![pull]);
+    assert!(drift(&mut world, 0.02) < 1e-4);
+}
+
+#[test]
+fn potentials_follow_their_formulas() {
+    let energy = |positions: &[[f32; 2]], radius: f32, container, forces| {
+        let len = positions.len();
+        let masses = (1..=len).map(|mass| mass as f32).collect();
+        let mut bodies = particles(positions.to_vec(), vec![[0.0; 2]; len], masses);
+        bodies.radii = vec![radius; len];
+        let settings = WorldSettings { container, ..WorldSettings::default() };
+        world(bodies, settings, forces).potential_energy()
+    };
+    let near = |found: f64, expected: f64| {
+        assert!((found - expected).abs() < 1e-6 * expected.abs(), "{found} for {expected}");
+    };
+    let two = [[0.0, 0.0], [3.0, 4.0]]; // masses 1 and 2
+    let origin = Pole::Point([0.0, 0.0]);
+    let none = Container::None;
+    near(energy(&two, 0.5, none, vec![attractor(origin, 6.0, Law::Harmonic)]), 2.0 * 3.0 * 25.0);
+    // The one at the pole: −3/2 · strength / radius; the other feels a point.
+    let inverse = attractor(origin, 6.0, Law::InverseSquare);
+    near(energy(&two, 0.5, none, vec![inverse.clone()]), -1.5 * 6.0 / 0.5 - 2.0 * 6.0 / 5.0);
+    near(energy(&two[1..], 8.0, none, vec![inverse]), 6.0 * (25.0 / 64.0 - 3.0) / 16.0);
+    let follower = attractor(Pole::Particle(0), 6.0, Law::InverseSquare);
+    near(energy(&two, 0.5, none, vec![follower]), -2.0 * 6.0 / 5.0);
+    let ties = vec![spring([0, 1], 2.0, 10.0), spring([1, 0], 5.5, 4.0)];
+    near(energy(&two, 0.5, none, vec![Force::Springs(Springs(ties))]), 5.0 * 9.0 + 2.0 * 0.25);
+    let three = [[0.0, 0.0], [3.0, 4.0], [0.0, 10.0]]; // masses 1, 2, 3
+    let pull = Gravitation { g: 7.0, softening: 0.0, theta: 0.5 };
+    let sum = 2.0 / 5.0 + 3.0 / 10.0 + 6.0 / 45f64.sqrt();
+    near(energy(&three, 0.5, none, vec![Force::Gravitation(pull)]), -7.0 * sum);
+    let softer = Gravitation { softening: 12.0, ..pull };
+    near(energy(&two, 0.5, none, vec![Force::Gravitation(softer)]), -7.0 * 2.0 / 13.0);
+    let torus = Container::Torus { size: [100.0; 2] };
+    let across = [[1.0, 1.0], [98.0, 97.0]];
+    near(energy(&across, 0.5, torus, vec![Force::Gravitation(pull)]), -7.0 * 2.0 / 5.0);
+}
+
+#[test]
+fn many_bodies_have_the_energy_of_the_sum_over_all() {
+    let count = 3000;
+    for softening in [0.0, 0.5] {
+        let of = |theta| {
+            let bodies = particles(clustered(count, 2), vec![[0.0; 2]; count], mixed_masses(count));
+            let pull = Gravitation { softening, ..gravitation(theta) };
+            world(bodies, WorldSettings::default(), vec![Force::Gravitation(pull)])
+                .potential_energy()
+        };
+        let (tree, direct) = (of(0.5), of(0.0));
+        println!("{tree} for {direct}");
+        assert!((tree / direct - 1.0).abs() < 1e-3, "{tree} for {direct}");
+    }
+}
+
 // ---- the same bits -------------------------------------------------------------------------------
 
 /// Every kind of force; `row` says where a particle stands.

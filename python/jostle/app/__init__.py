@@ -12,6 +12,8 @@ start, carry            from settings to a simulation; from one set of rules to 
 camera                  world to screen and back, pan and zoom
 painter                 what can be drawn, whoever draws it
 stamps, dust, software  the painter that needs no graphics card
+shaders, opengl         the painter on a graphics card
+renderers               which of the two, and its window
 stage, overlays         ground, walls and discs; the boxes of the tree
 shown                   the switches of what is shown
 colouring               which particle gets which colour
@@ -23,7 +25,7 @@ series, statistics, traces      numbers over time; times, pairs, energy, momentu
 pace, engine            real time to whole steps; who steps, and in which thread
 session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
-                        `gui_shapes`, `gui_software` draw it
+                        `gui_shapes`, `gui_software` and `gui_opengl` draw it
 controls, acts          the table of keys, and what each does to a session
 window                  the interactive loop
 recorder                MP4 and PNG files

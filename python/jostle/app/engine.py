@@ -26,6 +26,9 @@ class Engine:
     ----------
     simulation
         What to step. Nobody else may use it from now on, but by `edit`.
+    short
+        Steps up to so many seconds are made at once. Less than usual also means caution: a step
+        whose time is not known yet is then made beside the window too.
 
     Attributes
     ----------
@@ -37,17 +40,21 @@ class Engine:
         What the last step took, alone.
     before, after
         Called with the simulation around each step, in the thread that steps.
+    touched
+        Called with the simulation before a person changes it.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, short: float = SHORT) -> None:
+        self.short = short
         self.wants = Wants()
         self.before: list[Edit] = []
         self.after: list[Edit] = []
+        self.touched: list[Edit] = []
         self.steps = 0
         self.last_seconds = 0.0
         self._worker: ThreadPoolExecutor | None = None
         self._job: Future[Frame] | None = None
-        self._edits: list[Edit] = []
+        self._edits: list[tuple[Edit, bool]] = []
         self.take(simulation)
 
     def take(self, simulation: Simulation) -> None:
@@ -76,9 +83,12 @@ class Engine:
         """The smoothed time of a step with all that belongs to it."""
         return self._seconds
 
-    def edit(self, work: Edit) -> None:
-        """Change the simulation: now, or as soon as the step under way is done."""
-        self._edits.append(work)
+    def edit(self, work: Edit, *, changes: bool = True) -> None:
+        """Change the simulation: now, or as soon as the step under way is done.
+
+        What only reads it, or brings back a state that was, `changes` nothing.
+        """
+        self._edits.append((work, changes))
         if not self.busy:
             self._collect()
             self._apply_edits()
@@ -97,7 +107,7 @@ class Engine:
         before = self.steps
         self._collect()
         self._apply_edits()
-        if self._seconds <= SHORT:
+        if self._seconds <= self.short if self._seconds else self.short >= SHORT:
             if self._pace.advance(elapsed, self._step):
                 self.frame = self.simulation.frame(self.wants)
         else:
@@ -159,8 +169,11 @@ class Engine:
         if not self._edits:
             return
         edits, self._edits = self._edits, []
-        for work in edits:
+        for work, changes in edits:
+            if changes:
+                for hook in self.touched:
+                    hook(self.simulation)
             work(self.simulation)
         self.settings, self.adjustable = self.simulation.settings, self.simulation.adjustable
-        self.rules = self.simulation.rules
+        self.rules, self.view = self.simulation.rules, self.simulation.view
         self.frame = self.simulation.frame(self.wants)

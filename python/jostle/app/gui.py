@@ -189,6 +189,12 @@ if _THERE:
 
 
 def _drawing_for(painter: Painter) -> GuiDrawing:
+    if painter.name == "opengl":
+        from jostle.app.gui_opengl import OpenGLGui
+        from jostle.app.opengl import OpenGLPainter
+
+        assert isinstance(painter, OpenGLPainter)
+        return OpenGLGui(painter)
     return SoftwareGui(painter)
 
 

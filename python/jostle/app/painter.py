@@ -54,3 +54,9 @@ class Painter(Protocol):
 
     def canvas(self) -> pygame.Surface:
         """Return what has been drawn; a view that the next stroke changes, or a copy."""
+
+    def show(self) -> None:
+        """Put the canvas on the window, which has its size."""
+
+    def release(self) -> None:
+        """Give everything back; the painter is not used again."""

@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.camera import Camera
 from jostle.app.painter import Painter
-from jostle.app.palette import GROUND, STAGE, WALL
+from jostle.app.palette import FIXED, GROUND, STAGE, WALL
 from jostle.app.simulation import Container, Frame, Rect
+from jostle.app.walls import bounds
 
 WALL_WIDTH = 2
+NEARLY = 1.05  # radii, within which immovable discs count as one wall
+MOST_LINKS = 2_000  # between them; more are drawn as discs alone
 FAR = 30_000  # pixels; what lies beyond is clipped to this before it becomes whole pixels
 
 
@@ -41,16 +44,35 @@ def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera
     painter.discs(x, y, frame.radii.astype(np.float64) * camera.scale, shades)
 
 
-def bounds(container: Container) -> Rect | None:
-    """Return the rectangle around the walls; None where there are none."""
-    if container is None:
-        return None
-    if isinstance(container, jostle.Torus):
-        return 0.0, 0.0, container.width, container.height
-    if isinstance(container, jostle.Circle):
-        (x, y), radius = container.center, container.radius
-        return x - radius, y - radius, x + radius, y + radius
-    return container.min_x, container.min_y, container.max_x, container.max_y
+class Beads:
+    """Immovable discs in a row: drawn as one wall, not as a string of beads.
+
+    Which of them touch is asked again only when they have changed.
+    """
+
+    def __init__(self) -> None:
+        self._asked = np.empty((0, 3), np.float32)
+        self._pairs = np.empty((0, 2), np.uint32)
+
+    def draw(self, painter: Painter, frame: Frame, camera: Camera) -> None:
+        """Fill the gaps between immovable discs that touch, but for their outer corners."""
+        if frame.movable.all():
+            return
+        fixed = np.flatnonzero(~frame.movable)
+        asked = np.column_stack([frame.positions[fixed], frame.radii[fixed]])
+        if not np.array_equal(asked, self._asked):
+            reach = asked[:, 2] * np.float32(NEARLY)
+            self._asked, self._pairs = asked, jostle.find_pairs(asked[:, :2], reach)
+        if len(self._pairs) == 0 or len(self._pairs) > MOST_LINKS:
+            return
+        x, y = camera.to_screen(asked[:, :2])
+        first, second = self._pairs[:, 0], self._pairs[:, 1]
+        widths = 2 * np.minimum(asked[first, 2], asked[second, 2]) * camera.scale
+        ends = np.column_stack([x[first], y[first], x[second], y[second]])
+        seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
+        for width in np.unique(np.rint(widths[seen])).tolist():
+            mine = ends[seen & (np.rint(widths) == width)]
+            painter.lines(mine, np.tile(np.array(FIXED, np.uint8), (len(mine), 1)), width)
 
 
 def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:

@@ -6,20 +6,18 @@ import time
 
 import pygame
 
-from jostle.app.acts import ACTS
 from jostle.app.camera import Size
-from jostle.app.controls import PANNING, Action, action_of
 from jostle.app.helping import draw_help
+from jostle.app.input import Input
 from jostle.app.notices import draw_hint, draw_notice
 from jostle.app.readout import SPACE, Readout
 from jostle.app.session import Session
 from jostle.app.simulation import Simulation
 from jostle.app.software import SoftwarePainter
+from jostle.app.tools_view import draw_hands
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
-PAN_SPEED = 700.0  # pixels a second while an arrow key is down
-ZOOM_STEP = 1.15  # for one notch of the wheel
 LONGEST_FRAME = 0.25  # seconds; a longer one was a machine asleep, or a window being dragged
 
 
@@ -46,7 +44,7 @@ class Window:
         self.painter = SoftwarePainter(self.screen.get_size())
         self.readout = Readout()
         self._steps_left = steps
-        self._held_keys: set[Action] = set()
+        self.input = Input(self.session)
         self._rate: float | None = None
 
     def run(self) -> None:
@@ -69,7 +67,7 @@ class Window:
         self.session.now += elapsed
         for event in pygame.event.get():
             self._handle(event)
-        self._pan(elapsed)
+        self.input.hold(elapsed)
         steps = self.session.advance(elapsed)
         if steps:
             self.readout.measure(**self.session.frame.facts.stage_times)
@@ -82,44 +80,12 @@ class Window:
     def _handle(self, event: pygame.event.Event) -> None:
         if event.type == pygame.QUIT:
             self.session.quit()
-        elif event.type == pygame.KEYDOWN:
-            self._act(action_of(event.key))
-        elif event.type == pygame.KEYUP:
-            self._held_keys.discard(action_of(event.key) or Action.QUIT)
-        elif event.type == pygame.WINDOWFOCUSLOST:
-            self._held_keys.clear()  # their KEYUP goes to another window
         elif event.type in (pygame.VIDEORESIZE, pygame.WINDOWSIZECHANGED):
             self._resize()
         else:
-            self._handle_mouse(event)
-
-    def _handle_mouse(self, event: pygame.event.Event) -> None:
-        session = self.session
-        if event.type == pygame.MOUSEMOTION:
-            session.cursor = event.pos
-        elif event.type == pygame.MOUSEWHEEL:
-            turns = getattr(event, "precise_y", event.y)
-            session.camera.zoom_at(session.cursor, ZOOM_STEP**turns)
-        elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            session.cursor = event.pos
-            session.grab()
-        elif event.type == pygame.MOUSEBUTTONUP and event.button == 1:
-            session.cursor = event.pos
-            session.throw()
-
-    def _act(self, action: Action | None) -> None:
-        if action in PANNING:
-            self._held_keys.add(action)
-        elif action is not None:
-            ACTS[action](self.session)
+            self.input.handle(event)
 
     # The picture
-
-    def _pan(self, elapsed: float) -> None:
-        for action in self._held_keys:
-            x, y = PANNING[action]
-            way = PAN_SPEED * elapsed
-            self.session.camera.pan((x * way, y * way))
 
     def _resize(self) -> None:
         self.screen = pygame.display.get_surface() or self.screen
@@ -130,7 +96,8 @@ class Window:
     def _draw(self) -> None:
         start = time.perf_counter()
         session, painter = self.session, self.painter
-        session.picture.draw(painter, session.frame, session.camera, session.shown)
+        session.draw(painter)
+        draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
         if painter.size[0] >= 2 * SPACE:  # else it would hide the scene
             self.readout.draw(
                 painter,

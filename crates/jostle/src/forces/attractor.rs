@@ -49,6 +49,24 @@ impl Attractor {
     }
 }
 
+/// Energy of a body of mass 1 at `offset` from the pole: 0 there for the harmonic law, far
+/// away for the other.
+pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
+    let strength = f64::from(attractor.strength);
+    let [x, y] = offset.map(f64::from);
+    let square = x * x + y * y;
+    match attractor.law {
+        Law::Harmonic => 0.5 * strength * square,
+        Law::InverseSquare => {
+            let (distance, radius) = (square.sqrt(), f64::from(radius));
+            if distance >= radius {
+                return if distance > 0.0 { -strength / distance } else { 0.0 };
+            }
+            strength * (square / (radius * radius) - 3.0) / (2.0 * radius)
+        }
+    }
+}
+
 /// Adds the pull on every body.
 pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32; 2]]) {
     let pole = match attractor.pole {

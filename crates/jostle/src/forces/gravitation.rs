@@ -91,16 +91,8 @@ pub fn add(
     memory: &mut Memory,
     accelerations: &mut [[f32; 2]],
 ) {
-    sort(bodies, memory);
-    if memory.tree.is_empty() {
-        return;
-    }
-    find_groups(memory);
+    let direct = prepare(gravitation, bodies, memory);
     let Memory { tree, all, moments, groups, pulls, .. } = memory;
-    let direct = tree.len() <= DIRECT || gravitation.theta == 0.0;
-    if !direct {
-        weigh(tree, &all.mass, moments);
-    }
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     pulls.clear();
     pulls.resize(tree.len(), [0.0; 2]);
@@ -120,6 +112,32 @@ pub fn add(
         let to = &mut accelerations[row as usize];
         *to = [0, 1].map(|k| to[k] + (g * pull[k]) as f32);
     }
+}
+
+/// Energy of all in the pull of each other, 0 where they are far apart: summed over pairs where
+/// [`add`] does so, else over the same bodies and boxes.
+pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
+    let mut memory = Memory::default();
+    let direct = prepare(gravitation, bodies, &mut memory);
+    let Memory { tree, all, moments, groups, .. } = &memory;
+    let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
+    let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
+    let parts = parallel::map(threads, groups.len(), |index| walk.energy(groups[index], direct));
+    // Every pair has been looked at from both ends.
+    -0.5 * f64::from(gravitation.g) * parts.iter().sum::<f64>()
+}
+
+/// Sorts and weighs the bodies, and says whether each is to pull each directly.
+fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, memory: &mut Memory) -> bool {
+    sort(bodies, memory);
+    let direct = memory.tree.len() <= DIRECT || gravitation.theta == 0.0;
+    if !memory.tree.is_empty() {
+        find_groups(memory);
+    }
+    if !direct {
+        weigh(&memory.tree, &memory.all.mass, &mut memory.moments);
+    }
+    direct
 }
 
 /// Brings the bodies into the order of their tree.
@@ -258,6 +276,21 @@ impl Sources {
     }
 }
 
+impl Sources {
+    /// Sum of their masses over their distances from `position`.
+    fn potential(&self, [px, py]: [f32; 2], soft: f64, container: &Container) -> f64 {
+        let mut sum = 0.0;
+        for ((x, y), &mass) in self.x.iter().zip(&self.y).zip(&self.mass) {
+            let [dx, dy] = nearest(container, [x - px, y - py]).map(f64::from);
+            let square = dx * dx + dy * dy + soft * soft;
+            if square > 0.0 {
+                sum += f64::from(mass) / square.sqrt();
+            }
+        }
+        sum
+    }
+}
+
 /// What all groups look at.
 struct Walk<'a> {
     gravitation: &'a Gravitation,
@@ -289,6 +322,26 @@ impl Walk<'_> {
                 _ => sources.pull(position, soft_square, |offset| offset),
             };
         }
+    }
+
+    /// Sum over a group's bodies of mass times the mass of each source over its distance.
+    fn energy(&self, group: u32, direct: bool) -> f64 {
+        let mut found = Sources::default();
+        let sources = if direct {
+            self.all
+        } else {
+            self.collect(group, &mut found);
+            &found
+        };
+        let soft = f64::from(self.gravitation.softening);
+        // Each body is one of its own sources, at distance 0.
+        let own = if soft > 0.0 { 1.0 / soft } else { 0.0 };
+        let energy = |place: usize| {
+            let mass = f64::from(self.all.mass[place]);
+            let at = [self.all.x[place], self.all.y[place]];
+            mass * (sources.potential(at, soft, &self.container) - mass * own)
+        };
+        self.tree.nodes()[group as usize].range().map(energy).sum()
     }
 
     /// Lists what pulls at a group: bodies that are near, nodes that are far.

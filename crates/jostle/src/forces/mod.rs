@@ -81,8 +81,8 @@ pub fn validate(forces: &[Force], len: usize) -> Result<()> {
     Ok(())
 }
 
-/// Follows the removal of particles: `moved[row]` is the new row, none if it is gone.
-/// What is tied to a particle that is gone goes with it.
+/// Follows particles that are removed or merged: `moved[row]` is the new row, none if it is
+/// gone. What is tied to a particle that is gone goes with it.
 pub fn follow(forces: &mut Vec<Force>, moved: &[Option<u32>]) {
     forces.retain_mut(|force| match force {
         Force::Attractor(Attractor { pole: Pole::Particle(row), .. }) => {
@@ -172,7 +172,7 @@ fn bounded(value: f32) -> f32 {
 
 /// The offset to the nearest image of what is at `offset`.
 #[inline(always)]
-fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
+pub fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
     let Container::Torus { size } = container else { return offset };
     [0, 1].map(|k| nearest_on(offset[k], size[k]))
 }

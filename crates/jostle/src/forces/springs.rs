@@ -8,6 +8,7 @@
 use super::{Bodies, check_number, nearest};
 use crate::container::Container;
 use crate::error::{Error, Result};
+use crate::groups::Groups;
 use crate::motion::Motions;
 
 /// Parts of a sub-step at most.
@@ -66,14 +67,27 @@ impl Springs {
         Ok(())
     }
 
-    /// Follows the removal of particles: springs go with either end.
+    /// Follows particles that are removed, and with them their springs, or merged: a spring
+    /// is tied to the particle that an end has become, and goes if that has become both.
     pub fn follow(&mut self, moved: &[Option<u32>]) {
         self.0.retain_mut(|spring| {
             let [i, j] = spring.pair.map(|row| moved[row as usize]);
             let both = i.zip(j);
             spring.pair = both.map_or(spring.pair, |(i, j)| [i, j]);
-            both.is_some()
+            both.is_some_and(|(i, j)| i != j)
         });
+    }
+
+    /// Sum of ½ · stiffness · stretch².
+    pub fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+        let energy = |spring: &Spring| {
+            let stretch = length(spring, bodies) - f64::from(spring.length);
+            0.5 * f64::from(spring.stiffness) * stretch * stretch
+        };
+        let mut all: Vec<f64> = self.0.iter().map(energy).collect();
+        // Springs come in any order; their sum must not depend on it.
+        all.sort_unstable_by(f64::total_cmp);
+        all.iter().sum()
     }
 
     /// Removes those that are stretched too far.
@@ -101,18 +115,17 @@ pub fn reach<'a>(
     bodies: &Bodies<'_>,
     velocities: &[[f32; 2]],
     dt: f32,
-    roots: &mut Vec<u32>,
+    groups: &mut Groups,
     reaches: &mut Vec<f32>,
 ) {
-    roots.clear();
-    roots.extend(0..bodies.positions.len() as u32);
+    groups.reset(bodies.positions.len());
     reaches.clear();
-    reaches.resize(roots.len(), 0.0);
-    let places = |spring: &Spring| spring.pair.map(|row| bodies.places[row as usize] as usize);
+    reaches.resize(bodies.positions.len(), 0.0);
     for spring in springs.clone() {
-        let [a, b] = places(spring).map(|place| root(roots, place));
-        roots[a] = b as u32;
+        let [a, b] = spring.pair.map(|row| bodies.places[row as usize]);
+        groups.join(a, b);
     }
+    let places = |spring: &Spring| spring.pair.map(|row| bodies.places[row as usize] as usize);
     for spring in springs.clone() {
         let places = places(spring);
         let speed = |place: usize| {
@@ -123,21 +136,12 @@ pub fn reach<'a>(
         let stretch = (length(spring, bodies) - f64::from(spring.length)).abs();
         let swing = stretch * (f64::from(spring.stiffness) / masses[0].min(masses[1])).sqrt();
         let fastest = speed(places[0]).max(speed(places[1])) + swing;
-        let of_all = &mut reaches[root(roots, places[0])];
+        let of_all = &mut reaches[groups.root(places[0] as u32) as usize];
         *of_all = of_all.max((fastest * f64::from(dt)) as f32);
     }
     for place in springs.flat_map(places) {
-        reaches[place] = reaches[root(roots, place)];
+        reaches[place] = reaches[groups.root(place as u32) as usize];
     }
-}
-
-/// What stands for everything that hangs together with a particle.
-fn root(roots: &mut [u32], mut place: usize) -> usize {
-    while roots[place] as usize != place {
-        roots[place] = roots[roots[place] as usize];
-        place = roots[place] as usize;
-    }
-    place
 }
 
 /// The springs of a world during one step, in an order that comes from the state.
@@ -288,16 +292,7 @@ impl End {
 impl Tie {
     /// The force on its first end.
     fn pull(&self, a: &End, b: &End, container: &Container, [softer, less]: [f64; 2]) -> [f64; 2] {
-        let offset = [0, 1].map(|k| {
-            let offset = b.position[k] - a.position[k];
-            match container {
-                Container::Torus { size } => {
-                    let side = f64::from(size[k]);
-                    offset - side * (offset / side).round()
-                }
-                _ => offset,
-            }
-        });
+        let offset = container.short_way([0, 1].map(|k| b.position[k] - a.position[k]));
         let [x, y] = offset;
         let length = (x * x + y * y).sqrt();
         if length == 0.0 {

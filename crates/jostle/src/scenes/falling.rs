@@ -2,7 +2,7 @@
 
 use super::placing::{Area, lattice, scatter};
 use super::random::Random;
-use super::{area_of, boxed};
+use super::{Start, area_of, boxed};
 use crate::particles::Particles;
 use crate::world::WorldSettings;
 
@@ -19,7 +19,7 @@ pub fn article_view(n: usize) -> Area {
 }
 
 /// The article's particles and their numbers a second, under right physics.
-pub fn article(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn article(n: usize, random: &mut Random) -> Start {
     let area = article_view(n);
     let radii: Vec<f32> = (0..n).map(|_| random.whole(5, 10)).collect();
     let places = scatter(&radii, area, random);
@@ -33,7 +33,7 @@ pub fn article(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
         restitution: 0.75,
         ..boxed(area)
     };
-    (particles, settings)
+    Start::new(particles, settings)
 }
 
 const PILE_RADII: [f32; 2] = [5.0, 10.0];
@@ -46,7 +46,7 @@ pub fn pile_view(n: usize) -> Area {
     [0.0, 0.0, pile_width(n), pile_width(n) * 0.75]
 }
 
-pub fn pile(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn pile(n: usize, random: &mut Random) -> Start {
     let [_, _, width, height] = pile_view(n);
     let spacing = 2.2 * PILE_RADII[1];
     let columns = (width / spacing).floor().max(1.0);
@@ -57,7 +57,7 @@ pub fn pile(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
     let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 40.0)).collect();
     let walls = [0.0, fill[1].min(0.0) - height, width, height];
     let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.2, ..boxed(walls) };
-    (Particles::new(places, velocities, radii, 1.0), settings)
+    Start::new(Particles::new(places, velocities, radii, 1.0), settings)
 }
 
 const RAIN_RADII: [f32; 2] = [3.0, 6.0];
@@ -70,7 +70,7 @@ pub fn rain_view(n: usize) -> Area {
     [0.0, 0.0, width, width * 0.625]
 }
 
-pub fn rain(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn rain(n: usize, random: &mut Random) -> Start {
     let [_, _, width, height] = rain_view(n);
     let middle = (RAIN_RADII[0] + RAIN_RADII[1]) / 2.0;
     let sky = n as f32 * area_of(middle) / (RAIN_COVERAGE * width) + 4.0 * RAIN_RADII[1];
@@ -86,5 +86,5 @@ pub fn rain(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
         restitution: 0.3,
         ..boxed([0.0, clouds[1], width, height])
     };
-    (Particles::new(places, velocities, radii, 1.0), settings)
+    Start::new(Particles::new(places, velocities, radii, 1.0), settings)
 }

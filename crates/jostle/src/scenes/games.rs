@@ -2,7 +2,7 @@
 
 use super::placing::{Area, lattice};
 use super::random::Random;
-use super::{area_of, boxed, side_for};
+use super::{Start, area_of, boxed, side_for};
 use crate::container::Container;
 use crate::particles::Particles;
 use crate::world::WorldSettings;
@@ -20,7 +20,7 @@ pub fn shots_view(n: usize) -> Area {
 }
 
 /// `n` particles in all; every fifth is a peg that nothing moves.
-pub fn shots(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn shots(n: usize, random: &mut Random) -> Start {
     let area = shots_view(n);
     let pegs = n / (SHOTS_PER_PEG + 1);
     let peg_places = lattice(pegs, area, 0.0, random);
@@ -37,7 +37,7 @@ pub fn shots(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
     let radii = (0..n).map(|i| if i < pegs { PEG_RADIUS } else { SHOT_RADIUS }).collect();
     let mut particles = Particles::new(places, velocities, radii, 1.0);
     particles.movable[..pegs].fill(false);
-    (particles, WorldSettings { substeps: 2, ..boxed(area) })
+    Start::new(particles, WorldSettings { substeps: 2, ..boxed(area) })
 }
 
 const BALL_RADIUS: f32 = 10.0;
@@ -53,7 +53,7 @@ pub fn billiards_view(n: usize) -> Area {
     [0.0, 0.0, 2.0 * height, height]
 }
 
-pub fn billiards(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn billiards(n: usize, random: &mut Random) -> Start {
     let area = billiards_view(n);
     let [width, height] = [area[2], area[3]];
     // A hair of room, so that the rack does not start out overlapping.
@@ -74,7 +74,7 @@ pub fn billiards(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
         velocities.insert(0, [1500.0, 0.0]);
     }
     let settings = WorldSettings { drag: 0.25, restitution: 0.95, ..boxed(area) };
-    (Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0), settings)
+    Start::new(Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0), settings)
 }
 
 const ORBIT_RADIUS: f32 = 4.0;
@@ -89,7 +89,7 @@ pub fn orbit_view(n: usize) -> Area {
     [-radius, -radius, radius, radius]
 }
 
-pub fn orbit(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn orbit(n: usize, random: &mut Random) -> Start {
     let radius = orbit_radius(n);
     let square = orbit_view(n);
     // A lattice over the square, with enough cells for n of them to lie inside.
@@ -118,5 +118,5 @@ pub fn orbit(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
         substeps: 2,
         ..WorldSettings::default()
     };
-    (Particles::new(inside, velocities, vec![ORBIT_RADIUS; n], 1.0), settings)
+    Start::new(Particles::new(inside, velocities, vec![ORBIT_RADIUS; n], 1.0), settings)
 }

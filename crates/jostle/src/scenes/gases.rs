@@ -2,7 +2,7 @@
 
 use super::placing::{Area, lattice, scatter};
 use super::random::Random;
-use super::{area_of, boxed, side_for};
+use super::{Start, area_of, boxed, side_for};
 use crate::particles::Particles;
 use crate::world::WorldSettings;
 
@@ -28,13 +28,13 @@ pub fn gas_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub fn gas(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn gas(n: usize, random: &mut Random) -> Start {
     let area = gas_view(n);
     let gap = area[2] / (n as f32).sqrt().ceil().max(1.0) / 2.0 - RADIUS;
     let places = lattice(n, area, 0.9 * gap.max(0.0), random);
     let velocities = velocities(n, random);
     let settings = WorldSettings { substeps: 1, ..boxed(area) };
-    (Particles::new(places, velocities, vec![RADIUS; n], 1.0), settings)
+    Start::new(Particles::new(places, velocities, vec![RADIUS; n], 1.0), settings)
 }
 
 /// Radii from 1 to 100, every octave covering the same area: the density of
@@ -57,12 +57,13 @@ pub fn mixed_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub fn mixed(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn mixed(n: usize, random: &mut Random) -> Start {
     let area = mixed_view(n);
     let radii = mixed_radii(n);
     let places = scatter(&radii, area, random);
     let velocities = velocities(n, random);
-    (Particles::new(places, velocities, radii, 1.0), WorldSettings { substeps: 2, ..boxed(area) })
+    let particles = Particles::new(places, velocities, radii, 1.0);
+    Start::new(particles, WorldSettings { substeps: 2, ..boxed(area) })
 }
 
 pub fn clusters_view(n: usize) -> Area {
@@ -71,7 +72,7 @@ pub fn clusters_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub fn clusters(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
+pub fn clusters(n: usize, random: &mut Random) -> Start {
     let area = clusters_view(n);
     let side = area[2];
     let gathered = (CLUSTERED * n as f32) as usize;
@@ -88,8 +89,6 @@ pub fn clusters(n: usize, random: &mut Random) -> (Particles, WorldSettings) {
     }
     places.extend(lattice(n - gathered, area, 0.0, random));
     let velocities = velocities(n, random);
-    (
-        Particles::new(places, velocities, vec![RADIUS; n], 1.0),
-        WorldSettings { substeps: 1, ..boxed(area) },
-    )
+    let particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
+    Start::new(particles, WorldSettings { substeps: 1, ..boxed(area) })
 }

@@ -1,18 +1,30 @@
 //! Seeded scenes by name, the same for tests, benchmarks and the simulator.
 //!
 //! Lengths are pixels, times seconds, y grows downwards; a step is 1/60 s. Every
-//! scene takes any number of particles: its size follows.
+//! scene takes any number of particles: its size follows. Beads, which walls are strung
+//! of, come in addition, and first.
 
 mod falling;
+mod fountain;
+mod galton;
 mod games;
 mod gases;
+mod list;
+mod mixing;
 mod placing;
 pub mod random;
+mod sand;
+mod soft;
 
 use crate::container::Container;
 use crate::error::{Error, Result};
+use crate::forces::Force;
 use crate::particles::Particles;
 use crate::world::{World, WorldSettings};
+pub use fountain::{Nozzle, fountains};
+pub use galton::{GaltonBoard, galton_board};
+pub use list::SCENES;
+pub use placing::wall;
 use random::Random;
 
 /// The step that scenes are made for, seconds.
@@ -29,85 +41,27 @@ pub struct Scene {
     pub default_count: usize,
     /// What to look at, in two sentences.
     pub about: &'static str,
-    make: fn(usize, &mut Random) -> (Particles, WorldSettings),
+    make: fn(usize, &mut Random) -> Start,
     view: fn(usize) -> [f32; 4],
 }
 
-/// All scenes.
-pub const SCENES: [Scene; 9] = [
-    Scene {
-        name: "article",
-        default_count: 500,
-        about: "The article's particles in its 800 × 500 window, under right physics. \
-                Watch them come to rest, which the article's rules never let them do.",
-        make: falling::article,
-        view: falling::article_view,
-    },
-    Scene {
-        name: "gas",
-        default_count: 10_000,
-        about: "Equal elastic discs over 40 % of the area. \
-                Speeds that start out even soon spread as in a real gas, and the energy stays.",
-        make: gases::gas,
-        view: gases::gas_view,
-    },
-    Scene {
-        name: "pile",
-        default_count: 1_000,
-        about: "Discs of radius 5 to 10 fall into a box and come to rest. \
-                Look how little they overlap, even at the bottom.",
-        make: falling::pile,
-        view: falling::pile_view,
-    },
-    Scene {
-        name: "rain",
-        default_count: 2_000,
-        about: "Drops fall in over time and fill the ground. \
-                The tree deepens where they gather and stays shallow in the sky.",
-        make: falling::rain,
-        view: falling::rain_view,
-    },
-    Scene {
-        name: "mixed",
-        default_count: 5_000,
-        about: "Radii from 1 to 100, every octave covering the same area. \
-                One size of grid cell fits none of them; the tree does not mind.",
-        make: gases::mixed,
-        view: gases::mixed_view,
-    },
-    Scene {
-        name: "clusters",
-        default_count: 5_000,
-        about: "Nine tenths of the discs start in a hundredth of the area. \
-                Watch nine crowds burst and the tree's small boxes spread with them.",
-        make: gases::clusters,
-        view: gases::clusters_view,
-    },
-    Scene {
-        name: "shots",
-        default_count: 1_000,
-        about: "Small shots at up to 3,000 px/s among pegs that nothing moves. \
-                None ever passes through a peg or a wall.",
-        make: games::shots,
-        view: games::shots_view,
-    },
-    Scene {
-        name: "billiards",
-        default_count: 16,
-        about: "A cue ball breaks a rack of balls. \
-                Follow how the momentum of one spreads over all.",
-        make: games::billiards,
-        view: games::billiards_view,
-    },
-    Scene {
-        name: "orbit",
-        default_count: 2_000,
-        about: "Discs swirl about the centre of a round container. \
-                The wall has no friction, so the swirl never dies.",
-        make: games::orbit,
-        view: games::orbit_view,
-    },
-];
+/// What a scene begins with.
+struct Start {
+    particles: Particles,
+    settings: WorldSettings,
+    forces: Vec<Force>,
+}
+
+impl Start {
+    fn new(particles: Particles, settings: WorldSettings) -> Self {
+        Self { particles, settings, forces: Vec::new() }
+    }
+
+    fn with(mut self, force: Force) -> Self {
+        self.forces.push(force);
+        self
+    }
+}
 
 /// The scene called `name`.
 pub fn find(name: &str) -> Result<&'static Scene> {
@@ -121,8 +75,10 @@ impl Scene {
     /// Its world with `count` particles (`None`: as many as suit it).
     pub fn create(&self, count: Option<usize>, seed: u64) -> Result<World> {
         let count = self.count(count)?;
-        let (particles, settings) = (self.make)(count, &mut Random::new(seed));
-        World::new(particles, settings)
+        let start = (self.make)(count, &mut Random::new(seed));
+        let mut world = World::new(start.particles, start.settings)?;
+        world.set_forces(start.forces)?;
+        Ok(world)
     }
 
     /// The part of its world to look at: min x, min y, max x, max y.

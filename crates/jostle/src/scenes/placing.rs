@@ -3,12 +3,20 @@
 use std::collections::HashMap;
 
 use super::random::Random;
+use crate::error::{Error, Result};
+use crate::particles::{Particles, check_radii, check_vectors};
 
 /// A rectangle: min x, min y, max x, max y.
 pub type Area = [f32; 4];
 
 /// Tries before a disc is put down wherever it fell.
 const TRIES: usize = 200;
+
+/// From bead to bead of a wall, in radii: the bumps are 2 % of a radius high.
+const BEAD_STEP: f32 = 0.4;
+
+/// Most beads of one wall.
+const MAX_BEADS: f64 = 1e6;
 
 /// `count` places on a square lattice that fills `area`, each moved by up to
 /// `jitter` along both axes.
@@ -22,6 +30,47 @@ pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Ve
         [0, 1].map(|k| area[k] + cell[k] * step[k] + random.between(-jitter, jitter))
     };
     (0..count).map(place).collect()
+}
+
+/// The centres of beads of `radius` in a straight line, so close that what slides along
+/// them feels a smooth wall. The ends are beads too.
+pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>> {
+    check_vectors("start", &[start]).map_err(|_| no_end("start", start))?;
+    check_vectors("end", &[end]).map_err(|_| no_end("end", end))?;
+    if check_radii(&[radius]).is_err() || radius == 0.0 {
+        return Err(Error::of("radius", radius, "it must be finite and more than 0"));
+    }
+    let way = [0, 1].map(|k| f64::from(end[k]) - f64::from(start[k]));
+    let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
+    let steps = (length / (f64::from(BEAD_STEP) * f64::from(radius))).ceil();
+    if steps >= MAX_BEADS {
+        let rule =
+            format!("so thin a wall would have {} beads, more than {MAX_BEADS}", steps + 1.0);
+        return Err(Error::of("radius", radius, &rule));
+    }
+    let bead = |index: u32| {
+        let share = f64::from(index) / steps.max(1.0);
+        [0, 1].map(|k| (f64::from(start[k]) + way[k] * share) as f32)
+    };
+    Ok((0..=steps as u32).map(bead).collect())
+}
+
+fn no_end(argument: &'static str, [x, y]: [f32; 2]) -> Error {
+    Error::of(argument, format!("({x}, {y})"), "both coordinates must be finite and within ±1e18")
+}
+
+/// Beads along walls from corner to corner.
+pub fn walls(corners: &[[f32; 2]], radius: f32) -> Vec<[f32; 2]> {
+    let sides = corners.windows(2);
+    sides.flat_map(|ends| wall(ends[0], ends[1], radius).unwrap_or_default()).collect()
+}
+
+/// Discs of one radius that nothing moves.
+pub fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
+    let len = places.len();
+    let mut discs = Particles::new(places, vec![[0.0; 2]; len], vec![radius; len], 1.0);
+    discs.movable.fill(false);
+    discs
 }
 
 /// Random places in `area`, one for each radius, free of overlap as long as there

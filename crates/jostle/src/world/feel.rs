@@ -3,6 +3,7 @@
 use super::{World, WorldSettings};
 use crate::error::{Error, Result};
 use crate::forces::{self, Bodies, Force, springs::Sprung};
+use crate::groups::Groups;
 use crate::integrate;
 use crate::particles::{self, Particles};
 
@@ -20,7 +21,7 @@ pub(super) struct ForceMemory {
     /// How far springs may carry each particle aside; empty where there is none.
     pub(super) reaches: Vec<f32>,
     /// What hangs together by springs.
-    pub(super) roots: Vec<u32>,
+    pub(super) groups: Groups,
     pub(super) sprung: Sprung,
 }
 
@@ -50,9 +51,9 @@ impl World {
         }
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {
-            let ForceMemory { places, roots, reaches, .. } = memory;
+            let ForceMemory { places, groups, reaches, .. } = memory;
             let bodies = bodies(particles, &particles.positions, places, settings);
-            forces::springs::reach(all, &bodies, &particles.velocities, dt, roots, reaches);
+            forces::springs::reach(all, &bodies, &particles.velocities, dt, groups, reaches);
         }
         let ForceMemory { accelerations, reaches, .. } = &*memory;
         let ways = (0..particles.len())
@@ -99,7 +100,7 @@ pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>)
 }
 
 /// The particles as forces see them, at some positions.
-fn bodies<'a>(
+pub(super) fn bodies<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
     places: &'a [u32],

@@ -5,6 +5,19 @@ use crate::error::{Error, Result};
 use crate::particles;
 use crate::settings::{Method, Settings};
 
+/// What becomes of particles that touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnTouch {
+    /// They bounce, or lean on each other.
+    #[default]
+    Bounce,
+    /// They become one: area, mass and momentum are summed up, at the centre of mass.
+    /// Where one cannot be moved, all end up in it, and their momentum is lost.
+    Merge,
+    /// They pass through each other.
+    Ignore,
+}
+
 /// The rules of a world, apart from its particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldSettings {
@@ -16,6 +29,8 @@ pub struct WorldSettings {
     pub restitution: f32,
     /// The walls.
     pub container: Container,
+    /// What becomes of particles that touch.
+    pub on_touch: OnTouch,
     /// How pairs are found. Both give the same world.
     pub method: Method,
     /// Parts of a step in which contacts are solved, at least 1.
@@ -34,6 +49,7 @@ impl Default for WorldSettings {
             drag: 0.0,
             restitution: 1.0,
             container: Container::None,
+            on_touch: OnTouch::Bounce,
             method: Method::Quadtree,
             substeps: DEFAULT_SUBSTEPS,
             tree: Settings::default(),

@@ -1,6 +1,9 @@
 //! A world summed up: momentum, energies, and one number for its state.
 
 use super::World;
+use super::feel::{bodies, find_places};
+use crate::forces::{self, Attractor, Bodies, Force, Pole};
+use crate::parallel;
 use crate::particles::Particles;
 
 impl World {
@@ -21,7 +24,8 @@ impl World {
         masses.iter().zip(velocities).map(energy).sum()
     }
 
-    /// Sum of −m g·x over everything movable: energy in the field of gravity.
+    /// Energy in the field of gravity, of everything movable, and in all forces that have
+    /// a potential: attractors, as if their poles stood still, springs and gravitation.
     pub fn potential_energy(&self) -> f64 {
         let Particles { masses, positions, movable, .. } = &self.particles;
         let [gx, gy] = self.settings.gravity.map(f64::from);
@@ -29,7 +33,45 @@ impl World {
         let energy = |((&m, p), _): ((&f32, &[f32; 2]), &bool)| {
             -f64::from(m) * (gx * f64::from(p[0]) + gy * f64::from(p[1]))
         };
-        all.filter(|&(_, &movable)| movable).map(energy).sum()
+        let gravity = all.filter(|&(_, &movable)| movable).map(energy).sum::<f64>();
+        if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
+    }
+
+    fn energy_in_forces(&self) -> f64 {
+        let (mut places, settings) = (Vec::new(), &self.settings);
+        find_places(&self.forces, &self.rows, &mut places);
+        let positions = &self.particles.positions;
+        let wrapped: Vec<[f32; 2]> =
+            positions.iter().map(|&position| settings.container.wrap(position)).collect();
+        let bodies = bodies(&self.particles, &wrapped, &places, settings);
+        let energy = |force: &Force| match force {
+            Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
+            Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
+            Force::Springs(springs) => springs.energy(&bodies),
+            Force::Thermostat(_) => 0.0,
+        };
+        parallel::among(self.threads(), || self.forces.iter().map(energy).sum())
+    }
+
+    /// Energy of everything movable in the field of an attractor, whose own particle feels
+    /// nothing of it.
+    fn energy_at(&self, attractor: &Attractor, bodies: &Bodies<'_>) -> f64 {
+        let (pole, own) = match attractor.pole {
+            Pole::Point(point) => (point, None),
+            Pole::Particle(row) => {
+                let place = bodies.places[row as usize] as usize;
+                (bodies.positions[place], Some(place))
+            }
+        };
+        let energy = |place: usize| {
+            let position = bodies.positions[place];
+            let offset = [0, 1].map(|k| pole[k] - position[k]);
+            let offset = forces::nearest(&bodies.container, offset);
+            let mass = f64::from(bodies.masses[place]);
+            mass * forces::attractor::energy(attractor, offset, bodies.radii[place])
+        };
+        let felt = |&place: &usize| self.particles.movable[place] && own != Some(place);
+        (0..self.len()).filter(felt).map(energy).sum()
     }
 
     /// 64 bits that are the same for the same particles on every platform.

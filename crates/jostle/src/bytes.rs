@@ -1,0 +1,170 @@
+//! Numbers as bytes, the same on every machine: little-endian, without gaps.
+
+use crate::error::{Error, Result};
+
+/// Something with a fixed number of bytes.
+pub trait Plain: Copy {
+    /// How many.
+    const SIZE: usize;
+    /// Writes them over `to`, which has just so many.
+    fn store(self, to: &mut [u8]);
+    /// Reads them again.
+    fn load(from: &[u8]) -> Self;
+}
+
+macro_rules! plain {
+    ($($t:ty),*) => {$(
+        impl Plain for $t {
+            const SIZE: usize = size_of::<$t>();
+            #[inline(always)]
+            fn store(self, to: &mut [u8]) {
+                to.copy_from_slice(&self.to_le_bytes());
+            }
+            #[inline(always)]
+            fn load(from: &[u8]) -> Self {
+                Self::from_le_bytes(from.try_into().expect("as many bytes as it has"))
+            }
+        }
+    )*};
+}
+plain!(u8, u32, u64, f32, f64);
+
+impl<P: Plain + Default, const N: usize> Plain for [P; N] {
+    const SIZE: usize = N * P::SIZE;
+    #[inline(always)]
+    fn store(self, to: &mut [u8]) {
+        self.into_iter().zip(to.chunks_exact_mut(P::SIZE)).for_each(|(value, to)| value.store(to));
+    }
+    #[inline(always)]
+    fn load(from: &[u8]) -> Self {
+        let mut all = [P::default(); N];
+        all.iter_mut().zip(from.chunks_exact(P::SIZE)).for_each(|(to, from)| *to = P::load(from));
+        all
+    }
+}
+
+/// Bytes of magic, version, length and checksum.
+pub const HEAD: usize = 28;
+
+/// Bytes that grow, behind a head that tells what they are and whether they are whole.
+#[derive(Debug)]
+pub struct Writer(Vec<u8>);
+
+impl Writer {
+    /// With room for about so many bytes.
+    pub fn with_capacity(bytes: usize) -> Self {
+        let mut all = Vec::with_capacity(HEAD + bytes);
+        all.resize(HEAD, 0);
+        Self(all)
+    }
+
+    /// Appends a value.
+    pub fn put(&mut self, value: impl Plain) {
+        self.put_all(&[value]);
+    }
+
+    /// Appends a number that counts something.
+    pub fn put_count(&mut self, count: usize) {
+        self.put(count as u64);
+    }
+
+    /// Appends values, without their number.
+    pub fn put_all<P: Plain>(&mut self, values: &[P]) {
+        let start = self.0.len();
+        self.0.resize(start + values.len() * P::SIZE, 0);
+        let to = self.0[start..].chunks_exact_mut(P::SIZE);
+        values.iter().zip(to).for_each(|(value, to)| value.store(to));
+    }
+
+    /// What has been written.
+    pub fn finish(mut self, magic: [u8; 8], version: u32) -> Vec<u8> {
+        let (head, body) = self.0.split_at_mut(HEAD);
+        magic.store(&mut head[..8]);
+        version.store(&mut head[8..12]);
+        [body.len() as u64, checksum(body)].store(&mut head[12..]);
+        self.0
+    }
+}
+
+/// Bytes that are read from the front.
+#[derive(Debug)]
+pub struct Reader<'a>(&'a [u8]);
+
+impl<'a> Reader<'a> {
+    /// Looks at the head that [`Writer::finish`] has written.
+    pub fn open(bytes: &'a [u8], magic: [u8; 8], version: u32) -> Result<Self> {
+        let all = bytes.len();
+        let mut reader = Self(bytes);
+        if reader.get::<[u8; 8]>().ok() != Some(magic) {
+            let rule = "it does not begin as a snapshot does";
+            return Err(Error::of("data", format!("{all} bytes of something else"), rule));
+        }
+        let found: u32 = reader.get()?;
+        if found != version {
+            let rule = format!("this version of jostle reads format {version}");
+            return Err(Error::of("data", format!("a snapshot in format {found}"), &rule));
+        }
+        let (length, sum): (u64, u64) = (reader.get()?, reader.get()?);
+        if length > reader.0.len() as u64 {
+            return Err(cut_off());
+        }
+        if length < reader.0.len() as u64 || sum != checksum(reader.0) {
+            return Err(damaged("its checksum is wrong"));
+        }
+        Ok(reader)
+    }
+
+    /// The next value.
+    pub fn get<P: Plain>(&mut self) -> Result<P> {
+        Ok(P::load(self.take(P::SIZE)?))
+    }
+
+    /// The next number that counts something.
+    pub fn get_count(&mut self) -> Result<usize> {
+        usize::try_from(self.get::<u64>()?).map_err(|_| damaged("a count is too large"))
+    }
+
+    /// The next `count` values.
+    pub fn get_all<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
+        // Nothing is asked of the system for values that are not there.
+        let bytes = self.take(count.checked_mul(P::SIZE).ok_or_else(cut_off)?)?;
+        Ok(bytes.chunks_exact(P::SIZE).map(P::load).collect())
+    }
+
+    /// Refuses what is left over.
+    pub fn close(self) -> Result<()> {
+        if self.0.is_empty() { Ok(()) } else { Err(damaged("something is left over")) }
+    }
+
+    fn take(&mut self, count: usize) -> Result<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count).ok_or_else(cut_off)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+}
+
+/// What does not mean anything.
+pub fn damaged(rule: &str) -> Error {
+    Error::of("data", "a damaged snapshot", rule)
+}
+
+fn cut_off() -> Error {
+    damaged("it is cut off")
+}
+
+/// Sums up bytes so that no changed one goes unnoticed: four chains side by side, which is as
+/// fast as memory.
+pub fn checksum(bytes: &[u8]) -> u64 {
+    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mix = |sum: u64, word: u64| ((sum ^ word).wrapping_mul(FACTOR)).rotate_left(29);
+    let mut chains = [1u64, 2, 3, 4];
+    let (blocks, rest) = bytes.as_chunks::<32>();
+    for block in blocks {
+        let (words, _) = block.as_chunks::<8>();
+        for (chain, &word) in chains.iter_mut().zip(words) {
+            *chain = mix(*chain, u64::from_le_bytes(word));
+        }
+    }
+    let ends = chains.into_iter().chain(rest.iter().map(|&byte| u64::from(byte)));
+    ends.fold(bytes.len() as u64, mix)
+}

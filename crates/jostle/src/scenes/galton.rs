@@ -1,0 +1,121 @@
+//! A board of pegs that sorts balls by chance.
+
+use super::placing::{Area, immovable, wall, walls};
+use super::random::Random;
+use super::{Start, area_of, boxed, find};
+use crate::error::Result;
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+/// From peg to peg, along a row and from row to row.
+const PITCH: f32 = 32.0;
+const ROW: f32 = 28.0;
+
+/// Free width between two pegs, in radii of a ball. The narrower, the less does a ball at
+/// one peg remember the one before; narrower than this, two balls could block it.
+const GAP: f32 = 3.1;
+
+/// Radii of beads and of the largest balls.
+const BEAD: f32 = 3.0;
+const BALL: f32 = 4.5;
+
+/// Rows of pegs, fewest and most.
+const ROWS: [usize; 2] = [4, 40];
+
+/// Share of a bin's area that resting balls cover.
+const PACKED: f32 = 0.82;
+
+/// Gravity, and the drag that lets no ball fall faster than [`FALL`].
+const GRAVITY: f32 = 900.0;
+const DRAG: f32 = 4.0;
+const FALL: f32 = GRAVITY / DRAG;
+
+/// From ball to ball in the column that falls onto the first peg, in radii.
+const COLUMN_STEP: f32 = 5.0;
+
+/// Half the width of the funnel's spout, in radii of a ball, and where the funnel is open.
+const SPOUT: f32 = 1.8;
+const FUNNEL_TOP: f32 = -4.0 * ROW;
+
+/// Where things are on the board of the scene `galton`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaltonBoard {
+    /// Rows of pegs: a ball turns to the right in so many throws of a coin, or fewer.
+    pub rows: usize,
+    /// Edges of the bins along x, one more than there are bins.
+    pub bin_edges: Vec<f32>,
+    /// Where the bins are open.
+    pub bin_top: f32,
+    /// Where they end.
+    pub floor: f32,
+    /// Radius of the balls.
+    pub ball_radius: f32,
+}
+
+/// The board for `n` balls (`None`: as many as suit the scene).
+pub fn galton_board(n: Option<usize>) -> Result<GaltonBoard> {
+    Ok(board(find("galton")?.count(n)?))
+}
+
+fn board(n: usize) -> GaltonBoard {
+    // Rows grow with n to the power 2/3, and with them the board as fast as its bins fill.
+    let enough = |rows: &usize| 160 * rows.pow(3) as u64 >= (n as u64).pow(2);
+    let rows = (ROWS[0]..ROWS[1]).find(enough).unwrap_or(ROWS[1]);
+    let bin_top = rows as f32 * ROW;
+    // The fullest bin gets about √(2 / (π · rows)) of the balls.
+    let share = (2.0 / (std::f32::consts::PI * rows as f32)).sqrt();
+    let height = |ball: f32| n as f32 * share * area_of(ball) / (PACKED * (PITCH - 2.0 * BEAD));
+    let shrink = (0.7 * bin_top / height(BALL).max(1e-3)).sqrt().min(1.0);
+    let ball_radius = BALL * shrink;
+    let floor = bin_top + 1.3 * height(ball_radius) + 2.0 * ROW;
+    let half = (rows as f32 + 1.0) / 2.0;
+    let bin_edges = (0..rows + 2).map(|k| (k as f32 - half) * PITCH).collect();
+    GaltonBoard { rows, bin_edges, bin_top, floor, ball_radius }
+}
+
+pub fn galton_view(n: usize) -> Area {
+    let board = board(n);
+    let half_width = (board.rows as f32 + 1.0) / 2.0 * PITCH;
+    [-half_width, FUNNEL_TOP, half_width, board.floor]
+}
+
+/// `n` balls, and before them the pegs and the walls of the bins.
+pub fn galton(n: usize, random: &mut Random) -> Start {
+    let board = board(n);
+    let [min_x, min_y, max_x, floor] = galton_view(n);
+    let mut particles = immovable(pegs(board.rows), (PITCH - GAP * board.ball_radius) / 2.0);
+    let inner = &board.bin_edges[1..=board.rows];
+    let bins =
+        inner.iter().flat_map(|&x| wall([x, board.bin_top], [x, floor], BEAD).unwrap_or_default());
+    particles.extend(&immovable(bins.collect(), BEAD));
+    let radius = board.ball_radius;
+    for side in [-1.0, 1.0] {
+        let spout = side * (SPOUT * radius + BEAD);
+        let funnel = [[spout, -1.5 * ROW], [spout, -2.0 * ROW], [side * 2.5 * PITCH, FUNNEL_TOP]];
+        particles.extend(&immovable(walls(&funnel, BEAD), BEAD));
+    }
+    let step = COLUMN_STEP * radius;
+    let aside = 0.5 * radius;
+    let places: Vec<[f32; 2]> =
+        (0..n).map(|k| [random.between(-aside, aside), -2.0 * ROW - k as f32 * step]).collect();
+    let top = places.last().map_or(min_y, |last| last[1].min(min_y)) - 2.0 * radius;
+    particles.extend(&Particles::new(places, vec![[0.0, FALL]; n], vec![radius; n], 1.0));
+    let settings = WorldSettings {
+        gravity: [0.0, GRAVITY],
+        drag: DRAG,
+        restitution: 0.3,
+        ..boxed([min_x, top, max_x, floor])
+    };
+    Start::new(particles, settings)
+}
+
+/// Row by row, each in the gaps of the one before; the first has one in the middle.
+fn pegs(rows: usize) -> Vec<[f32; 2]> {
+    let row = |row: usize| {
+        // Pegs on the walls stay out.
+        let most = rows as i32;
+        let across = (-most..=most).filter(move |k| (k + row as i32) % 2 == 0);
+        across.map(move |k| [k as f32 * 0.5 * PITCH, row as f32 * ROW])
+    };
+    (0..rows).flat_map(row).collect()
+}

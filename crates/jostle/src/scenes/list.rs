@@ -1,0 +1,127 @@
+//! The list of all scenes.
+
+use super::{Scene, falling, fountain, galton, games, gases, mixing, sand, soft};
+
+/// All scenes.
+pub const SCENES: [Scene; 15] = [
+    Scene {
+        name: "article",
+        default_count: 500,
+        about: "The article's particles in its 800 × 500 window, under right physics. \
+                Watch them come to rest, which the article's rules never let them do.",
+        make: falling::article,
+        view: falling::article_view,
+    },
+    Scene {
+        name: "gas",
+        default_count: 10_000,
+        about: "Equal elastic discs over 40 % of the area. \
+                Speeds that start out even soon spread as in a real gas, and the energy stays.",
+        make: gases::gas,
+        view: gases::gas_view,
+    },
+    Scene {
+        name: "pile",
+        default_count: 1_000,
+        about: "Discs of radius 5 to 10 fall into a box and come to rest. \
+                Look how little they overlap, even at the bottom.",
+        make: falling::pile,
+        view: falling::pile_view,
+    },
+    Scene {
+        name: "rain",
+        default_count: 2_000,
+        about: "Drops fall in over time and fill the ground. \
+                The tree deepens where they gather and stays shallow in the sky.",
+        make: falling::rain,
+        view: falling::rain_view,
+    },
+    Scene {
+        name: "mixed",
+        default_count: 5_000,
+        about: "Radii from 1 to 100, every octave covering the same area. \
+                One size of grid cell fits none of them; the tree does not mind.",
+        make: gases::mixed,
+        view: gases::mixed_view,
+    },
+    Scene {
+        name: "clusters",
+        default_count: 5_000,
+        about: "Nine tenths of the discs start in a hundredth of the area. \
+                Watch nine crowds burst and the tree's small boxes spread with them.",
+        make: gases::clusters,
+        view: gases::clusters_view,
+    },
+    Scene {
+        name: "shots",
+        default_count: 1_000,
+        about: "Small shots at up to 3,000 px/s among pegs that nothing moves. \
+                None ever passes through a peg or a wall.",
+        make: games::shots,
+        view: games::shots_view,
+    },
+    Scene {
+        name: "billiards",
+        default_count: 16,
+        about: "A cue ball breaks a rack of balls. \
+                Follow how the momentum of one spreads over all.",
+        make: games::billiards,
+        view: games::billiards_view,
+    },
+    Scene {
+        name: "orbit",
+        default_count: 2_000,
+        about: "Discs swirl about the centre of a round container. \
+                The wall has no friction, so the swirl never dies.",
+        make: games::orbit,
+        view: games::orbit_view,
+    },
+    Scene {
+        name: "springs",
+        default_count: 800,
+        about: "Soft bodies of discs tied by springs fall beside a hanging cloth and a chain. \
+                See how they give way, swing back and come to rest in their old shapes.",
+        make: soft::springs,
+        view: soft::springs_view,
+    },
+    Scene {
+        name: "thermostat",
+        default_count: 4_000,
+        about: "A hot light gas on the left and a cold heavy one on the right. \
+                They mix, while walls that have a temperature bring both to one speed.",
+        make: mixing::thermostat,
+        view: mixing::thermostat_view,
+    },
+    Scene {
+        name: "sand",
+        default_count: 2_000,
+        about: "Grains run through the neck of an hourglass strung of small immovable beads. \
+                They flow evenly, however much is still above them, and heap up below.",
+        make: sand::sand,
+        view: sand::sand_view,
+    },
+    Scene {
+        name: "galton",
+        default_count: 400,
+        about: "Balls fall through rows of pegs, at each of them to the left or to the right. \
+                The bins below fill to the curve of the binomial distribution.",
+        make: galton::galton,
+        view: galton::galton_view,
+    },
+    Scene {
+        name: "brownian",
+        default_count: 3_000,
+        about: "One large heavy disc starts at rest in a gas of small light ones. \
+                Unseen blows add up to its random walk, with as much energy as each of theirs.",
+        make: mixing::brownian,
+        view: mixing::brownian_view,
+    },
+    Scene {
+        name: "emitters",
+        default_count: 3_000,
+        about: "Three jets cross above the bowls of a fountain and run over their rims. \
+                The oldest drops go as new ones come, so their number has a cap.",
+        make: fountain::emitters,
+        view: fountain::emitters_view,
+    },
+];

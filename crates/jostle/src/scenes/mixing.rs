@@ -1,0 +1,95 @@
+//! Scenes of two kinds of discs, without gravity.
+
+use super::placing::{Area, lattice};
+use super::random::Random;
+use super::{Start, area_of, boxed, side_for};
+use crate::forces::{Force, Thermostat};
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+/// Radius and coverage of both gases.
+const RADIUS: f32 = 4.0;
+const COVERAGE: f32 = 0.3;
+
+/// Densities of the gases on the left and on the right.
+const DENSITIES: [f32; 2] = [1.0, 8.0];
+
+/// Their fastest discs at the start, px/s.
+const SPEEDS: [f32; 2] = [400.0, 60.0];
+
+/// The walls, whose speed lies between.
+const WALLS: Thermostat = Thermostat { speed: 180.0, rate: 0.2 };
+
+pub fn thermostat_view(n: usize) -> Area {
+    let height = side_for(n as f32 * area_of(RADIUS), 1.6 * COVERAGE, 40.0);
+    [0.0, 0.0, 1.6 * height, height]
+}
+
+/// Half of the discs on either side.
+pub fn thermostat(n: usize, random: &mut Random) -> Start {
+    let area = thermostat_view(n);
+    let [min_x, min_y, max_x, max_y] = area;
+    let middle = (min_x + max_x) / 2.0;
+    let light = n.div_ceil(2);
+    let mut places = lattice(light, [min_x, min_y, middle, max_y], 0.5, random);
+    places.extend(lattice(n - light, [middle, min_y, max_x, max_y], 0.5, random));
+    let kind = |row: usize| usize::from(row >= light);
+    let velocities = (0..n).map(|row| random.in_disc().map(|v| v * SPEEDS[kind(row)])).collect();
+    let mut particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
+    let masses = particles.masses.iter_mut().enumerate();
+    masses.for_each(|(row, mass)| *mass *= DENSITIES[kind(row)]);
+    let settings = WorldSettings { substeps: 1, ..boxed(area) };
+    Start::new(particles, settings).with(Force::Thermostat(WALLS))
+}
+
+/// The disc whose walk is watched, and those that jostle it.
+const LARGE: f32 = 36.0;
+const SMALL: f32 = 3.0;
+
+/// Share of the area that the gas covers, and its fastest disc, px/s.
+const THIN: f32 = 0.2;
+const SPEED: f32 = 500.0;
+
+pub fn brownian_view(n: usize) -> Area {
+    let side = side_for(n as f32 * area_of(SMALL) + area_of(LARGE), THIN, 8.0 * LARGE);
+    [0.0, 0.0, side, side]
+}
+
+/// `n` particles in all; the first is the large one.
+pub fn brownian(n: usize, random: &mut Random) -> Start {
+    let area = brownian_view(n);
+    let middle = area[2] / 2.0;
+    let gas = n.saturating_sub(1);
+    let mut places = vec![[middle; 2]; n.min(1)];
+    places.extend(around(gas, area, [middle; 2], LARGE + 2.0 * SMALL, random));
+    let mut velocities = vec![[0.0; 2]; n.min(1)];
+    velocities.extend((0..gas).map(|_| random.in_disc().map(|v| v * SPEED)));
+    let mut radii = vec![LARGE; n.min(1)];
+    radii.resize(n, SMALL);
+    let particles = Particles::new(places, velocities, radii, 1.0);
+    Start::new(particles, WorldSettings { substeps: 1, ..boxed(area) })
+}
+
+/// `count` places on a lattice that leaves a circle free.
+fn around(
+    count: usize,
+    area: Area,
+    [x, y]: [f32; 2],
+    radius: f32,
+    random: &mut Random,
+) -> Vec<[f32; 2]> {
+    let free = |p: &[f32; 2]| {
+        let offset = [p[0] - x, p[1] - y];
+        offset[0] * offset[0] + offset[1] * offset[1] > radius * radius
+    };
+    let mut cells = count;
+    loop {
+        let mut places = lattice(cells, area, 0.5, random);
+        places.retain(free);
+        if places.len() >= count {
+            places.truncate(count);
+            return places;
+        }
+        cells += cells / 20 + 1;
+    }
+}

@@ -1,0 +1,112 @@
+//! An hourglass.
+
+use super::placing::{Area, immovable, walls};
+use super::random::Random;
+use super::{Start, boxed};
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+/// Radii of the grains, and of the beads that the glass is strung of.
+const GRAINS: [f32; 2] = [2.7, 3.3];
+const BEAD: f32 = 5.0;
+
+/// Width of the neck for 2,000 grains, and the narrowest.
+const NECK: f32 = 25.0;
+
+/// Layers, and by how much each is heavier than the one below: only so that they can be
+/// told apart.
+const LAYERS: usize = 6;
+const HEAVIER: f32 = 0.04;
+
+/// From grain to grain at the start.
+const PITCH: f32 = 2.02 * GRAINS[1];
+
+/// Lines between the beads; the glass is the same above and below y = 0.
+struct Glass {
+    /// Half the width of the bulbs.
+    half_width: f32,
+    /// Half the width of the neck.
+    half_neck: f32,
+    /// Where the neck widens.
+    neck_end: f32,
+    /// Where the bulb is as wide as it gets.
+    shoulder: f32,
+    /// Its floor.
+    end: f32,
+}
+
+impl Glass {
+    fn of(n: usize) -> Self {
+        let scale = (n as f32 / 2000.0).sqrt().max(0.35);
+        // The flow grows with the neck's width to the power 1.5: so every glass takes
+        // about the same time. A neck narrower than this would jam.
+        let neck = (NECK * scale * scale.sqrt()).max(NECK);
+        let half_width = 150.0 * scale + BEAD;
+        let half_neck = neck / 2.0 + BEAD;
+        let neck_end = BEAD;
+        let shoulder = neck_end + 1.35 * (half_width - half_neck);
+        let mut glass = Self { half_width, half_neck, neck_end, shoulder, end: shoulder };
+        glass.end = glass.rows(n).last().map_or(shoulder, |(y, _)| y.max(shoulder)) + 40.0 * scale;
+        glass
+    }
+
+    /// Half the free width at a height.
+    fn half_free(&self, y: f32) -> f32 {
+        let slope = (self.half_width - self.half_neck) / (self.shoulder - self.neck_end);
+        let sloping = self.half_neck + (y - self.neck_end).max(0.0) * slope;
+        // A slope is thicker along x than across.
+        sloping.min(self.half_width) - BEAD * (1.0 + slope * slope).sqrt()
+    }
+
+    /// Rows of grains that fill a bulb from the neck on: heights and numbers.
+    fn rows(&self, n: usize) -> Vec<(f32, usize)> {
+        let mut rows = Vec::new();
+        let (mut left, mut y) = (n, self.neck_end + GRAINS[1]);
+        while left > 0 {
+            let room = 2.0 * (self.half_free(y) - GRAINS[1]);
+            let count = ((room / PITCH) as usize).min(left);
+            rows.push((y, count));
+            left -= count;
+            y += 0.87 * PITCH;
+        }
+        rows
+    }
+
+    /// One bulb after the other, all around.
+    fn corners(&self) -> Vec<[f32; 2]> {
+        let Self { half_width, half_neck, neck_end, shoulder, end } = *self;
+        let right = [[half_width, end], [half_width, shoulder], [half_neck, neck_end]];
+        let upper_right = right.iter().rev().map(|&[x, y]| [x, -y]);
+        let half: Vec<[f32; 2]> = right.into_iter().chain(upper_right).collect();
+        let other = half.iter().rev().map(|&[x, y]| [-x, y]);
+        let mut all: Vec<[f32; 2]> = half.iter().copied().chain(other).collect();
+        all.push(all[0]);
+        all
+    }
+}
+
+pub fn sand_view(n: usize) -> Area {
+    let floor = Glass::of(n).end + BEAD;
+    [-1.3 * floor, -1.05 * floor, 1.3 * floor, floor]
+}
+
+/// `n` grains, and the beads of the glass before them.
+pub fn sand(n: usize, random: &mut Random) -> Start {
+    let glass = Glass::of(n);
+    let mut particles = immovable(walls(&glass.corners(), BEAD), BEAD);
+    let mut places = Vec::with_capacity(n);
+    for (index, (y, count)) in glass.rows(n).into_iter().enumerate() {
+        let first = -0.5 * (count as f32 - 1.0) + if index % 2 == 0 { 0.25 } else { -0.25 };
+        places.extend((0..count).map(|k| [(first + k as f32) * PITCH, -y]));
+    }
+    let radii = (0..n).map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 10.0)).collect();
+    let mut grains = Particles::new(places, velocities, radii, 1.0);
+    for (index, mass) in grains.masses.iter_mut().enumerate() {
+        *mass *= 1.0 + HEAVIER * (index * LAYERS / n) as f32;
+    }
+    particles.extend(&grains);
+    let settings =
+        WorldSettings { gravity: [0.0, 900.0], drag: 1.5, restitution: 0.0, ..boxed(sand_view(n)) };
+    Start::new(particles, settings)
+}

@@ -1,0 +1,285 @@
+//! A world as bytes, from which it goes on to the bit.
+//!
+//! Everything that the next step depends on is in them: settings, forces, particles in
+//! their canonical order, what walls and neighbours hold up at rest. Columns that are the
+//! same for all particles take one value.
+
+use super::{OnTouch, Stats, World, WorldSettings};
+use crate::bytes::{Reader, Writer, damaged};
+use crate::contacts::Contact;
+use crate::container::{Container, MAX_WALLS};
+use crate::error::{Error, Result};
+use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+use crate::particles::Particles;
+use crate::settings::{Method, Settings};
+
+/// What the bytes begin with.
+const MAGIC: [u8; 8] = *b"jostle\x1a\n";
+
+/// Changes with every change of what follows.
+const VERSION: u32 = 1;
+
+impl World {
+    /// All of the world in bytes that are the same on every machine.
+    ///
+    /// ```
+    /// use jostle::{Particles, World, WorldSettings};
+    /// let disc = Particles::new(vec![[0.0, 0.0]], vec![[1.0, 0.0]], vec![1.0], 1.0);
+    /// let mut world = World::new(disc, WorldSettings::default())?;
+    /// let bytes = world.snapshot();
+    /// world.step(0.1, 10, &mut |_| ())?;
+    /// let again = World::restore(&bytes)?;
+    /// assert_eq!(again.positions(), [[0.0, 0.0]]);
+    /// # Ok::<(), jostle::Error>(())
+    /// ```
+    pub fn snapshot(&self) -> Vec<u8> {
+        let mut to = Writer::with_capacity(40 * self.len() + 256);
+        put_settings(&mut to, &self.settings);
+        to.put(self.time);
+        let Stats { nodes, leaves, depth, tests } = self.stats;
+        [nodes, leaves, depth].into_iter().for_each(|number| to.put_count(number));
+        to.put(tests);
+        to.put_count(self.len());
+        to.put_all(&self.rows);
+        put_particles(&mut to, &self.particles);
+        put_wall_pushes(&mut to, &self.wall_pushes);
+        put_contacts(&mut to, self.contacts.lasting().collect());
+        to.put_count(self.forces.len());
+        self.forces.iter().for_each(|force| put_force(&mut to, force));
+        to.finish(MAGIC, VERSION)
+    }
+
+    /// The world of a snapshot. Refuses bytes that are not one, are cut off or damaged.
+    pub fn restore(bytes: &[u8]) -> Result<Self> {
+        let mut from = Reader::open(bytes, MAGIC, VERSION)?;
+        let valid = |error: Error| damaged(&error.to_string());
+        let mut world = Self::default();
+        world.configure(get_settings(&mut from)?).map_err(valid)?;
+        world.time = from.get()?;
+        if !world.time.is_finite() {
+            return Err(damaged("its time is not finite"));
+        }
+        world.stats = Stats {
+            nodes: from.get_count()?,
+            leaves: from.get_count()?,
+            depth: from.get_count()?,
+            tests: from.get()?,
+        };
+        let len = from.get_count()?;
+        let rows: Vec<u32> = from.get_all(len)?;
+        world.add(get_particles(&mut from, len)?).map_err(valid)?;
+        world.check_rows(&rows).map_err(valid)?;
+        world.rows = rows;
+        get_wall_pushes(&mut from, &mut world.wall_pushes)?;
+        world.contacts.recall(get_contacts(&mut from, len)?, len);
+        let count = from.get_count()?;
+        // Not reserved: a count may be anything.
+        let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
+        world.set_forces(forces?).map_err(valid)?;
+        from.close()?;
+        Ok(world)
+    }
+}
+
+fn put_settings(to: &mut Writer, settings: &WorldSettings) {
+    to.put(settings.gravity);
+    to.put([settings.drag, settings.restitution]);
+    let (kind, numbers) = match settings.container {
+        Container::None => (0u8, [0.0f32; 4]),
+        Container::Box { min, max } => (1, [min[0], min[1], max[0], max[1]]),
+        Container::Circle { center, radius } => (2, [center[0], center[1], radius, 0.0]),
+        Container::Torus { size } => (3, [size[0], size[1], 0.0, 0.0]),
+    };
+    to.put(kind);
+    to.put(numbers);
+    to.put(match settings.on_touch {
+        OnTouch::Bounce => 0u8,
+        OnTouch::Merge => 1,
+        OnTouch::Ignore => 2,
+    });
+    to.put(match settings.method {
+        Method::Quadtree => 0u8,
+        Method::Brute => 1,
+    });
+    let Settings { leaf_capacity, max_depth, threads } = settings.tree;
+    let numbers = [settings.substeps, leaf_capacity, max_depth, threads.unwrap_or(0)];
+    numbers.into_iter().for_each(|number| to.put_count(number));
+}
+
+fn get_settings(from: &mut Reader<'_>) -> Result<WorldSettings> {
+    let gravity = from.get()?;
+    let [drag, restitution] = from.get()?;
+    let (kind, [a, b, c, d]): (u8, [f32; 4]) = (from.get()?, from.get()?);
+    let container = match kind {
+        0 => Container::None,
+        1 => Container::Box { min: [a, b], max: [c, d] },
+        2 => Container::Circle { center: [a, b], radius: c },
+        3 => Container::Torus { size: [a, b] },
+        _ => return Err(damaged("there is no such container")),
+    };
+    let on_touch = match from.get()? {
+        0u8 => OnTouch::Bounce,
+        1 => OnTouch::Merge,
+        2 => OnTouch::Ignore,
+        _ => return Err(damaged("there is no such on_touch")),
+    };
+    let method = match from.get()? {
+        0u8 => Method::Quadtree,
+        1 => Method::Brute,
+        _ => return Err(damaged("there is no such method")),
+    };
+    let substeps = from.get_count()?;
+    let (leaf_capacity, max_depth) = (from.get_count()?, from.get_count()?);
+    let threads = Some(from.get_count()?).filter(|&threads| threads > 0);
+    let tree = Settings { leaf_capacity, max_depth, threads };
+    Ok(WorldSettings { gravity, drag, restitution, container, on_touch, method, substeps, tree })
+}
+
+fn put_particles(to: &mut Writer, all: &Particles) {
+    to.put_all(&all.positions);
+    to.put_all(&all.velocities);
+    for column in [&all.radii, &all.masses, &all.restitutions] {
+        let same = column.windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
+        to.put(u8::from(same));
+        to.put_all(&column[..if same { column.len().min(1) } else { column.len() }]);
+    }
+    let movable: Vec<u8> = all.movable.iter().map(|&movable| u8::from(movable)).collect();
+    to.put_all(&movable);
+}
+
+fn get_particles(from: &mut Reader<'_>, len: usize) -> Result<Particles> {
+    Ok(Particles {
+        positions: from.get_all(len)?,
+        velocities: from.get_all(len)?,
+        radii: get_column(from, len)?,
+        masses: get_column(from, len)?,
+        restitutions: get_column(from, len)?,
+        movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
+    })
+}
+
+fn get_column(from: &mut Reader<'_>, len: usize) -> Result<Vec<f32>> {
+    let same = from.get::<u8>()? > 0;
+    if !same || len == 0 {
+        return from.get_all(len);
+    }
+    Ok(vec![from.get()?; len])
+}
+
+fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
+    let pushed = pushes.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
+    to.put_count(pushed.clone().count());
+    for (&pushes, place) in pushed {
+        to.put(place);
+        to.put(pushes);
+    }
+}
+
+fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]]) -> Result<()> {
+    for _ in 0..from.get_count()? {
+        let (place, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
+        let to = all.get_mut(place as usize).ok_or_else(|| damaged("a wall pushes nothing"))?;
+        if !pushes.iter().all(|&push| push >= 0.0 && push.is_finite()) {
+            return Err(damaged("a wall pushes in no way that a wall can"));
+        }
+        *to = pushes;
+    }
+    Ok(())
+}
+
+fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
+    to.put_count(contacts.len());
+    for contact in contacts {
+        to.put(contact.places);
+        let [[x, y], [u, v]] = [contact.image, contact.normal];
+        to.put([x, y, u, v, contact.gap, contact.impulse]);
+        to.put(u8::from(contact.touched));
+    }
+}
+
+fn get_contacts(from: &mut Reader<'_>, len: usize) -> Result<Vec<Contact>> {
+    let mut contacts = Vec::new();
+    for _ in 0..from.get_count()? {
+        let places: [u32; 2] = from.get()?;
+        let numbers: [f32; 6] = from.get()?;
+        let touched = from.get::<u8>()? > 0;
+        let [x, y, u, v, gap, impulse] = numbers;
+        let known = places.iter().all(|&place| (place as usize) < len) && places[0] != places[1];
+        if !known || numbers.iter().any(|number| number.is_nan()) || impulse < 0.0 {
+            return Err(damaged("a contact is between no particles"));
+        }
+        let (image, normal) = ([x, y], [u, v]);
+        let contact =
+            Contact { places, image, normal, gap, impulse, touched, ..Contact::default() };
+        contacts.push(contact);
+    }
+    Ok(contacts)
+}
+
+fn put_force(to: &mut Writer, force: &Force) {
+    match force {
+        Force::Attractor(Attractor { pole, strength, law }) => {
+            to.put(0u8);
+            match *pole {
+                Pole::Point(point) => {
+                    to.put(0u8);
+                    to.put(point);
+                }
+                Pole::Particle(row) => {
+                    to.put(1u8);
+                    to.put(row);
+                }
+            }
+            to.put(*strength);
+            to.put(u8::from(*law == Law::InverseSquare));
+        }
+        Force::Gravitation(Gravitation { g, softening, theta }) => {
+            to.put(1u8);
+            to.put([*g, *softening, *theta]);
+        }
+        Force::Springs(Springs(springs)) => {
+            to.put(2u8);
+            to.put_count(springs.len());
+            for spring in springs {
+                to.put(spring.pair);
+                to.put([spring.length, spring.stiffness, spring.damping, spring.max_stretch]);
+            }
+        }
+        Force::Thermostat(Thermostat { speed, rate }) => {
+            to.put(3u8);
+            to.put([*speed, *rate]);
+        }
+    }
+}
+
+fn get_force(from: &mut Reader<'_>) -> Result<Force> {
+    Ok(match from.get()? {
+        0u8 => {
+            let pole = match from.get()? {
+                0u8 => Pole::Point(from.get()?),
+                _ => Pole::Particle(from.get()?),
+            };
+            let strength = from.get()?;
+            let law = if from.get::<u8>()? > 0 { Law::InverseSquare } else { Law::Harmonic };
+            Force::Attractor(Attractor { pole, strength, law })
+        }
+        1 => {
+            let [g, softening, theta] = from.get()?;
+            Force::Gravitation(Gravitation { g, softening, theta })
+        }
+        2 => {
+            let mut springs = Vec::new();
+            for _ in 0..from.get_count()? {
+                let pair = from.get()?;
+                let [length, stiffness, damping, max_stretch] = from.get()?;
+                springs.push(Spring { pair, length, stiffness, damping, max_stretch });
+            }
+            Force::Springs(Springs(springs))
+        }
+        3 => {
+            let [speed, rate] = from.get()?;
+            Force::Thermostat(Thermostat { speed, rate })
+        }
+        _ => return Err(damaged("there is no such force")),
+    })
+}

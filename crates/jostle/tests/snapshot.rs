@@ -1,0 +1,225 @@
+//! A world in bytes goes on as the world itself does; other bytes are refused.
+
+use std::sync::LazyLock;
+
+use jostle::bytes::{HEAD, checksum};
+use jostle::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+use jostle::scenes::{SCENES, STEP, random::Random};
+use jostle::{Container, Force, Method, OnTouch, Particles, Settings, World, WorldSettings};
+use proptest::prelude::*;
+
+fn run(world: &mut World, steps: usize) {
+    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn restored(world: &World) -> World {
+    World::restore(&world.snapshot()).expect("a snapshot can be restored")
+}
+
+/// All that can be asked of a world.
+fn assert_same(a: &World, b: &World, of: &str) {
+    assert!(a.particles() == b.particles(), "{of}: particles");
+    assert_eq!(a.settings(), b.settings(), "{of}");
+    assert_eq!(a.forces(), b.forces(), "{of}");
+    assert_eq!(a.contacts().unwrap(), b.contacts().unwrap(), "{of}");
+    assert_eq!((a.time(), a.stats()), (b.time(), b.stats()), "{of}");
+    assert_eq!(a.momentum(), b.momentum(), "{of}: the order within");
+    assert_eq!(a.snapshot(), b.snapshot(), "{of}");
+}
+
+/// Every kind of force; the first spring breaks soon.
+fn forces(count: u32) -> Vec<Force> {
+    let tie = |i: u32| Spring {
+        pair: [i, (i * 7 + 1) % count],
+        length: 3.0,
+        stiffness: 20.0,
+        damping: 0.1,
+        max_stretch: if i == 2 { 0.01 } else { f32::INFINITY },
+    };
+    let springs = (2..40).map(tie).collect();
+    let attract = |pole, law| Force::Attractor(Attractor { pole, strength: 0.5, law });
+    vec![
+        attract(Pole::Point([4.0, -6.0]), Law::Harmonic),
+        attract(Pole::Particle(17), Law::InverseSquare),
+        Force::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
+        Force::Springs(Springs(springs)),
+        Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
+    ]
+}
+
+/// A crowd under gravity with everything that a world can have.
+fn busy(container: Container, on_touch: OnTouch) -> World {
+    let mut random = Random::new(8);
+    let mut pair = |low: f32, high: f32| [random.between(low, high), random.between(low, high)];
+    let count = 700;
+    let positions = (0..count).map(|_| pair(5.0, 45.0)).collect();
+    let velocities = (0..count).map(|_| pair(-3.0, 3.0)).collect();
+    let radii = (0..count).map(|_| pair(0.2, 0.7)[0]).collect();
+    let mut all = Particles::new(positions, velocities, radii, 2.0);
+    all.restitutions = (0..count).map(|_| pair(0.1, 1.0)[0]).collect();
+    (0..count).step_by(9).for_each(|row| all.movable[row] = false);
+    let settings = WorldSettings {
+        gravity: [0.5, 9.0],
+        drag: 0.01,
+        restitution: 0.7,
+        container,
+        on_touch,
+        method: Method::Brute,
+        substeps: 3,
+        tree: Settings { leaf_capacity: 7, max_depth: 30, threads: Some(2) },
+    };
+    let mut world = World::new(all, settings).expect("valid");
+    world.set_forces(forces(count as u32)).expect("valid");
+    world
+}
+
+fn containers() -> [Container; 4] {
+    [
+        Container::None,
+        Container::Box { min: [0.0; 2], max: [50.0; 2] },
+        Container::Circle { center: [25.0; 2], radius: 31.0 },
+        Container::Torus { size: [50.0, 60.0] },
+    ]
+}
+
+#[test]
+fn every_scene_goes_on_to_the_bit() {
+    for scene in &SCENES {
+        let mut world = scene.create(Some(scene.default_count.min(600)), 0).expect("valid");
+        for before in [0, 150] {
+            run(&mut world, before);
+            let mut again = restored(&world);
+            assert_same(&world, &again, scene.name);
+            let mut on = restored(&world);
+            run(&mut on, 100);
+            run(&mut again, 100);
+            run(&mut world, 100);
+            assert_same(&world, &again, scene.name);
+            assert_same(&world, &on, scene.name);
+        }
+    }
+}
+
+#[test]
+fn everything_that_a_world_can_have_goes_on_to_the_bit() {
+    for on_touch in [OnTouch::Bounce, OnTouch::Merge, OnTouch::Ignore] {
+        for container in containers() {
+            let name = format!("{on_touch:?} in {container:?}");
+            let mut world = busy(container, on_touch);
+            run(&mut world, 60);
+            let mut again = restored(&world);
+            assert_same(&world, &again, &name);
+            // Its resting contacts are kept while particles come and go.
+            for world in [&mut world, &mut again] {
+                world.remove(&[3, 0, 5]).expect("they are there");
+                let more = Particles::new(vec![[25.0; 2]], vec![[0.0; 2]], vec![0.5], 1.0);
+                world.add(more).expect("valid");
+                run(world, 100);
+            }
+            assert_same(&world, &again, &name);
+        }
+    }
+}
+
+#[test]
+fn a_world_without_particles_is_one_too() {
+    assert_same(&World::default(), &restored(&World::default()), "nothing");
+}
+
+#[test]
+fn the_same_world_gives_the_same_bytes_and_few() {
+    let mut world = SCENES[1].create(Some(1000), 0).expect("valid");
+    run(&mut world, 10);
+    assert_eq!(world.snapshot(), restored(&world).snapshot());
+    assert!(world.snapshot().len() < 40 * 1000, "{}", world.snapshot().len());
+}
+
+fn refusal(bytes: &[u8]) -> String {
+    World::restore(bytes).expect_err("these are no snapshot").to_string()
+}
+
+#[test]
+fn foreign_bytes_are_refused_in_a_sentence() {
+    let good = busy(Container::None, OnTouch::Bounce).snapshot();
+    assert_eq!(
+        refusal(b"not mine"),
+        "data is 8 bytes of something else; it does not begin as a snapshot does"
+    );
+    assert_eq!(
+        refusal(b""),
+        "data is 0 bytes of something else; it does not begin as a snapshot does"
+    );
+    let mut newer = good.clone();
+    newer[8] = 9;
+    assert_eq!(
+        refusal(&newer),
+        "data is a snapshot in format 9; this version of jostle reads format 1"
+    );
+    assert_eq!(refusal(&good[..good.len() - 1]), "data is a damaged snapshot; it is cut off");
+    let longer = [&good[..], &[0]].concat();
+    assert_eq!(refusal(&longer), "data is a damaged snapshot; its checksum is wrong");
+}
+
+/// Bytes as somebody would have to forge them to get past the checksum.
+fn forged(mut bytes: Vec<u8>) -> Vec<u8> {
+    if let Some(body) = bytes.get(HEAD..) {
+        let head = [body.len() as u64, checksum(body)].map(u64::to_le_bytes).concat();
+        bytes[12..HEAD].copy_from_slice(&head);
+    }
+    bytes
+}
+
+static SMALL: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut random = Random::new(1);
+    let mut pair = || [random.between(0.0, 9.0), random.between(0.0, 9.0)];
+    let mut all =
+        Particles::new((0..40).map(|_| pair()).collect(), vec![[0.0; 2]; 40], vec![0.5; 40], 1.0);
+    all.movable[3] = false;
+    let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
+    let gravity = [0.0, 5.0];
+    let settings = WorldSettings { container, gravity, ..WorldSettings::default() };
+    let mut world = World::new(all, settings).expect("valid");
+    world.set_forces(forces(40)).expect("valid");
+    run(&mut world, 30);
+    world.snapshot()
+});
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn a_changed_byte_is_noticed(at in any::<prop::sample::Index>(), by in 1u8..) {
+        let mut bytes = SMALL.clone();
+        let at = at.index(bytes.len());
+        bytes[at] ^= by;
+        prop_assert!(World::restore(&bytes).is_err());
+    }
+
+    #[test]
+    fn what_is_cut_off_is_noticed(at in any::<prop::sample::Index>()) {
+        let bytes = &*SMALL;
+        let short = &bytes[..at.index(bytes.len())];
+        prop_assert!(World::restore(short).is_err());
+        prop_assert!(short.len() < HEAD || World::restore(&forged(short.to_vec())).is_err());
+    }
+
+    #[test]
+    fn forged_bytes_make_a_world_or_a_sentence(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+    ) {
+        let mut bytes = SMALL.clone();
+        for (at, value) in changes {
+            let at = at.index(bytes.len() - HEAD) + HEAD;
+            bytes[at] = value;
+        }
+        // Never a panic, and what is accepted is in order.
+        if let Ok(mut world) = World::restore(&forged(bytes)) {
+            let mut settings = *world.settings();
+            settings.tree.threads = Some(1);
+            prop_assert!(world.configure(settings).is_ok());
+            prop_assert!(world.contacts().is_ok());
+            let _ = world.step(1e-3, 1, &mut |_| ());
+            prop_assert!(world.remove(&[0]).is_ok());
+        }
+    }
+}

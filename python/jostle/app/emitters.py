@@ -1,0 +1,117 @@
+"""What a world does not have: nozzles that add drops, and a cap above which the oldest go."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+
+Floats = NDArray[np.float64]
+
+GOLDEN = 0.6180339887498949  # multiples of it, less their whole parts, spread evenly over 0..1
+STREAMS = 4  # random numbers that one drop takes
+
+
+class Emitters:
+    """The nozzles of the scene `emitters`.
+
+    What comes out depends on the seed and on the number of drops so far, not on the lengths of the
+    steps. `emitted` and `debt` are the whole state: set them back, and the same drops come again.
+
+    Parameters
+    ----------
+    n
+        Most drops that there will be; what suits the scene unless given.
+    seed
+        Of the drops' places, velocities and radii.
+
+    Attributes
+    ----------
+    emitted
+        Drops that have come out.
+    debt
+        The part of a drop that is due already, 0 to 1.
+    """
+
+    def __init__(self, n: int | None = None, seed: int = 0) -> None:
+        self.cap = jostle.scenes.default_count("emitters") if n is None else n
+        self.emitted = 0
+        self.debt = 0.0
+        self._seed = seed
+        nozzles = jostle.scenes.fountains(n)
+        rates = np.array([nozzle.drops_per_second for nozzle in nozzles])
+        self._rate = float(rates.sum())
+        self._shares = np.cumsum(rates) / max(self._rate, 1e-9)
+        self._places = np.array([nozzle.position for nozzle in nozzles])
+        self._velocities = np.array([nozzle.velocity for nozzle in nozzles])
+        self._widths = np.array([nozzle.width for nozzle in nozzles])
+        self._spreads = np.array([nozzle.spread for nozzle in nozzles])
+        self._radii = np.array([nozzle.radii for nozzle in nozzles])
+        self._densities = np.array([nozzle.density for nozzle in nozzles])
+
+    def step(self, world: jostle.World, dt: float) -> NDArray[np.int64] | None:
+        """Add the drops of the last `dt` seconds, and remove the oldest where there are too many.
+
+        Parameters
+        ----------
+        world
+            Has made a step of `dt` seconds. What is movable in it counts as a drop; the lowest
+            rows are the oldest.
+        dt
+            The step, in seconds.
+
+        Returns
+        -------
+        ndarray of int64 or None
+            The rows that were removed, ascending, as they were before the call; rows behind them
+            have closed up, and the new drops are the last. None if no row was removed.
+        """
+        due = self.debt + self._rate * dt
+        count = int(due)
+        # The first of them has been flying longest.
+        ages = (due - np.arange(1, count + 1)) / max(self._rate, 1e-9)
+        self.debt = due - count
+        count = min(count, self.cap)
+        first = self.emitted + len(ages) - count
+        self.emitted += len(ages)
+        drops = np.flatnonzero(world.movable)
+        gone = drops[: max(len(drops) + count - self.cap, 0)]
+        if len(gone):
+            world.remove(gone)
+        if count:
+            self._emit(world, np.arange(first, first + count), ages[len(ages) - count :])
+        return gone if len(gone) else None
+
+    def _emit(self, world: jostle.World, numbers: NDArray[np.int64], ages: Floats) -> None:
+        across, angle, length, size = self._random(numbers)
+        nozzle = np.searchsorted(self._shares, (numbers + 0.5) * GOLDEN % 1, side="right")
+        nozzle = np.minimum(nozzle, len(self._shares) - 1)
+        straight = self._velocities[nozzle]
+        sideways = straight[:, ::-1] * (-1, 1) / np.linalg.norm(straight, axis=1, keepdims=True)
+        places = self._places[nozzle] + sideways * ((across - 0.5) * self._widths[nozzle])[:, None]
+        aside = np.column_stack([np.cos(2 * np.pi * angle), np.sin(2 * np.pi * angle)])
+        velocities = straight + aside * (np.sqrt(length) * self._spreads[nozzle])[:, None]
+        gravity, age = np.array(world.gravity), ages[:, None]
+        smallest, largest = self._radii[nozzle].T
+        world.add(
+            places + velocities * age + gravity * age**2 / 2,
+            velocities + gravity * age,
+            smallest + (largest - smallest) * size,
+            densities=self._densities[nozzle],
+        )
+
+    def _random(self, numbers: NDArray[np.int64]) -> Floats:
+        """Return numbers in 0..1 that follow from the seed and the drops' numbers alone."""
+        streams = np.arange(STREAMS, dtype=np.uint64)[:, None]
+        keys = np.random.SeedSequence(self._seed).generate_state(1, np.uint64)
+        state = keys + numbers.astype(np.uint64) * np.uint64(STREAMS) + streams
+        return _mixed(state) / 2.0**64
+
+
+def _mixed(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Stir the bits (SplitMix64): states that follow each other come out unrelated."""
+    state = state * np.uint64(0x9E3779B97F4A7C15)
+    state = (state ^ state >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
+    state = (state ^ state >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)
+    return state ^ state >> np.uint64(31)

@@ -1,0 +1,147 @@
+"""`World.snapshot`, `restore`, `save` and `load`: a world in bytes and in files."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import re
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jostle
+
+STEP = 1 / 60
+
+
+def pile() -> jostle.World:
+    """Discs that lean on each other, with a force and unlike settings."""
+    world = jostle.scenes.create("pile", n=200)
+    world.forces = [
+        jostle.Springs([(3, 4), (5, 6)], 20, 5, damping=0.1, max_stretch=[1e-3, 500]),
+        jostle.Attractor(particle=7, strength=0.01),
+    ]
+    world.threads, world.substeps, world.leaf_capacity, world.drag = 2, 3, 17, 0.01
+    world.step(STEP, steps=60)
+    return world
+
+
+def assert_same(a: jostle.World, b: jostle.World) -> None:
+    assert a.state_hash() == b.state_hash()
+    assert (a.time, a.forces, a.stats, a.container) == (b.time, b.forces, b.stats, b.container)
+    for name in ("threads", "substeps", "leaf_capacity", "drag", "gravity", "on_touch", "method"):
+        assert getattr(a, name) == getattr(b, name)
+    for one, other in zip(a.contacts, b.contacts, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def through_file(world: jostle.World, folder: Path) -> jostle.World:
+    world.save(folder / "a world")
+    return jostle.World.load(str(folder / "a world"))
+
+
+@pytest.mark.parametrize("way", ["snapshot", "file", "pickle", "copy", "deepcopy"])
+def test_a_restored_world_goes_on_to_the_bit(way: str, tmp_path: Path) -> None:
+    world = pile()
+    again = {
+        "snapshot": lambda: jostle.World.restore(world.snapshot()),
+        "file": lambda: through_file(world, tmp_path),
+        "pickle": lambda: pickle.loads(pickle.dumps(world)),
+        "copy": lambda: copy.copy(world),
+        "deepcopy": lambda: copy.deepcopy(world),
+    }[way]()
+    assert again is not world
+    assert_same(again, world)
+    for each in (world, again):
+        each.remove([1])
+        each.step(STEP, steps=100)
+    assert_same(again, world)
+
+
+def test_other_bytes_like_objects() -> None:
+    data = pile().snapshot()
+    assert isinstance(data, bytes)
+    for same in (bytearray(data), memoryview(data)):
+        assert jostle.World.restore(same).snapshot() == data
+
+
+@pytest.mark.parametrize(
+    ("data", "error", "message"),
+    [
+        ("words", TypeError, "data must be bytes, not str"),
+        (5, TypeError, "data must be bytes, not int"),
+        (b"", ValueError, "data is 0 bytes of something else; it does not begin as"),
+        (b"PNG and so on", ValueError, "data is 13 bytes of something else; it does not begin"),
+        (pile().snapshot()[:-5], ValueError, "data is a damaged snapshot; it is cut off"),
+        (pile().snapshot() + b"!", ValueError, "data is a damaged snapshot; its checksum is"),
+    ],
+    ids=["str", "int", "nothing", "foreign", "cut off", "longer"],
+)
+def test_other_bytes_are_refused(data: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=f"^{re.escape(message)}"):
+        jostle.World.restore(data)
+
+
+def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "damaged"
+    data = bytearray(pile().snapshot())
+    data[1000] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match="data is a damaged snapshot; its checksum is wrong"):
+        jostle.World.load(path)
+
+
+def test_files_raise_what_python_raises(tmp_path: Path) -> None:
+    missing = tmp_path / "missing"
+    with pytest.raises(FileNotFoundError) as caught:
+        jostle.World.load(missing)
+    assert (Path(caught.value.filename), caught.value.errno) == (missing, 2)
+    with pytest.raises(FileNotFoundError):
+        pile().save(missing / "world")
+    with pytest.raises(OSError, match="directory"):
+        pile().save(tmp_path)
+    with pytest.raises(OSError, match="directory"):
+        jostle.World.load(tmp_path)
+    with pytest.raises(TypeError):
+        pile().save(3)  # type: ignore[arg-type]
+    assert [*tmp_path.iterdir()] == []
+    assert [*tmp_path.parent.glob("*.part")] == []
+
+
+def test_a_file_is_replaced_by_a_whole_one(tmp_path: Path) -> None:
+    path = tmp_path / "world.jostle"
+    path.write_text("old")
+    (tmp_path / "world.jostle.0.part").write_text("somebody else's")
+    world = pile()
+    world.save(path)
+    assert path.read_bytes() == world.snapshot()
+    assert sorted(each.name for each in tmp_path.iterdir()) == [
+        "world.jostle",
+        "world.jostle.0.part",
+    ]
+
+
+def test_other_threads_run_meanwhile() -> None:
+    world = jostle.scenes.create("gas", n=200_000)
+    ticks = 0
+    done = threading.Event()
+
+    def tick() -> None:
+        nonlocal ticks
+        while not done.is_set():
+            ticks += 1
+            time.sleep(0)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    before = ticks
+    data = world.snapshot()
+    jostle.World.restore(data)
+    during = ticks - before
+    done.set()
+    thread.join()
+    assert during > 0
