@@ -20,7 +20,7 @@ except ImportError as missing:
     raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
 
 import jostle
-from jostle.app.settings import METHODS, Settings
+from jostle.app.settings import METHODS, RENDERERS, Settings
 from jostle.app.simulation import Simulation
 from jostle.app.start import start
 
@@ -82,6 +82,9 @@ def run(
     steps: Annotated[
         int | None, typer.Option(help="Stop after so many steps; a film is 10 s if not given.")
     ] = None,
+    renderer: Annotated[
+        str, typer.Option(help="What draws in the window: auto, opengl or software.")
+    ] = "auto",
     headless: Annotated[
         bool, typer.Option("--headless", help="Make a film even where there is a display.")
     ] = False,
@@ -95,13 +98,18 @@ def run(
     _check_range("--max-depth", max_depth, 0, 2**31 - 1)
     _check_range("--seed", seed, 0, 2**63 - 1)
     _check_range("--steps", steps, 1, 2**31 - 1)
+    _check_renderer(renderer)
     _check_extra()
     settings = Settings(scene, n, seed, method, leaf_capacity, max_depth)
     why_no_window = None
     if not headless:
-        why_no_window = _show(settings, steps) if _has_display() else "there is no display"
+        why_no_window = (
+            _show(settings, steps, renderer) if _has_display() else "there is no display"
+        )
         if why_no_window is None:
             return
+    if renderer == "opengl":
+        _refuse("--renderer is 'opengl', but a film is drawn by the processor")
     _check_folder(out)
     if why_no_window is not None:
         console.print(f"No window here ({why_no_window}), so this run becomes a film.")
@@ -186,15 +194,18 @@ def bench(
         raise typer.Exit(130)
 
 
-def _show(settings: Settings, steps: int | None) -> str | None:
+def _show(settings: Settings, steps: int | None, renderer: str) -> str | None:
     """Run in a window; return why not, where none can be opened."""
     import pygame
 
+    from jostle.app.renderers import NoRendererError
     from jostle.app.window import Window
 
     simulation = _start(settings)
     try:
-        window = Window(simulation, steps=steps)
+        window = Window(simulation, steps=steps, renderer=renderer)
+    except NoRendererError as error:
+        _refuse(f"--renderer is 'opengl', but {error}")
     except pygame.error as error:
         return str(error)
     window.run()
@@ -246,6 +257,11 @@ def _check_method(method: str, leaf_capacity: int | None, max_depth: int | None)
         _refuse(f"--method is {method!r}; it must be one of {', '.join(METHODS)}")
     if method.startswith("article-") and not leaf_capacity is max_depth is None:
         _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
+
+
+def _check_renderer(renderer: str) -> None:
+    if renderer not in RENDERERS:
+        _refuse(f"--renderer is {renderer!r}; it must be one of {', '.join(RENDERERS)}")
 
 
 def _check_range(name: str, value: int | None, least: int, most: int) -> None:
