@@ -160,11 +160,7 @@ class Window:
         self._draw_scene()
         self._draw_words()
         self.readout.measure(draw=(time.perf_counter() - start) * 1e3)
-        if self.gui is not None and self.builders:
-            self.gui.begin(elapsed, self.screen.size, self.screen.scale)
-            for build in self.builders:
-                build(self.session, self.gui)
-            self.gui.end()
+        self._draw_panels(elapsed)
         self.screen.show()
 
     def _draw_scene(self) -> None:
@@ -196,6 +192,13 @@ class Window:
         if session.shown.help:
             draw_help(painter)
         draw_hint(painter)
+
+    def _draw_panels(self, elapsed: float) -> None:
+        if self.gui is not None and self.builders:
+            self.gui.begin(elapsed, self.screen.size, self.screen.scale)
+            for build in self.builders:
+                build(self.session, self.gui)
+            self.gui.end()
 
 
 def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:
