@@ -23,7 +23,7 @@ SCENES = [
     Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
     Settings("emitters", 100),
     Settings("springs", 100),
-    Settings("stars", 100),
+    Settings("orbit", 100, on_touch="merge"),
     Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
     Settings("article", 40, method="article-quadtree"),
     Settings("mixed", 40, method="article-brute"),

@@ -16,7 +16,7 @@ SCENES = [
     Settings("gas", 300),
     Settings("pile", 200),
     Settings("emitters", 200),
-    Settings("stars", 200),
+    Settings("orbit", 200),
     Settings("springs", 200),
     Settings("article", 60, method="article-quadtree"),
     Settings("mixed", 60, method="article-brute"),
