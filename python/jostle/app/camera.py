@@ -47,6 +47,13 @@ class Camera:
         self._view = view
         self.home()
 
+    def follow(self, view: Rect) -> None:
+        """Know that the view has changed its size; a camera at home shows all of it again."""
+        if view != self._view:
+            self._view = view
+            if self._at_home:
+                self.home()
+
     def home(self) -> None:
         """Show the whole view, as large as fits between the panels."""
         min_x, min_y, max_x, max_y = self._view

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jostle.app.simulation import Frame, Rect
-from jostle.app.stage import bounds
+from jostle.app.walls import bounds
 
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # what tells any two numbers of single precision apart

@@ -16,6 +16,7 @@ from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
 from jostle.app.deeds import Deeds
 from jostle.app.engine import Engine
+from jostle.app.explain import Question, Why
 from jostle.app.files import Files
 from jostle.app.gravity import Gravity
 from jostle.app.hand import Hand
@@ -88,6 +89,7 @@ class Session:
         self.engine.after.append(self.history.after)
         self.engine.touched.append(self.history.touch)
         self.files = Files(self)
+        self.question = Question()
         self.first = simulation.settings  # what restart goes back to
         self.camera = Camera(size, simulation.view, left=left)
         self.shown = Shown(tree=TreeView.OUTLINE)
@@ -114,6 +116,7 @@ class Session:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
         engine, statistics, wants = self.engine, self.statistics, self.picture.wants(self.shown)
+        wants = replace(wants, tree=wants.tree or self.question.pair is not None)
         changed = replace(engine.wants, energies=wants.energies) != wants
         energies = wants.energies or statistics.wants_energies(self.now)
         engine.wants = replace(wants, energies=energies)
@@ -129,6 +132,7 @@ class Session:
                 self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
             engine.look()
+        self.camera.follow(engine.view)
         self._keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
@@ -171,6 +175,7 @@ class Session:
     def _show(self, which: Callable[[], int]) -> None:
         self.paused = True
         self.hand.drop()
+        self._end_race()
 
         def show(simulation: Simulation) -> None:
             self.history.hold(simulation)
@@ -178,6 +183,7 @@ class Session:
             self.picture.restart()
 
         self.engine.edit(show, changes=False)
+        self.pulls.take_over(self.frame)
 
     # What runs
 
@@ -382,7 +388,7 @@ class Session:
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
-        self.picture.trails.clear()
+        self.picture.clear_trails()
 
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""
@@ -397,6 +403,17 @@ class Session:
     def notice(self) -> str:
         """Return the sentence to show now, or nothing."""
         return self._notice if self.now < self._notice_until else ""
+
+    # Questions
+
+    def ask_why(self) -> None:
+        """Ask why the two selected particles touch or do not; once more takes it back."""
+        self.say(self.question.ask(self.selection.tags))
+
+    @property
+    def why(self) -> Why | None:
+        """Return the answer for the last state; None if nothing is asked."""
+        return self.question.answer(self.frame, self.settings)
 
     # Files
 
