@@ -9,8 +9,9 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
-from app_hands import FRAME, RIGHT, Hands, article_with, tags, world_of  # noqa: E402
+from app_hands import RIGHT, Hands, article_with, post, tags, world_of  # noqa: E402
 
+from jostle.app import gui  # noqa: E402
 from jostle.app.menu import Item, Number  # noqa: E402
 
 TWO = [(200, 100), (400, 300)]
@@ -109,6 +110,19 @@ def test_the_menu_acts_on_the_whole_selection() -> None:
     assert line_of(hands, "select").checked
 
 
+def test_two_selected_particles_can_be_asked_about() -> None:
+    hands = Hands(world_of([*TWO, (600, 400)]))
+    hands.click((400, 300), RIGHT)
+    assert all(
+        line is None or line.name != "why" for line in hands.session.menu.lines(hands.session)
+    )
+    hands.drag((150, 50), (450, 350))
+    choose(hands, "why", (400, 300))
+    assert hands.session.question.pair == (0, 1)
+    hands.key(pygame.K_y)
+    assert hands.session.question.pair is None
+
+
 def test_a_particle_outside_the_selection_is_acted_on_alone() -> None:
     hands = Hands(world_of([*TWO, (600, 400)]))
     hands.drag((150, 50), (450, 350))
@@ -177,95 +191,104 @@ def test_clear_walls_scramble_and_dance_are_offered() -> None:
 # ---- shown by ImGui ------------------------------------------------------------------------------
 
 
-class Shown:
-    """The menus over a window's session, and events that ImGui sees first."""
-
-    def __init__(self, hands: Hands) -> None:
-        pytest.importorskip("imgui_bundle")
-        from jostle.app import menus
-        from jostle.app.gui import Gui
-
-        self.hands, self._menus = hands, menus
-        self.gui = Gui(hands.window.painter)
-
-    def frames(self, count: int = 3) -> None:
-        for _ in range(count):
-            self.gui.begin(FRAME, self.hands.window.painter.size)
-            self._menus.build(self.hands.session, self.gui)
-            self.gui.end()
-
-    def send(self, kind: int, **facts: object) -> bool:
-        taken = self.gui.handle(pygame.event.Event(kind, **facts))
-        self.frames(2)
-        return taken
-
-    def click(self, name: str) -> None:
-        place = self.gui.marks[f"menu {name}"].center
-        self.send(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=(0, 0, 0))
-        assert self.send(pygame.MOUSEBUTTONDOWN, pos=place, button=1)
-        self.send(pygame.MOUSEBUTTONUP, pos=place, button=1)
-
-
 @pytest.fixture
-def shown() -> Iterator[Shown]:
-    shown = Shown(Hands(world_of(TWO, gravity=(0.0, 90.0))))
-    shown.hands.session.paused = True
-    yield shown
-    shown.gui.close()
+def hands() -> Hands:
+    pytest.importorskip("imgui_bundle")
+    from jostle.app import menus
+
+    hands = Hands(world_of(TWO, gravity=(0.0, 90.0)))
+    hands.window.builders = [menus.build]
+    hands.session.paused = True
+    hands.frames(2)
+    return hands
 
 
-def test_a_click_on_a_line_acts_and_closes_the_menu(shown: Shown) -> None:
-    shown.hands.click((400, 300), RIGHT)
-    shown.frames()
-    shown.click("delete")
-    assert tags(shown.hands.session.frame.tags) == [0] and shown.hands.session.menu is None
+def open_at(hands: Hands, point: tuple[float, float]) -> None:
+    hands.click(point, RIGHT)
+    hands.frames(3)
+    assert hands.window.gui.asks
 
 
-def test_every_line_of_both_menus_is_shown(shown: Shown) -> None:
-    session = shown.hands.session
+def click_on(hands: Hands, place: tuple[int, int]) -> None:
+    for kind, extra in [
+        (pygame.MOUSEMOTION, {"rel": (0, 0), "buttons": (0, 0, 0)}),
+        (pygame.MOUSEBUTTONDOWN, {"button": 1}),
+        (pygame.MOUSEBUTTONUP, {"button": 1}),
+    ]:
+        post(kind, pos=place, **extra)
+        hands.frames(2)
+
+
+def place_of(hands: Hands, name: str) -> tuple[int, int]:
+    return hands.window.gui.marks[f"menu {name}"].center
+
+
+def test_a_click_on_a_line_acts_and_closes_the_menu(hands: Hands) -> None:
+    open_at(hands, (400, 300))
+    click_on(hands, place_of(hands, "delete"))
+    assert tags(hands.session.frame.tags) == [0] and hands.session.menu is None
+
+
+def test_every_line_of_both_menus_is_shown(hands: Hands) -> None:
     for point in [(400, 300), (600, 100)]:
-        shown.hands.click(point, RIGHT)
-        shown.frames()
-        names = [line.name for line in session.menu.lines(session) if line is not None]
-        assert {f"menu {name}" for name in names} <= set(shown.gui.marks)
-        session.menu = None
-        shown.frames()
+        open_at(hands, point)
+        names = [line.name for line in hands.session.menu.lines(hands.session) if line is not None]
+        assert {f"menu {name}" for name in names} <= set(hands.window.gui.marks)
+        hands.key(pygame.K_ESCAPE)
+        hands.frames(3)
+        assert hands.session.menu is None and hands.session.open
 
 
-def test_a_click_beside_the_menu_closes_it(shown: Shown) -> None:
-    shown.hands.click((400, 300), RIGHT)
-    shown.frames()
-    assert shown.send(pygame.MOUSEBUTTONDOWN, pos=(990, 630), button=1)
-    shown.send(pygame.MOUSEBUTTONUP, pos=(990, 630), button=1)
-    assert shown.hands.session.menu is None and len(shown.hands.session.frame) == 2
+def test_a_click_beside_the_menu_closes_it_and_does_nothing_else(hands: Hands) -> None:
+    hands.session.selection.take([0])
+    open_at(hands, (400, 300))
+    click_on(hands, (990, 20))
+    assert hands.session.menu is None
+    assert len(hands.session.frame) == 2 and len(hands.session.selection) == 1
 
 
-def test_the_menu_closes_when_its_particle_goes(shown: Shown) -> None:
-    shown.hands.click((400, 300), RIGHT)
-    shown.frames()
-    shown.hands.session.engine.edit(lambda simulation: simulation.remove([1]))
-    shown.frames()
-    assert shown.hands.session.menu is None and not shown.gui.asks
+def test_a_right_click_elsewhere_ends_one_menu_and_the_next_opens_another(hands: Hands) -> None:
+    open_at(hands, (400, 300))
+    hands.click((700, 50), RIGHT)
+    hands.frames(3)
+    assert hands.session.menu is None
+    open_at(hands, (700, 50))
+    assert hands.session.menu.tag is None
 
 
-def test_a_gravity_can_be_typed(shown: Shown) -> None:
-    shown.hands.click((600, 100), RIGHT)
-    shown.frames()
-    field = shown.gui.marks["menu gravity"]
-    place = field.left + 20, field.centery
-    for _ in range(2):
-        shown.send(pygame.MOUSEMOTION, pos=place, rel=(0, 0), buttons=(0, 0, 0))
-        shown.send(pygame.MOUSEBUTTONDOWN, pos=place, button=1)
-        shown.send(pygame.MOUSEBUTTONUP, pos=place, button=1)
-    shown.send(pygame.KEYDOWN, key=pygame.K_a, mod=pygame.KMOD_CTRL)
-    shown.send(pygame.KEYUP, key=pygame.K_a, mod=pygame.KMOD_CTRL)
-    shown.send(pygame.TEXTINPUT, text="-45")
-    for kind in (pygame.KEYDOWN, pygame.KEYUP):
-        shown.send(kind, key=pygame.K_RETURN, mod=0)
-    assert shown.hands.world.gravity == (0, -45)
+def test_the_menu_closes_when_its_particle_goes(hands: Hands) -> None:
+    open_at(hands, (400, 300))
+    hands.session.engine.edit(lambda simulation: simulation.remove([1]))
+    hands.frames(3)
+    assert hands.session.menu is None and not hands.window.gui.asks
 
 
-def test_m_opens_the_menu_at_the_cursor(shown: Shown) -> None:
-    shown.hands.point_at((400, 300))
-    shown.hands.key(pygame.K_m)
-    assert shown.hands.session.menu.tag == 1
+def test_a_gravity_can_be_typed(hands: Hands) -> None:
+    open_at(hands, (600, 100))
+    x, y = place_of(hands, "gravity")
+    click_on(hands, (x - 40, y))
+    post(pygame.KEYDOWN, key=pygame.K_a, mod=pygame.KMOD_CTRL)
+    hands.frames(2)
+    post(pygame.KEYUP, key=pygame.K_a, mod=pygame.KMOD_CTRL)
+    post(pygame.KEYUP, key=pygame.K_LCTRL, mod=0)
+    hands.frames(2)
+    post(pygame.TEXTINPUT, text="-45")
+    hands.frames(2)
+    hands.key(pygame.K_RETURN)
+    hands.frames(2)
+    assert hands.world.gravity == (0, -45)
+    assert len(hands.session.frame) == 2  # A, which adds a particle, went to the field alone
+
+
+def test_m_opens_the_menu_at_the_cursor(hands: Hands) -> None:
+    hands.point_at((400, 300))
+    hands.key(pygame.K_m)
+    hands.frames(3)
+    assert hands.session.menu.tag == 1 and hands.window.gui.asks
+
+
+def test_without_imgui_the_menu_says_what_is_missing(monkeypatch) -> None:
+    monkeypatch.setattr(gui, "available", lambda: False)
+    hands = Hands(world_of(TWO))
+    hands.click((400, 300), RIGHT)
+    assert hands.session.menu is None and "imgui" in hands.session.notice

@@ -45,6 +45,7 @@ ACTS: dict[Action, Callable[[Session], None]] = {
     Action.CLONE: lambda session: session.deeds.clone(session.targets()),
     Action.DELETE: lambda session: session.deeds.delete(session.targets()),
     Action.MENU: Session.open_menu,
+    Action.WHY: Session.ask_why,
     Action.MORE_GRAVITY: lambda session: session.gravity.scale(GRAVITY_STEP),
     Action.LESS_GRAVITY: lambda session: session.gravity.scale(1 / GRAVITY_STEP),
     Action.TURN_GRAVITY: lambda session: session.gravity.turn(),

@@ -29,6 +29,7 @@ class Action(Enum):
     CLONE = auto()
     DELETE = auto()
     MENU = auto()
+    WHY = auto()
     MORE_GRAVITY = auto()
     LESS_GRAVITY = auto()
     TURN_GRAVITY = auto()
@@ -85,6 +86,7 @@ TOOLS = (
         {pygame.K_DELETE: Action.DELETE, pygame.K_BACKSPACE: Action.DELETE},
     ),
     Control("M", "open the menu at the cursor", {pygame.K_m: Action.MENU}),
+    Control("Y", "why do the two selected touch, or not?", {pygame.K_y: Action.WHY}),
 )
 
 GRAVITY = (

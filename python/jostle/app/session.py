@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import jostle
+from jostle.app import gui
 from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
 from jostle.app.deeds import Deeds
@@ -336,9 +337,12 @@ class Session:
 
     def open_menu(self) -> None:
         """Open the menu of what is under the cursor."""
+        if not gui.available():
+            self.say("The menus need imgui-bundle; H lists the keys that do without.")
+            return
         tag = self.under_cursor()
         tags = None if tag is None else self.selection.around(tag)
-        self.menu = Menu(self.at_cursor(), self.cursor, tag, tags)
+        self.menu = Menu(self.at_cursor(), tag, tags)
 
     def escape(self) -> None:
         """Give up the drag under way; else close what is open, let go of what is chosen; quit."""
