@@ -30,6 +30,7 @@ def _choose(tool: Tool) -> Callable[[Session], None]:
 ACTS: dict[Action, Callable[[Session], None]] = {
     Action.PAUSE: Session.toggle_pause,
     Action.STEP: Session.single_step,
+    Action.STEP_BACK: Session.step_back,
     Action.RESTART: Session.restart,
     Action.SLOWER: lambda session: session.scale_time(1 / TIME_STEP),
     Action.FASTER: lambda session: session.scale_time(TIME_STEP),
@@ -55,6 +56,10 @@ ACTS: dict[Action, Callable[[Session], None]] = {
     Action.CLEAR_TRAILS: Session.clear_trails,
     Action.LABELS: _switch("labels"),
     Action.COLOURS: Session.cycle_colours,
+    Action.WHY: Session.ask_why,
+    Action.SAVE: Session.save,
+    Action.SCREENSHOT: Session.screenshot,
+    Action.RECORD: Session.toggle_recording,
     Action.PANELS: lambda session: session.toggle("panels"),
     Action.HOME: lambda session: session.camera.home(),
     Action.HELP: lambda session: session.toggle("help"),

@@ -13,6 +13,7 @@ class Action(Enum):
 
     PAUSE = auto()
     STEP = auto()
+    STEP_BACK = auto()
     RESTART = auto()
     SLOWER = auto()
     FASTER = auto()
@@ -39,6 +40,10 @@ class Action(Enum):
     CLEAR_TRAILS = auto()
     LABELS = auto()
     COLOURS = auto()
+    WHY = auto()
+    SAVE = auto()
+    SCREENSHOT = auto()
+    RECORD = auto()
     PANELS = auto()
     LEFT = auto()
     RIGHT = auto()
@@ -101,7 +106,9 @@ GRAVITY = (
 
 TIME = (
     Control("P", "pause, go on", {pygame.K_p: Action.PAUSE}),
-    Control("O", "one step", {pygame.K_o: Action.STEP}),
+    Control(
+        "O  U", "one step; one step back", {pygame.K_o: Action.STEP, pygame.K_u: Action.STEP_BACK}
+    ),
     Control(
         ",  .",
         "slower, faster",
@@ -121,6 +128,12 @@ TIME = (
     Control("B", "brute force or tree", {pygame.K_b: Action.METHOD}),
 )
 
+FILES = (
+    Control("F5", "save the scene", {pygame.K_F5: Action.SAVE}),
+    Control("F9", "record a film, and end it", {pygame.K_F9: Action.RECORD}),
+    Control("F12", "save a picture", {pygame.K_F12: Action.SCREENSHOT}),
+)
+
 SHOW = (
     Control("T", "tree: off, outline, filled, heat", {pygame.K_t: Action.TREE}),
     Control("C", "contacts", {pygame.K_c: Action.CONTACTS}),
@@ -132,6 +145,7 @@ SHOW = (
     ),
     Control("N", "numbers on the particles", {pygame.K_n: Action.LABELS}),
     Control("E", "what the colours tell", {pygame.K_e: Action.COLOURS}),
+    Control("W", "why two selected touch, or not", {pygame.K_w: Action.WHY}),
     Control("Tab", "panels", {pygame.K_TAB: Action.PANELS}),
     Control(
         "arrows",
@@ -153,6 +167,7 @@ GROUPS = {
     "Tools and particles": TOOLS,
     "Gravity": GRAVITY,
     "Time and scene": TIME,
+    "Files": FILES,
     "What is shown": SHOW,
 }
 CONTROLS = tuple(control for group in GROUPS.values() for control in group)

@@ -9,6 +9,7 @@ ink, widgets              colours; labels, sliders, choices and icons in one loo
 layout                    how much room the panels have, and what the scene keeps
 transport, scenes         pause, step, restart; the list of scenes and what to look at
 method, rules, looks      brute force or tree; the sliders; what is drawn
+past, files               going back; scenes, films and tables in files
 figures, plots            the statistics
 column                    the sections at the left, one below the other
 ========================= ======================================================================
