@@ -22,6 +22,7 @@ from jostle.app.renderers import FAILURES, Screen
 from jostle.app.session import Session
 from jostle.app.simulation import Simulation
 from jostle.app.tools_view import draw_hands
+from jostle.app.why_view import draw_why
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
@@ -184,6 +185,8 @@ class Window:
     def _draw_words(self) -> None:
         session, painter = self.session, self.painter
         draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
+        if session.why is not None:
+            draw_why(painter, session.why, session.camera)
         panels = self.gui is not None and self.builders and session.shown.panels
         if not panels and painter.size[0] >= 2 * SPACE:  # else it would hide the scene
             self.readout.draw(

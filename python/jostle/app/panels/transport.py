@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.controls import CONTROLS, Action
+from jostle.app.controls import Action, key_of
 from jostle.app.gui import Gui
 from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
 from jostle.app.panels.widgets import beside, colours, hint, share_out
@@ -25,7 +25,7 @@ def build(session: Session, gui: Gui) -> None:
     can_go_back = session.history.at > 0
     buttons: list[tuple[str, Draw, Callable[[], object] | None, Action | None]] = [
         ("previous scene", _previous, session.previous_scene, Action.PREVIOUS_SCENE),
-        ("step back", _back, session.step_back if can_go_back else None, None),
+        ("step back", _back, session.step_back if can_go_back else None, Action.STEP_BACK),
         ("pause", _play if session.paused else _pause, session.toggle_pause, Action.PAUSE),
         ("step", _forward, session.single_step, Action.STEP),
         ("next scene", _next, session.next_scene, Action.NEXT_SCENE),
@@ -38,11 +38,7 @@ def build(session: Session, gui: Gui) -> None:
         if _sign_button(gui, name, draw, across, chosen=held, off=act is None) and act:
             act()
         words = "go on" if held else name
-        hint(words.capitalize() + (f"  ({_key_of(action)})" if action else ""))
-
-
-def _key_of(action: Action) -> str:
-    return next(control.label for control in CONTROLS if action in control.keys.values())
+        hint(words.capitalize() + (f"  ({key_of(action)})" if action else ""))
 
 
 def _sign_button(
