@@ -100,7 +100,10 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("n = 1.5", "line 1: n is 1.5; it must be a whole number"),
         ("n = -1", "line 1: n is -1; it must be a whole number"),
         ("drag = nan", "line 1: drag is nan; it must be a number of at least 0"),
-        ("gravity = [\n  0,\n  1,\n  2,\n]", "line 1: gravity is [0, 1, 2]; it must be two numbers"),
+        (
+            "gravity = [\n  0,\n  1,\n  2,\n]",
+            "line 1: gravity is [0, 1, 2]; it must be two numbers",
+        ),
         ("n = 1\n\n[window]\nsize = [\n 0, 10]", "line 4: size is [0, 10]; it must be two whole"),
         ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
         ("window = 3", "line 1: window is written as a table, [window]"),

@@ -83,9 +83,19 @@ def test_going_back_to_a_state_undoes_rules_and_particles() -> None:
 
 
 def test_other_bytes_leave_a_simulation_as_it_was() -> None:
-    simulation, other = start(Settings("gas", 5)), start(Settings("article", 5, method="article-brute"))
+    simulation, other = (
+        start(Settings("gas", 5)),
+        start(Settings("article", 5, method="article-brute")),
+    )
     before = simulation.save()
-    for wrong in (b"", b"words", other.save(), before[:-1], before[: len(before) // 2], before + b"x"):
+    for wrong in (
+        b"",
+        b"words",
+        other.save(),
+        before[:-1],
+        before[: len(before) // 2],
+        before + b"x",
+    ):
         with pytest.raises(ValueError, match=r"it is|its|data is"):
             simulation.load(wrong)
         assert simulation.save() == before
@@ -242,7 +252,9 @@ def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None
         session.advance(1 / 60)
     session.files.export_csv()
     wait(session)
-    energies, positions = sorted(session.files.folder.glob("*.csv"), key=lambda path: -len(path.name))
+    energies, positions = sorted(
+        session.files.folder.glob("*.csv"), key=lambda path: -len(path.name)
+    )
     assert session.notice == f"Saved {positions}"
     with positions.open() as file:
         rows = list(csv.DictReader(file))

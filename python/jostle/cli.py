@@ -64,7 +64,7 @@ def scenes() -> None:
     table.add_column("particles", justify="right")
     table.add_column("what to look at")
     for name in jostle.scenes.names():
-        count = len(jostle.scenes.create(name))
+        count = jostle.scenes.default_count(name)
         table.add_row(name, f"{count:,}", jostle.scenes.describe(name))
     console.print(table)
 

@@ -20,6 +20,7 @@ class Action(Enum):
     PREVIOUS_SCENE = auto()
     NEXT_SCENE = auto()
     METHOD = auto()
+    RACE = auto()
     POINTER = auto()
     WALL = auto()
     ATTRACTOR = auto()
@@ -28,6 +29,7 @@ class Action(Enum):
     CLONE = auto()
     DELETE = auto()
     MENU = auto()
+    WHY = auto()
     MORE_GRAVITY = auto()
     LESS_GRAVITY = auto()
     TURN_GRAVITY = auto()
@@ -40,16 +42,15 @@ class Action(Enum):
     CLEAR_TRAILS = auto()
     LABELS = auto()
     COLOURS = auto()
-    WHY = auto()
-    SAVE = auto()
-    SCREENSHOT = auto()
-    RECORD = auto()
     PANELS = auto()
     LEFT = auto()
     RIGHT = auto()
     UP = auto()
     DOWN = auto()
     HOME = auto()
+    SAVE = auto()
+    FILM = auto()
+    SCREENSHOT = auto()
     HELP = auto()
     ESCAPE = auto()
 
@@ -85,6 +86,7 @@ TOOLS = (
         {pygame.K_DELETE: Action.DELETE, pygame.K_BACKSPACE: Action.DELETE},
     ),
     Control("M", "open the menu at the cursor", {pygame.K_m: Action.MENU}),
+    Control("Y", "why do the two selected touch, or not?", {pygame.K_y: Action.WHY}),
 )
 
 GRAVITY = (
@@ -107,7 +109,9 @@ GRAVITY = (
 TIME = (
     Control("P", "pause, go on", {pygame.K_p: Action.PAUSE}),
     Control(
-        "O  U", "one step; one step back", {pygame.K_o: Action.STEP, pygame.K_u: Action.STEP_BACK}
+        "O  U",
+        "one step; one back, or undo",
+        {pygame.K_o: Action.STEP, pygame.K_u: Action.STEP_BACK},
     ),
     Control(
         ",  .",
@@ -125,13 +129,19 @@ TIME = (
             pygame.K_PAGEDOWN: Action.NEXT_SCENE,
         },
     ),
-    Control("B", "brute force or tree", {pygame.K_b: Action.METHOD}),
+    Control(
+        "B  Q",
+        "brute force or tree; both side by side",
+        {pygame.K_b: Action.METHOD, pygame.K_q: Action.RACE},
+    ),
 )
 
 FILES = (
-    Control("F5", "save the scene", {pygame.K_F5: Action.SAVE}),
-    Control("F9", "record a film, and end it", {pygame.K_F9: Action.RECORD}),
-    Control("F12", "save a picture", {pygame.K_F12: Action.SCREENSHOT}),
+    Control("F", "film: begin, end", {pygame.K_f: Action.FILM}),
+    Control("S", "screenshot", {pygame.K_s: Action.SCREENSHOT}),
+    Control("W", "write the scene to a file", {pygame.K_w: Action.SAVE}),
+    Control("H", "show or hide this list", {pygame.K_h: Action.HELP, pygame.K_F1: Action.HELP}),
+    Control("Esc", "give up a drag, close what is open, quit", {pygame.K_ESCAPE: Action.ESCAPE}),
 )
 
 SHOW = (
@@ -145,7 +155,6 @@ SHOW = (
     ),
     Control("N", "numbers on the particles", {pygame.K_n: Action.LABELS}),
     Control("E", "what the colours tell", {pygame.K_e: Action.COLOURS}),
-    Control("W", "why two selected touch, or not", {pygame.K_w: Action.WHY}),
     Control("Tab", "panels", {pygame.K_TAB: Action.PANELS}),
     Control(
         "arrows",
@@ -158,8 +167,6 @@ SHOW = (
         },
     ),
     Control("Home", "show the whole scene again", {pygame.K_HOME: Action.HOME}),
-    Control("H", "show or hide this list", {pygame.K_h: Action.HELP, pygame.K_F1: Action.HELP}),
-    Control("Esc", "give up a drag, close what is open, quit", {pygame.K_ESCAPE: Action.ESCAPE}),
 )
 
 GROUPS = {
@@ -167,8 +174,8 @@ GROUPS = {
     "Tools and particles": TOOLS,
     "Gravity": GRAVITY,
     "Time and scene": TIME,
-    "Files": FILES,
     "What is shown": SHOW,
+    "Files and help": FILES,
 }
 CONTROLS = tuple(control for group in GROUPS.values() for control in group)
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import jostle
+from jostle.app import gui
 from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
 from jostle.app.deeds import Deeds
@@ -276,13 +277,13 @@ class Session:
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
 
-    def toggle_race(self, method: str) -> None:
+    def toggle_race(self, method: str | None = None) -> None:
         """Begin anew side by side with another method on the same scene, or end that."""
         if self.race:
             self._end_race()
         else:
             self.begin(self.settings)
-            self._start_race(method)
+            self._start_race(method or _OTHER_METHOD[self.settings.method])
 
     def _start_race(self, method: str) -> None:
         reason = refusal(self.settings.method, method, len(self.frame))
@@ -336,9 +337,12 @@ class Session:
 
     def open_menu(self) -> None:
         """Open the menu of what is under the cursor."""
+        if not gui.available():
+            self.say("The menus need imgui-bundle; H lists the keys that do without.")
+            return
         tag = self.under_cursor()
         tags = None if tag is None else self.selection.around(tag)
-        self.menu = Menu(self.at_cursor(), self.cursor, tag, tags)
+        self.menu = Menu(self.at_cursor(), tag, tags)
 
     def escape(self) -> None:
         """Give up the drag under way; else close what is open, let go of what is chosen; quit."""
