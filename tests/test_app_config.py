@@ -9,10 +9,10 @@ import pytest
 
 pytest.importorskip("pygame")
 
-from jostle.app.config import Config, ConfigError, lines_of, read_config  # noqa: E402
-from jostle.app.settings import Group, Settings  # noqa: E402
-from jostle.app.shown import ColourBy, Shown, TreeView  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.config import Config, ConfigError, lines_of, read_config
+from jostle.app.settings import Group, Settings
+from jostle.app.shown import ColourBy, Shown, TreeView
+from jostle.app.start import start
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
 

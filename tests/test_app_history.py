@@ -7,10 +7,10 @@ import pytest
 
 pytest.importorskip("pygame")
 
-from jostle.app.history import History  # noqa: E402
-from jostle.app.session import Session  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.history import History
+from jostle.app.session import Session
+from jostle.app.settings import Settings
+from jostle.app.start import start
 
 SCENES = [
     Settings("gas", 300),
