@@ -149,12 +149,17 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
     time, *columns, drift = session.traces.energies
     names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
     _lines(gui, "energy", height, time, names, tints, columns)
-    row("drift since the start", signed(drift[-1] if len(drift) else 0.0, "+.2f") + " %")
+    row("drift since the start", _percent(drift[-1] if len(drift) else 0.0))
     hint(
         "How far the total energy is from where it began, compared with the energy in play. "
         "Right physics loses energy to restitution and drag alone; the article's rules lose and "
         "invent it. The potential energy counts from the start."
     )
+    other = session.other_drift
+    if other is not None:
+        rules = "with right physics" if session.settings.by_article else "with the article's rules"
+        row(rules, _percent(100 * round(other, 3)))
+        hint("The drift that the run before had after as much time, under the other rules.")
 
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:
@@ -187,10 +192,14 @@ def _lines(
     with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint)
+                plots.line(word, time, values, tint, 3.0 if word == "total" else 1.5)
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))
+
+
+def _percent(value: float) -> str:
+    return signed(value, "+,.2f") + " %"
 
 
 def _sum(value: float) -> str:
