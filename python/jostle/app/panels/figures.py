@@ -37,6 +37,7 @@ from jostle.app.traces import SPAN, Floats
 from jostle.app.words import pairs_of, scientific, share
 
 TAB = 34.0  # height of the panel when it is folded
+UNSEEN = 0.5  # points; thinner layers are not drawn
 COLUMN_GAP = 18.0
 LONG = 1e5  # numbers from here on have a power of ten
 WORDS = 16.0  # points that the words in a plot's corners are high
@@ -112,7 +113,7 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
     with plots.plot("times", height, (-SPAN, 0.0), (0.0, traces.top), corner) as seen:
         if seen:
-            plots.stack(traces.ages, traces.stacked, tints)
+            plots.stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
             plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
     legend = [

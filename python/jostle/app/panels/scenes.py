@@ -12,7 +12,7 @@ from jostle.app.panels.ink import ACCENT, CHOSEN, vec
 from jostle.app.panels.widgets import at_right, colours, wrapped
 from jostle.app.session import Session
 
-ROWS = 6.5  # that are seen at once: half a row says that there are more
+ROWS = 5.5  # that are seen at once: half a row says that there are more
 LINE = 22.0
 
 
