@@ -150,7 +150,7 @@ class OpenGLPainter:
         if len(ends) == 0:
             return
         rows = np.empty(len(ends), _LINE)
-        rows["ends"] = ends
+        rows["ends"] = ends + 0.5  # from the middle of a pixel to that of another
         rows["tint"] = 255
         rows["tint"][:, : colours.shape[1]] = colours
         _set(self._line, width=width)

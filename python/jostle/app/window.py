@@ -163,14 +163,10 @@ class Window:
         self._draw_scene()
         self._draw_words()
         drawn = time.perf_counter()
-        self.readout.measure(draw=(drawn - start) * 1e3)
-        if self.gui is not None and self.builders:
-            self.gui.begin(elapsed, self.screen.size, self.screen.scale)
-            for build in self.builders:
-                build(self.session, self.gui)
-            self.gui.end()
-        panels = time.perf_counter() - drawn
-        self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
+        self._draw_panels(elapsed)
+        times = {"draw": (drawn - start) * 1e3, "panels": (time.perf_counter() - drawn) * 1e3}
+        self.readout.measure(draw=times["draw"])
+        self.session.statistics.measure(**times)
         self.screen.show()
 
     def _draw_scene(self) -> None:
@@ -204,6 +200,13 @@ class Window:
         if session.shown.help:
             draw_help(painter)
         draw_hint(painter, session.camera.right)
+
+    def _draw_panels(self, elapsed: float) -> None:
+        if self.gui is not None and self.builders:
+            self.gui.begin(elapsed, self.screen.size, self.screen.scale)
+            for build in self.builders:
+                build(self.session, self.gui)
+            self.gui.end()
 
 
 def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:
