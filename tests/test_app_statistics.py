@@ -196,6 +196,21 @@ def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     session.close()
 
 
+def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
+    session = Session(start(Settings("gas", 200, method="article-quadtree")), (640, 360))
+    assert session.other_drift is None
+    run(session, 1.5)
+    half = float(np.interp(0.75, *(session.statistics.sums[name] for name in ("time", "drift"))))
+    session.choose_method("quadtree")
+    run(session, 0.75)
+    assert session.other_drift == pytest.approx(half / 100, abs=0.03)
+    assert session.other_drift < -0.05 < session.statistics.energy_drift
+    session.choose_scene("pile")
+    run(session, 0.2)
+    assert session.other_drift is None, "another scene is another matter"
+    session.close()
+
+
 # ---- what else the panels ask of a session -------------------------------------------------------
 
 

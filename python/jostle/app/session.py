@@ -199,11 +199,20 @@ class Session(Hands):
         """Go on with another simulation."""
         self._end_race()
         self.let_go()
+        self.statistics.remember(self._run_name())
         self.engine.take(simulation)
         self.history.restart(simulation)
         self.pulls.take_over(self.frame)
         self.picture.restart()
         self.statistics.restart()
+
+    def _run_name(self, *, other: bool = False) -> str:
+        return f"{self.engine.scene} {self.settings.by_article != other}"
+
+    @property
+    def other_drift(self) -> float | None:
+        """Return how far energy had drifted by now under the other rules, if they ran before."""
+        return self.statistics.drift_of(self._run_name(other=True))
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own rules; how it is computed and paced stays."""

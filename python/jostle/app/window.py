@@ -165,9 +165,9 @@ class Window:
         self._draw_words()
         drawn = time.perf_counter()
         self._draw_panels(elapsed)
-        panels = time.perf_counter() - drawn
-        self.readout.measure(draw=(drawn - start) * 1e3)
-        self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
+        times = {"draw": (drawn - start) * 1e3, "panels": (time.perf_counter() - drawn) * 1e3}
+        self.readout.measure(draw=times["draw"])
+        self.session.statistics.measure(**times)
         self.screen.show()
 
     def _draw_scene(self) -> None:
@@ -197,10 +197,12 @@ class Window:
                 paused=session.paused,
             )
         if session.notice:
-            draw_notice(painter, session.notice)
+            camera = session.camera
+            middle = (camera.left + painter.size[0] - camera.right) / 2
+            draw_notice(painter, session.notice, middle)
         if session.shown.help:
             draw_help(painter)
-        draw_hint(painter)
+        draw_hint(painter, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
         if self.gui is not None and self.builders:

@@ -8,11 +8,11 @@ from imgui_bundle import imgui
 
 import jostle
 from jostle.app.gui import Gui
-from jostle.app.panels.ink import ACCENT, CHOSEN, TEXT_SOFT, vec
-from jostle.app.panels.widgets import at_right, colours
+from jostle.app.panels.ink import ACCENT, CHOSEN, vec
+from jostle.app.panels.widgets import at_right, colours, wrapped
 from jostle.app.session import Session
 
-ROWS = 6.5  # that are seen at once: half a row says that there are more
+ROWS = 5.5  # that are seen at once: half a row says that there are more
 LINE = 22.0
 
 
@@ -37,10 +37,7 @@ def build(session: Session, gui: Gui) -> None:
         imgui.end_child()
         imgui.pop_style_var(2)
     if present in names:
-        imgui.push_text_wrap_pos(0.0)
-        with colours(text=vec(TEXT_SOFT)):
-            imgui.text_unformatted(jostle.scenes.describe(present))
-        imgui.pop_text_wrap_pos()
+        wrapped(jostle.scenes.describe(present))
 
 
 def _line(session: Session, gui: Gui, name: str, *, present: bool) -> None:
