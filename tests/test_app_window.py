@@ -194,7 +194,7 @@ def test_t_cycles_the_tree(open_window) -> None:
     for _ in TreeView:
         press(window, pygame.K_t)
         views.append(window.session.shown.tree)
-        pictures.append(pygame.surfarray.array3d(window.screen)[300:, 60:-80].copy())
+        pictures.append(pygame.surfarray.array3d(window.painter.canvas())[300:, 60:-80].copy())
     assert set(views) == set(TreeView) and views[-1] is first
     assert all((pictures[k] != pictures[k - 1]).any() for k in range(len(pictures)))
 
@@ -259,7 +259,7 @@ def test_the_picture_follows_the_size_of_the_window(open_window) -> None:
         pygame.display.set_mode(size, pygame.RESIZABLE)
         pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
         window.frame(FRAME)
-        assert window.painter.size == window.screen.get_size() == size
+        assert window.painter.size == window.screen.size == size
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])

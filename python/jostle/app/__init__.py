@@ -27,6 +27,7 @@ session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
                         `gui_shapes`, `gui_software` and `gui_opengl` draw it
 controls, acts          the table of keys, and what each does to a session
+backdrop                a picture that takes long is drawn beside the window
 window                  the interactive loop
 recorder                MP4 and PNG files
 headless, report        the run without a screen, and its table

@@ -77,6 +77,7 @@ class Gui:
         self._owned: set[int] = set()  # buttons that went down in a panel
         self._scene: set[int] = set()  # buttons that went down in the scene
         self._dismiss = False
+        self._under_way = False
 
     def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
         """Begin a frame: the size of the canvas in points, and its pixels a point."""
@@ -88,12 +89,14 @@ class Gui:
         io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
         self._drawing.begin()
         imgui.new_frame()
+        self._under_way = True
         if self._dismiss:
             self._dismiss = False
             imgui.internal.close_popup_to_level(0, True)
 
     def end(self) -> None:
         """End the frame and draw it over the canvas."""
+        self._under_way = False
         imgui.render()
         data = imgui.get_draw_data()
         self._windows = _windows_of(data)
@@ -150,6 +153,8 @@ class Gui:
         """Give everything back."""
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
+        if self._under_way:
+            imgui.end_frame()
         self._drawing.close()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._context)

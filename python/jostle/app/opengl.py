@@ -22,6 +22,8 @@ _MASKS = 0xFF0000, 0xFF00, 0xFF, 0  # as in `software`: the same bytes for a fil
 _DISC = np.dtype([("x", "f4"), ("y", "f4"), ("radius", "f4"), ("shade", "u1"), ("", "V3")])
 _BOX = np.dtype([("box", "f4", 4), ("tint", "u1", 3), ("", "V1")])
 _LINE = np.dtype([("ends", "f4", 4), ("tint", "u1", 4)])
+# Names in GL_RENDERER under which a processor plays the card.
+_PLAYED = ("llvmpipe", "softpipe", "swiftshader", "swrast", "gdi generic", "basic render")
 _KEPT = 16  # textures for sheets
 
 
@@ -39,6 +41,8 @@ class OpenGLPainter:
     ----------
     renderer
         The name of what draws.
+    played
+        Whether that is a processor in the part of a graphics card.
     target
         Where strokes go.
     """
@@ -48,6 +52,7 @@ class OpenGLPainter:
     def __init__(self, size: Size, context: moderngl.Context) -> None:
         self.context = context
         self.renderer: str = context.info["GL_RENDERER"]
+        self.played = any(name in self.renderer.lower() for name in _PLAYED)
         self._corners = context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], "f4"))
         self._buffer = context.buffer(reserve=2**16, dynamic=True)
         self._textures: dict[Size, moderngl.Texture] = {}
@@ -111,6 +116,8 @@ class OpenGLPainter:
         least = dust.least_radius(int(fine.sum()), self.size)
         _set(self._disc, least=least)
         self._draw(self._disc, rows)
+        if self.played:
+            self.context.finish()  # it would be done later, and who counts the time be deceived
 
     def circle(
         self, center: tuple[float, float], radius: float, colour: Colour, width: float = 0.0
@@ -143,7 +150,7 @@ class OpenGLPainter:
         if len(ends) == 0:
             return
         rows = np.empty(len(ends), _LINE)
-        rows["ends"] = ends
+        rows["ends"] = ends + 0.5  # from the middle of a pixel to that of another
         rows["tint"] = 255
         rows["tint"][:, : colours.shape[1]] = colours
         _set(self._line, width=width)
@@ -176,6 +183,8 @@ class OpenGLPainter:
         self.context.disable(moderngl.BLEND)
         self.context.scissor = None
         self._sheet.render(moderngl.TRIANGLE_STRIP)
+        if (error := self.context.error) != "GL_NO_ERROR":
+            raise moderngl.Error(error)
 
     def release(self) -> None:
         """Give the memory of the card back."""

@@ -21,10 +21,10 @@ except ImportError:
 else:
     _MODERNGL = True
 
-RENDERERS = ("auto", "opengl", "software")
-
-# Names in GL_RENDERER under which a processor plays the card.
-_PLAYED = ("llvmpipe", "softpipe", "swiftshader", "swrast", "gdi generic", "basic render")
+# What drawing raises where a context of OpenGL is lost.
+FAILURES: tuple[type[Exception], ...] = (pygame.error,)
+if _MODERNGL:
+    FAILURES += (moderngl.Error,)
 
 
 class NoRendererError(Exception):
@@ -41,7 +41,7 @@ class Screen:
     size
         Of the window in points.
     renderer
-        One of RENDERERS.
+        One of `settings.RENDERERS`.
 
     Raises
     ------
@@ -96,15 +96,10 @@ def _open(size: Size, renderer: str) -> Painter:
         if renderer == "opengl":
             raise
         return _open_software(size)
-    if renderer == "auto" and not is_hardware(painter.renderer):
+    if renderer == "auto" and painter.played:
         painter.release()
         return _open_software(size)
     return painter
-
-
-def is_hardware(renderer: str) -> bool:
-    """Tell a graphics card from a processor that plays one, by the name that OpenGL gives."""
-    return not any(name in renderer.lower() for name in _PLAYED)
 
 
 def _open_software(size: Size) -> Painter:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from jostle.app.rules import Rule, check, one_of, pair, range_of, real, whole
 
 METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
+RENDERERS = ("auto", "opengl", "software")
 CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
 MOST_PARTICLES = 100_000_000

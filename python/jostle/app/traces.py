@@ -16,7 +16,7 @@ from jostle.app.statistics import Statistics
 Floats = NDArray[np.float64]
 
 SPAN = 5.0  # seconds of times that are shown
-BINS = 100
+BINS = 90
 MOST = 200  # points of a line of sums
 EVERY = 0.15  # seconds between two pictures of a part
 SMOOTH = 0.35  # share of a new mean in the numbers: they rest enough to be read

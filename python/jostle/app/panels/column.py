@@ -10,7 +10,7 @@ from jostle.app.gui import Gui
 from jostle.app.panels import figures, looks, method, rules, scenes, transport
 from jostle.app.panels.ink import ACCENT, TEXT_SOFT, vec
 from jostle.app.panels.layout import layout
-from jostle.app.panels.widgets import at_right, colours, section
+from jostle.app.panels.widgets import at_right, colours, part, section
 from jostle.app.session import Session
 from jostle.app.words import method_name
 
@@ -47,7 +47,8 @@ def build(session: Session, gui: Gui) -> None:
     transport.build(session, gui)
     for title, contents in SECTIONS:
         if section(gui, title):
-            contents(session, gui)
+            with part(title):
+                contents(session, gui)
     if not room.figures:
         figures.build_sections(session, gui)
     imgui.pop_style_var()

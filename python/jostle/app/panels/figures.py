@@ -21,7 +21,17 @@ from jostle.app.panels.ink import (
     vec,
 )  # fmt: skip
 from jostle.app.panels.layout import TAB, layout
-from jostle.app.panels.widgets import at_right, button, colours, hint, row, section, signed, width
+from jostle.app.panels.widgets import (
+    at_right,
+    button,
+    colours,
+    hint,
+    part,
+    row,
+    section,
+    signed,
+    width,
+)
 from jostle.app.session import Session
 from jostle.app.traces import SPAN, Floats
 from jostle.app.words import pairs_of, scientific, share
@@ -61,17 +71,13 @@ def build(session: Session, gui: Gui) -> None:
 
 
 def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
-    """Build the sections alone, with plots of a height as far as they can be read.
-
-    Each is a window of its own inside the panel, so that only what changes is drawn anew.
-    """
+    """Build the sections alone, with plots of a height as far as they can be read."""
     session.traces.refresh(session.frame, session.now)
     height = min(max(height, LEAST_PLOT), MOST_PLOT)
     for title, contents in SECTIONS.items():
         if section(gui, title):
-            imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y)
-            contents(session, gui, height)
-            imgui.end_child()
+            with part(title):
+                contents(session, gui, height)
 
 
 def _head(session: Session, gui: Gui) -> None:
@@ -105,7 +111,7 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
     with plots.plot("times", height, (-SPAN, 0.0), (0.0, traces.top), corner) as seen:
         if seen:
-            plots.areas(traces.ages, traces.stacked, tints)
+            plots.stack(traces.ages, traces.stacked, tints)
             plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
     legend = [

@@ -51,12 +51,17 @@ def plot(
     implot.pop_style_var()
 
 
-def areas(at: Floats, stacked: Floats, colours: Sequence[Colour]) -> None:
-    """Fill between each two rows of a stack."""
-    for k, colour in enumerate(colours):
+def stack(at: Floats, stacked: Floats, colours: Sequence[Colour]) -> None:
+    """Draw a stack as bars side by side: the highest first, each covered by those below it.
+
+    Upright boxes are what a processor without a graphics card fills fastest.
+    """
+    width = float(at[1] - at[0])
+    for k in reversed(range(len(colours))):
         spec = implot.Spec()
-        spec.fill_color, spec.fill_alpha, spec.line_weight = vec(colour), 0.9, 0.0
-        implot.plot_shaded(f"##area {k}", at, stacked[k], stacked[k + 1], spec)
+        spec.fill_color, spec.line_weight = vec(colours[k]), 0.0
+        spec.line_color = spec.fill_color
+        implot.plot_bars(f"##bars {k}", at, stacked[k + 1], width, spec)
 
 
 def line(name: str, at: Floats, values: Floats, colour: Colour, weight: float = 1.5) -> None:

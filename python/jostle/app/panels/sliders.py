@@ -15,6 +15,10 @@ from jostle.app.panels.widgets import CLEAR, GAP, NUMBER, colours, hint, label, 
 
 KNOB = 6.0  # radius
 PADDING = 2.0  # ImGui's own, between the edge of a slider and its grab
+HIDDEN = (
+    *(imgui.Col_.frame_bg, imgui.Col_.frame_bg_hovered, imgui.Col_.frame_bg_active),
+    *(imgui.Col_.slider_grab, imgui.Col_.slider_grab_active),
+)
 DIGITS = 2  # of a number that is set by a logarithmic slider
 
 
@@ -107,13 +111,12 @@ def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float
     position = span.position(value)
     imgui.set_next_item_width(width() - NUMBER - GAP)
     imgui.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB)
-    with colours(
-        frame_bg=CLEAR, frame_bg_hovered=CLEAR, frame_bg_active=CLEAR,
-        slider_grab=CLEAR, slider_grab_active=CLEAR,
-    ):  # fmt: skip
-        changed, new = imgui.slider_float(
-            "##track", position, 0.0, 1.0, "", imgui.SliderFlags_.no_input
-        )
+    for hidden in HIDDEN:
+        imgui.push_style_color(hidden, CLEAR)
+    changed, new = imgui.slider_float(
+        "##track", position, 0.0, 1.0, "", imgui.SliderFlags_.no_input
+    )
+    imgui.pop_style_color(len(HIDDEN))
     imgui.pop_style_var()
     gui.mark(name)
     moved, active = Moved.NOT, imgui.is_item_active()

@@ -18,6 +18,7 @@ ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
 Col = imgui.Col_
+STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
 
 
 def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
@@ -47,6 +48,14 @@ def _chevron(x: float, *, down: bool) -> None:
 
 
 @contextmanager
+def part(title: str) -> Iterator[None]:
+    """Put what is built inside into a window of its own, so that only it is drawn anew."""
+    imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
+    yield
+    imgui.end_child()
+
+
+@contextmanager
 def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
     """Colour what is built inside."""
     for name, colour in by_name.items():
@@ -64,7 +73,7 @@ def label(text: str) -> None:
     """Write a label at the left, and go on where controls begin."""
     imgui.align_text_to_frame_padding()
     soft(text)
-    imgui.same_line(LABEL + imgui.get_style().window_padding.x)
+    imgui.same_line(LABEL)
 
 
 def soft(text: str) -> None:
