@@ -102,6 +102,7 @@ class Session(Hands):
         steps = 0
         if self.paused:
             self.hold_in_pause()
+            engine.settle()
         else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
             if self.race:
