@@ -45,6 +45,7 @@ class Hands:
 
     def __init__(self, simulation: Simulation) -> None:
         self.window = Window(simulation, SIZE)
+        self.window.builders = []  # no panels between the mouse and the scene
         self.session = self.window.session
         pygame.event.clear()
 

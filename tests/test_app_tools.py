@@ -11,6 +11,7 @@ pygame = pytest.importorskip("pygame")
 
 from app_hands import FRAME, MIDDLE, RIGHT, Hands, article_with, post, tags, world_of  # noqa: E402
 
+from jostle.app import deeds  # noqa: E402
 from jostle.app.pulls import STRENGTH  # noqa: E402
 from jostle.app.software import SoftwarePainter  # noqa: E402
 from jostle.app.tools import Tool  # noqa: E402
@@ -117,10 +118,23 @@ def test_drawn_walls_can_be_cleared() -> None:
     assert len(hands.session.frame) == 1 and not hands.session.deeds.walls
 
 
-def test_a_long_wall_has_a_limited_number_of_beads() -> None:
-    hands = Hands(world_of([(200, 250)], radii=0.01))
-    hands.session.deeds.wall((0, 0), (800, 500))
-    assert 1_500 < len(hands.session.frame) < 2_200
+def test_a_long_wall_has_thicker_beads_instead_of_more(monkeypatch) -> None:
+    hands = Hands(world_of([(200, 250)]))
+    thin = hands.session.deeds.bead_radius((0, 0), (800, 0))
+    monkeypatch.setattr(deeds, "MOST_BEADS", 100)
+    hands.session.deeds.wall((0, 0), (800, 0))
+    frame = hands.session.frame
+    assert 90 < len(frame) < 110 and frame.radii[1] > 2 * thin
+
+
+def test_the_cursor_shows_which_tool_is_in_hand() -> None:
+    hands = Hands(world_of(FOUR))
+    hands.point_at((300, 300))
+    assert hands.session.tools.preview is None
+    hands.key(pygame.K_2)
+    assert hands.session.tools.preview.tool is Tool.WALL
+    hands.point_at((320, 300))
+    assert hands.session.tools.preview.start == pytest.approx((320, 300), abs=1)
 
 
 def test_the_article_has_no_walls_to_draw_and_says_so() -> None:
@@ -138,7 +152,7 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     hands.down((400, 50))
     hands.point_at((400, 400))
     hands.key(pygame.K_ESCAPE)
-    assert hands.session.tools.preview is None
+    assert hands.session.tools.preview.start == hands.session.tools.preview.end
     hands.up((400, 400))
     assert len(hands.session.frame) == 4
     hands.key(pygame.K_ESCAPE)

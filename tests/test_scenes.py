@@ -11,7 +11,11 @@ import pytest
 import jostle
 from jostle import scenes
 
-NAMES = ["article", "gas", "pile", "rain", "mixed", "clusters", "shots", "billiards", "orbit"]
+NAMES = [
+    *("article", "gas", "pile", "rain", "mixed", "clusters", "shots", "billiards", "orbit"),
+    *("springs", "stars", "thermostat", "sand", "galton", "brownian", "emitters"),
+]
+STRUNG = {"sand", "galton", "emitters"}  # with beads that do not count
 
 
 def test_the_names() -> None:
@@ -32,7 +36,10 @@ def test_a_description_is_two_sentences(name: str) -> None:
 def test_any_number_of_particles(name: str, n: int) -> None:
     world = scenes.create(name, n=n)
     assert isinstance(world, jostle.World)
-    assert len(world) == n
+    if name == "emitters":
+        assert world.movable.sum() <= n
+    else:
+        assert (world.movable.sum() if name in STRUNG else len(world)) == n
     world.step(1 / 60, steps=3)
     assert np.isfinite(world.positions).all()
     assert np.isfinite(world.velocities).all()
@@ -52,6 +59,8 @@ def test_the_view_shows_something(name: str, n: int | None) -> None:
     assert min_x < max_x
     assert min_y < max_y
     world = scenes.create(name, n)
+    if n is None:
+        assert world.state_hash() == scenes.create(name, scenes.default_count(name)).state_hash()
     x, y = world.positions.T
     # Rain and piles begin above what is shown and fall into it.
     assert (x >= min_x).all()
@@ -90,9 +99,101 @@ def test_the_other_scenes_have_what_makes_them() -> None:
     assert len(scenes.create("billiards")) == 16
 
 
+def test_springs_hang_from_what_nothing_moves() -> None:
+    world = scenes.create("springs")
+    (springs,) = world.forces
+    assert isinstance(springs, jostle.Springs)
+    radii = world.radii
+    assert (springs.lengths >= radii[springs.pairs].sum(axis=1)).all()
+    cloth = ~world.movable & (world.radii == world.radii.min())
+    assert np.ptp(world.positions[cloth, 1]) == 0
+    before = world.positions[~world.movable]
+    world.step(1 / 60, steps=30)
+    np.testing.assert_array_equal(world.positions[~world.movable], before)
+
+
+def test_dust_merges() -> None:
+    world = scenes.create("stars", n=1000)
+    assert world.on_touch == "merge"
+    assert world.container is None
+    world.step(1 / 60, steps=300)
+    assert len(world) < 1000
+
+
+def test_two_gases_of_different_density() -> None:
+    world = scenes.create("thermostat", n=1000)
+    assert [type(force) for force in world.forces] == [jostle.Thermostat]
+    densities = world.masses / world.radii**2
+    assert {*densities.tolist()} == {1, 8}
+    x = world.positions[:, 0]
+    assert x[densities == 1].max() < x[densities == 8].min() + 2
+    light, heavy = (np.hypot(*world.velocities[densities == d].T).mean() for d in (1, 8))
+    assert light > 3 * heavy
+
+
+def test_one_heavy_disc_at_rest_in_the_middle() -> None:
+    world = scenes.create("brownian")
+    box = world.container
+    assert isinstance(box, jostle.Box)
+    assert world.positions[0] == pytest.approx([box.max_x / 2, box.max_y / 2])
+    assert world.velocities[0].tolist() == [0, 0]
+    assert world.masses[0] > 100 * world.masses[1:].max()
+    assert len(world.contacts.pairs) == 0
+
+
+@pytest.mark.slow
+def test_no_grain_leaves_the_hourglass() -> None:
+    world = scenes.create("sand")
+    glass = np.abs(world.positions[~world.movable])
+    world.step(1 / 60, steps=1200)
+    done = (world.positions[world.movable, 1] > 0).mean()
+    assert 0.6 < done < 1
+    world.step(1 / 60, steps=2400)
+    grains = np.abs(world.positions[world.movable])
+    assert (grains < glass.max(axis=0)).all()
+    assert (world.positions[world.movable, 1] > 0).mean() > 0.97
+
+
+def test_the_galton_board_is_where_it_says() -> None:
+    board = scenes.galton_board(200)
+    world = scenes.create("galton", n=200)
+    assert isinstance(board, scenes.GaltonBoard)
+    assert len(board.bin_edges) == board.rows + 2
+    assert board.bin_edges.dtype == np.float32
+    view = scenes.view("galton", 200)
+    assert (view[0], view[2]) == (board.bin_edges[0], board.bin_edges[-1])
+    assert view[3] == board.floor > board.bin_top > 0
+    assert world.radii[world.movable].tolist() == pytest.approx([board.ball_radius] * 200)
+    walls = world.positions[~world.movable & (world.positions[:, 1] > board.bin_top)]
+    assert {*walls[:, 0].tolist()} == {*board.bin_edges[1:-1].tolist()}
+
+
+def test_the_fountains_say_where_drops_come_from() -> None:
+    nozzles = scenes.fountains(3000)
+    assert nozzles == scenes.fountains()
+    min_x, min_y, max_x, max_y = scenes.view("emitters", 3000)
+    for nozzle in nozzles:
+        assert isinstance(nozzle, scenes.Nozzle)
+        assert min_x < nozzle.position[0] < max_x
+        assert min_y < nozzle.position[1] < max_y
+        assert nozzle.velocity[1] < 0  # upwards
+        assert 0 < nozzle.radii[0] <= nozzle.radii[1]
+        assert nozzle.drops_per_second > 0
+    assert len({nozzle.density for nozzle in nozzles}) == 3
+
+
+def test_a_wall_of_beads() -> None:
+    beads = scenes.wall((0, 0), (30, 40), 5)
+    assert beads.dtype == np.float32
+    assert beads[0].tolist() == [0, 0]
+    assert beads[-1].tolist() == [30, 40]
+    assert np.hypot(*np.diff(beads, axis=0).T).max() <= 2.0001
+    assert scenes.wall((1, 2), (1, 2), 3).tolist() == [[1, 2]]
+
+
 NO_SCENE = (
     "name is 'chess'; the scenes are article, gas, pile, rain, mixed, clusters, shots, "
-    "billiards, orbit"
+    "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters"
 )
 
 
@@ -102,6 +203,14 @@ NO_SCENE = (
         (lambda: scenes.create("chess"), ValueError, NO_SCENE),
         (lambda: scenes.describe("chess"), ValueError, NO_SCENE),
         (lambda: scenes.view("chess"), ValueError, NO_SCENE),
+        (lambda: scenes.default_count("chess"), ValueError, NO_SCENE),
+        (lambda: scenes.fountains(-1), ValueError, "n is -1; it must be at least 0"),
+        (lambda: scenes.galton_board(10**12), ValueError, "n is 1000000000000; a scene holds"),
+        (lambda: scenes.wall((0, 0), (1, 1), 0), ValueError, "radius is 0; it must be finite and"),
+        (lambda: scenes.wall((0, 0), (1e9, 1), 1), ValueError, "radius is 1; so thin a wall would"),
+        (lambda: scenes.wall((0, np.nan), (1, 1), 1), ValueError, r"start is \(0, NaN\); both"),
+        (lambda: scenes.wall((0, 0), 1, 1), ValueError, "end "),
+        (lambda: scenes.wall((0, 0), (1, 1), "x"), TypeError, "radius must be a "),
         (lambda: scenes.create("gas", n=-1), ValueError, "n is -1; it must be at least 0"),
         (lambda: scenes.create("gas", n=10**12), ValueError, "n is 1000000000000; a scene holds"),
         (lambda: scenes.view("gas", n=10**12), ValueError, "n is 1000000000000; a scene holds"),
@@ -125,4 +234,8 @@ def test_signatures() -> None:
     assert str(inspect.signature(scenes.describe)) == "(name)"
     assert str(inspect.signature(scenes.create)) == "(name, n=None, seed=0)"
     assert str(inspect.signature(scenes.view)) == "(name, n=None)"
+    assert str(inspect.signature(scenes.default_count)) == "(name)"
+    assert str(inspect.signature(scenes.fountains)) == "(n=None)"
+    assert str(inspect.signature(scenes.galton_board)) == "(n=None)"
+    assert str(inspect.signature(scenes.wall)) == "(start, end, radius)"
     assert scenes.create.__name__ == "create"

@@ -186,7 +186,7 @@ pub fn view(
 /// >>> import jostle
 /// >>> nozzles = jostle.scenes.fountains(3000)
 /// >>> [nozzle.position for nozzle in nozzles]
-/// [(-360.0, -110.0), (0.0, -345.0), (360.0, -110.0)]
+/// [(-380.0, -135.0), (0.0, -342.0), (380.0, -135.0)]
 #[pyfunction]
 #[pyo3(signature = (n=None))]
 pub fn fountains<'py>(

@@ -13,12 +13,14 @@ class Action(Enum):
 
     PAUSE = auto()
     STEP = auto()
+    STEP_BACK = auto()
     RESTART = auto()
     SLOWER = auto()
     FASTER = auto()
     PREVIOUS_SCENE = auto()
     NEXT_SCENE = auto()
     METHOD = auto()
+    RACE = auto()
     POINTER = auto()
     WALL = auto()
     ATTRACTOR = auto()
@@ -27,6 +29,7 @@ class Action(Enum):
     CLONE = auto()
     DELETE = auto()
     MENU = auto()
+    WHY = auto()
     MORE_GRAVITY = auto()
     LESS_GRAVITY = auto()
     TURN_GRAVITY = auto()
@@ -45,6 +48,9 @@ class Action(Enum):
     UP = auto()
     DOWN = auto()
     HOME = auto()
+    SAVE = auto()
+    FILM = auto()
+    SCREENSHOT = auto()
     HELP = auto()
     ESCAPE = auto()
 
@@ -80,6 +86,7 @@ TOOLS = (
         {pygame.K_DELETE: Action.DELETE, pygame.K_BACKSPACE: Action.DELETE},
     ),
     Control("M", "open the menu at the cursor", {pygame.K_m: Action.MENU}),
+    Control("Y", "why do the two selected touch, or not?", {pygame.K_y: Action.WHY}),
 )
 
 GRAVITY = (
@@ -101,7 +108,11 @@ GRAVITY = (
 
 TIME = (
     Control("P", "pause, go on", {pygame.K_p: Action.PAUSE}),
-    Control("O", "one step", {pygame.K_o: Action.STEP}),
+    Control(
+        "O  U",
+        "one step; one back, or undo",
+        {pygame.K_o: Action.STEP, pygame.K_u: Action.STEP_BACK},
+    ),
     Control(
         ",  .",
         "slower, faster",
@@ -118,7 +129,19 @@ TIME = (
             pygame.K_PAGEDOWN: Action.NEXT_SCENE,
         },
     ),
-    Control("B", "brute force or tree", {pygame.K_b: Action.METHOD}),
+    Control(
+        "B  Q",
+        "brute force or tree; both side by side",
+        {pygame.K_b: Action.METHOD, pygame.K_q: Action.RACE},
+    ),
+)
+
+FILES = (
+    Control("F", "film: begin, end", {pygame.K_f: Action.FILM}),
+    Control("S", "screenshot", {pygame.K_s: Action.SCREENSHOT}),
+    Control("W", "write the scene to a file", {pygame.K_w: Action.SAVE}),
+    Control("H", "show or hide this list", {pygame.K_h: Action.HELP, pygame.K_F1: Action.HELP}),
+    Control("Esc", "give up a drag, close what is open, quit", {pygame.K_ESCAPE: Action.ESCAPE}),
 )
 
 SHOW = (
@@ -144,8 +167,6 @@ SHOW = (
         },
     ),
     Control("Home", "show the whole scene again", {pygame.K_HOME: Action.HOME}),
-    Control("H", "show or hide this list", {pygame.K_h: Action.HELP, pygame.K_F1: Action.HELP}),
-    Control("Esc", "give up a drag, close what is open, quit", {pygame.K_ESCAPE: Action.ESCAPE}),
 )
 
 GROUPS = {
@@ -154,6 +175,7 @@ GROUPS = {
     "Gravity": GRAVITY,
     "Time and scene": TIME,
     "What is shown": SHOW,
+    "Files and help": FILES,
 }
 CONTROLS = tuple(control for group in GROUPS.values() for control in group)
 

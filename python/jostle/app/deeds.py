@@ -13,7 +13,8 @@ from jostle.app.engine import Edit, Engine
 from jostle.app.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.walls import bounds
 
-BEAD_SHARE = 0.5  # a wall is as thick as a typical particle is wide, halved
+BEAD_SHARE = 0.5  # a wall is as thick as a usual particle's radius …
+THINNEST = 0.004  # … but at least this: radius of a bead in diagonals of the view
 MOST_BEADS = 2_000  # in one wall: a longer one gets thicker beads
 CLONE_GAP = 1.05  # diameters between a particle and its clone
 PARTY_SPEED = 0.4  # diagonals of the view a second, of the fastest guest
@@ -138,8 +139,10 @@ class Deeds:
     def bead_radius(self, start: Point, end: Point) -> float:
         """Return how thick a wall between two points is."""
         spacing = 0.4  # radii between two beads, by `jostle.scenes.wall`
-        thick_enough = math.dist(start, end) / (spacing * MOST_BEADS)
-        return max(BEAD_SHARE * usual(self._engine.frame)[0], thick_enough)
+        few_enough = math.dist(start, end) / (spacing * MOST_BEADS)
+        min_x, min_y, max_x, max_y = self._engine.view
+        seen = THINNEST * math.hypot(max_x - min_x, max_y - min_y)
+        return max(BEAD_SHARE * usual(self._engine.frame)[0], seen, few_enough)
 
     def _edit(self, work: Callable[[Simulation], object]) -> None:
         self._engine.edit(_or_say(work, self._say))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -115,12 +116,12 @@ class Encoder:
         self._tidy()
 
     def _complaint(self) -> str:
-        """Return the last line that ffmpeg has said."""
+        """Return the first line that ffmpeg has said: the others follow from it."""
         with contextlib.suppress(ValueError, subprocess.TimeoutExpired):
             self._process.wait(1.0)
             self._said.seek(0)
-            lines = self._said.read().decode(errors="replace").strip().splitlines()
-            return lines[-1] if lines else ""
+            said = self._said.read().decode(errors="replace").strip()
+            return re.sub(r"^\[[^]]*\] *", "", said.partition("\n")[0])
         return ""
 
     def _tidy(self) -> None:

@@ -147,11 +147,12 @@ class Files:
     def export_csv(self) -> None:
         """Write the particles of this moment, and the sums over time, as CSV."""
         session = self._session
-        frame, sums = session.frame, session.sums()
+        frame, sums = session.frame, session.statistics.sums
+        table = {name: sums[name].copy() for name in sums.names}
 
         def write(path: Path) -> None:
             write_positions(path, frame)
-            write_series(path.with_name(path.stem + "-energies.csv"), sums)
+            write_series(path.with_name(path.stem + "-energies.csv"), table)
 
         self._export(".csv", write)
 

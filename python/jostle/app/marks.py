@@ -16,7 +16,8 @@ from jostle.app.simulation import Frame, Point
 
 MOST_CONTACTS = 2_000  # drawn; a line costs about 2 µs
 MOST_ARROWS = 500  # three lines each
-MOST_SPRINGS = 4_000
+MOST_SPRINGS = 2_000
+SHORTEST_SPRING = 0.5  # pixels between two discs, below which they hide their spring
 DEEP = 0.25  # depth that gets the last colour, as a share of the smaller radius
 ARROW_TIME = 0.2  # seconds of its way that an arrow shows, shorter where that is too long
 LONGEST_ARROW = 90.0
@@ -28,10 +29,14 @@ Floats = NDArray[np.float64]
 
 
 def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
-    """Draw springs as lines; those of a torus that lie across its seam are left out."""
+    """Draw springs as lines where discs do not hide them, nor the seam of a torus parts them."""
     if frame.springs is None or len(frame.springs) == 0:
         return
-    pairs = frame.springs[few(np.arange(len(frame.springs)), MOST_SPRINGS)]
+    i, j = frame.springs[:, 0], frame.springs[:, 1]
+    away = frame.positions[i] - frame.positions[j]
+    gaps = np.hypot(away[:, 0], away[:, 1]) - frame.radii[i] - frame.radii[j]
+    open_ones = frame.springs[gaps * camera.scale >= SHORTEST_SPRING]
+    pairs = open_ones[few(np.arange(len(open_ones)), MOST_SPRINGS)]
     first, second = frame.positions[pairs[:, 0]], frame.positions[pairs[:, 1]]
     if isinstance(frame.container, jostle.Torus):
         sides = np.array([frame.container.width, frame.container.height])

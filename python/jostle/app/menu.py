@@ -50,7 +50,6 @@ class Menu:
     """One menu, opened at a place: on a particle, or on the ground."""
 
     point: Point
-    pixel: Point
     tag: int | None
     tags: Tags | None = None  # what it acts on: the particle, or the selection around it
     shown: bool = field(default=False)  # whether it has been drawn
@@ -115,6 +114,22 @@ def _on_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
             lambda: session.selection.toggle(tag),
             checked=selected,
         ),
+        *_question(session, tags),
+    ]
+
+
+def _question(session: Session, tags: Tags) -> list[Line]:
+    """Return the question that two particles raise."""
+    if len(tags) != 2:
+        return []
+    return [
+        Item(
+            "why",
+            "Why do these two touch or not?",
+            session.ask_why,
+            checked=session.question.pair is not None,
+            key="Y",
+        )
     ]
 
 

@@ -59,11 +59,14 @@ def _item(session: Session, gui: Gui, item: Item) -> None:
 
 
 def _number(gui: Gui, number: Number) -> None:
-    """Take a number when Enter is pressed or the field is left."""
+    """Take a number when Enter is pressed."""
     imgui.begin_disabled(not number.enabled)
     imgui.set_next_item_width(NUMBER_WIDTH)
-    _, value = imgui.input_float(f"{number.label}##{number.name}", number.value, format="%.5g")
+    flags = imgui.InputTextFlags_.enter_returns_true
+    typed, value = imgui.input_float(
+        f"{number.label}##{number.name}", number.value, format="%.5g", flags=flags
+    )
     gui.mark(f"menu {number.name}")
-    if imgui.is_item_deactivated_after_edit():
+    if typed:
         number.act(value)
     imgui.end_disabled()

@@ -74,7 +74,7 @@ def _edges(corners: Boxes, levels: NDArray[np.intp]) -> tuple[Boxes, NDArray[np.
     keys = numbers @ np.array([1 << 48, 1 << 32, 1 << 16, 1])
     once = order[np.unique(keys, return_index=True)[1]]
     once = once[np.argsort(-levels[owner[once]], kind="stable")]
-    return edges[once], owner[once]
+    return edges[once] + 0.5, owner[once]  # the middle of pixels
 
 
 def _colours(tree: TreeBoxes) -> NDArray[np.uint8]:

@@ -61,9 +61,9 @@ class Recording:
         self.written = self.repeated = 0
         self.error = ""
         self.stopped = False
-        self._given = 0
+        self._given = self._due = 0  # pictures handed over, and those that the time asks for
         self._begin: float | None = None
-        self._jobs: queue.Queue[_Job | None] = queue.Queue(MOST_QUEUED + 1)  # one for the end
+        self._jobs: queue.Queue[_Job | int] = queue.Queue(MOST_QUEUED + 1)  # one for the end
         self._hurry = threading.Event()
         self._encoder = Encoder(path, size, self.rate)
         self._thread = threading.Thread(target=self._run, name="jostle-film", daemon=True)
@@ -77,21 +77,22 @@ class Recording:
             return
         if self._begin is None:
             self._begin = now
-        due = int((now - self._begin) * self.rate + 1e-6) + 1
+        self._due = int((now - self._begin) * self.rate + 1e-6) + 1
         if self.total is not None:
-            due = min(due, self.total)
-        if due > self._given and self._jobs.qsize() < MOST_QUEUED:
-            job = _Job(frame, camera.on(self.size), replace(shown), due - self._given)
-            self._jobs.put_nowait(job)
-            self._given = due
-        if self._given == self.total:
+            self._due = min(self._due, self.total)
+        if self._due > self._given and self._jobs.qsize() < MOST_QUEUED:
+            times = self._due - self._given
+            self._jobs.put_nowait(_Job(frame, camera.on(self.size), replace(shown), times))
+            self._given = self._due
+        if self._due == self.total:
             self.stop()
 
     def stop(self) -> None:
         """Take no more frames; what is queued is still written."""
         if not self.stopped:
             self.stopped = True
-            self._jobs.put_nowait(None)
+            self._jobs.put_nowait(self._due - self._given)  # the last picture lasts till now
+            self._given = self._due
 
     @property
     def done(self) -> bool:
@@ -138,10 +139,17 @@ class Recording:
 
     def _write(self) -> None:
         painter, picture = SoftwarePainter(self.size), Picture()
-        while (job := self._jobs.get()) is not None and not self._hurry.is_set():
+        pixels = b""
+        while isinstance(job := self._jobs.get(), _Job) and not self._hurry.is_set():
             picture.draw(painter, job.frame, job.camera, job.shown)
             pixels = painter.canvas().get_buffer().raw
-            for _ in range(job.times):
-                self._encoder.add(pixels)
-                self.written += 1
+            self._add(pixels, job.times)
             self.repeated += job.times - 1
+        if isinstance(job, int) and pixels:
+            self._add(pixels, job)
+            self.repeated += job
+
+    def _add(self, pixels: bytes, times: int) -> None:
+        for _ in range(times):
+            self._encoder.add(pixels)
+            self.written += 1

@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import jostle
+from jostle.app import gui
 from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
 from jostle.app.deeds import Deeds
 from jostle.app.engine import Engine
+from jostle.app.explain import Question, Why
 from jostle.app.files import Files
 from jostle.app.gravity import Gravity
 from jostle.app.hand import Hand
@@ -88,6 +90,7 @@ class Session:
         self.engine.after.append(self.history.after)
         self.engine.touched.append(self.history.touch)
         self.files = Files(self)
+        self.question = Question()
         self.first = simulation.settings  # what restart goes back to
         self.camera = Camera(size, simulation.view, left=left)
         self.shown = Shown(tree=TreeView.OUTLINE)
@@ -114,6 +117,7 @@ class Session:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
         engine, statistics, wants = self.engine, self.statistics, self.picture.wants(self.shown)
+        wants = replace(wants, tree=wants.tree or self.question.pair is not None)
         changed = replace(engine.wants, energies=wants.energies) != wants
         energies = wants.energies or statistics.wants_energies(self.now)
         engine.wants = replace(wants, energies=energies)
@@ -172,6 +176,7 @@ class Session:
     def _show(self, which: Callable[[], int]) -> None:
         self.paused = True
         self.hand.drop()
+        self._end_race()
 
         def show(simulation: Simulation) -> None:
             self.history.hold(simulation)
@@ -179,6 +184,7 @@ class Session:
             self.picture.restart()
 
         self.engine.edit(show, changes=False)
+        self.pulls.take_over(self.frame)
 
     # What runs
 
@@ -280,13 +286,13 @@ class Session:
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
 
-    def toggle_race(self, method: str) -> None:
+    def toggle_race(self, method: str | None = None) -> None:
         """Begin anew side by side with another method on the same scene, or end that."""
         if self.race:
             self._end_race()
         else:
             self.begin(self.settings)
-            self._start_race(method)
+            self._start_race(method or _OTHER_METHOD[self.settings.method])
 
     def _start_race(self, method: str) -> None:
         reason = refusal(self.settings.method, method, len(self.frame))
@@ -340,9 +346,12 @@ class Session:
 
     def open_menu(self) -> None:
         """Open the menu of what is under the cursor."""
+        if not gui.available():
+            self.say("The menus need imgui-bundle; H lists the keys that do without.")
+            return
         tag = self.under_cursor()
         tags = None if tag is None else self.selection.around(tag)
-        self.menu = Menu(self.at_cursor(), self.cursor, tag, tags)
+        self.menu = Menu(self.at_cursor(), tag, tags)
 
     def escape(self) -> None:
         """Give up the drag under way; else close what is open, let go of what is chosen; quit."""
@@ -407,6 +416,17 @@ class Session:
     def notice(self) -> str:
         """Return the sentence to show now, or nothing."""
         return self._notice if self.now < self._notice_until else ""
+
+    # Questions
+
+    def ask_why(self) -> None:
+        """Ask why the two selected particles touch or do not; once more takes it back."""
+        self.say(self.question.ask(self.selection.tags))
+
+    @property
+    def why(self) -> Why | None:
+        """Return the answer for the last state; None if nothing is asked."""
+        return self.question.answer(self.frame, self.settings)
 
     # Files
 

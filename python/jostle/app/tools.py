@@ -73,6 +73,7 @@ class Tools:
         self._engine, self._hand, self._selection = engine, hand, selection
         self._deeds, self._pulls, self._say = deeds, pulls, say
         self._drag: _Drag | None = None
+        self._cursor: Point | None = None
 
     def choose(self, tool: Tool) -> None:
         """Take a tool; a drag with another is given up."""
@@ -94,6 +95,7 @@ class Tools:
 
     def move(self, point: Point) -> None:
         """Go on to a point."""
+        self._cursor = point
         if self._drag is not None:
             self._drag.end = point
 
@@ -121,10 +123,14 @@ class Tools:
 
     @property
     def preview(self) -> Preview | None:
-        """Return the drag to show; picking up shows itself."""
+        """Return what to show of the tool: a drag under way, or what a click would do."""
         drag = self._drag
-        if drag is None or (drag.tool is Tool.POINTER and (drag.tag is not None or drag.is_click)):
-            return None
+        if drag is None:
+            if self.tool is Tool.POINTER or self._cursor is None:
+                return None
+            drag = _Drag(self.tool, self._cursor, self._cursor, None, 0.0, add=False)
+        if drag.tool is Tool.POINTER and (drag.tag is not None or drag.is_click):
+            return None  # picking up shows itself
         size = 0.0
         if drag.tool is Tool.WALL:
             size = self._deeds.bead_radius(drag.start, drag.end)

@@ -417,16 +417,17 @@ class WorldSimulation:
         """Go back to a state; a ValueError says what is wrong with other bytes."""
         facts, columns = unpack("world", state)
         world = jostle.World.restore(columns["world"].tobytes())
-        self.settings = settings_of(facts["settings"])
-        self.world, self.view = world, tuple(facts["view"])
-        self._own_forces = facts["own_forces"]
-        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        settings, home = settings_of(facts["settings"]), Home.read(facts["home"])
+        pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        emitters = None
+        if facts["emitters"] is not None:
+            emitters = Emitters(settings.n, settings.seed)
+            emitters.cap, emitters.emitted, emitters.debt = facts["emitters"]
+        self.settings, self.world, self.view = settings, world, tuple(facts["view"])
+        self._home, self.emitters = home, emitters
+        self._own_forces, self._pulls = facts["own_forces"], pulls
         self._tags, self._born = columns["tags"], columns["born"]
         self._next_tag = facts["next_tag"]
-        self._home = Home.read(facts["home"])
-        if facts["emitters"] is not None:
-            self.emitters = emitters = Emitters(self.settings.n, self.settings.seed)
-            emitters.cap, emitters.emitted, emitters.debt = facts["emitters"]
         self._note_columns()
 
     def _emitted(self) -> tuple[int, int, float] | None:

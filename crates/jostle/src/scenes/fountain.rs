@@ -1,4 +1,4 @@
-//! A fountain: bowls of beads, and the nozzles that fill them.
+//! A fountain: steps and a basin of beads, and the nozzles that fill them.
 //!
 //! A world has nothing that makes particles. What steps it may add what is due at the
 //! nozzles and take the oldest drops away; here is where, how fast and how many.
@@ -18,7 +18,7 @@ const LIFE: f32 = 11.0;
 
 const GRAVITY: f32 = 900.0;
 const BEAD: f32 = 4.0;
-const DROPS: [f32; 2] = [2.4, 3.4];
+const DROPS: [f32; 2] = [2.1, 3.1];
 
 /// Seconds of their flight that the jets have behind them at the start.
 const FLOWN: f32 = 0.6;
@@ -27,13 +27,13 @@ const FLOWN: f32 = 0.6;
 const HALF_WIDTH: f32 = 480.0;
 const HEIGHT: f32 = 640.0;
 
-/// The right halves of the bowls, from the middle outwards.
-const TOP: [[f32; 2]; 3] = [[0.0, -330.0], [60.0, -330.0], [95.0, -356.0]];
-const MIDDLE: [[f32; 2]; 3] = [[0.0, -180.0], [180.0, -180.0], [235.0, -218.0]];
-const POOL: [[f32; 2]; 2] = [[400.0, 0.0], [440.0, -90.0]];
-
-/// What carries the bowls: lines on the right of the middle.
-const STEMS: [[[f32; 2]; 2]; 2] = [[[12.0, -322.0], [12.0, -188.0]], [[26.0, -172.0], [40.0, 0.0]]];
+/// Lines on the right of the middle, the same on the left: two tiers of steps, from which
+/// all water runs off, what carries them, and the rim of the basin.
+const TOP: [[f32; 2]; 4] = [[0.0, -330.0], [50.0, -320.0], [50.0, -304.0], [95.0, -295.0]];
+const MIDDLE: [[f32; 2]; 4] = [[0.0, -205.0], [120.0, -185.0], [120.0, -165.0], [225.0, -148.0]];
+const COLUMN: [[f32; 2]; 2] = [[12.0, -318.0], [12.0, -211.0]];
+const FOOT: [[f32; 2]; 2] = [[26.0, -192.0], [40.0, 0.0]];
+const RIM: [[f32; 2]; 2] = [[425.0, 0.0], [445.0, -105.0]];
 
 /// Where drops come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,9 +79,9 @@ fn nozzles(n: usize) -> [Nozzle; 3] {
         drops_per_second,
     };
     [
-        nozzle([-360.0, -110.0], [285.0, -810.0], 1.0),
-        nozzle([0.0, -345.0], [0.0, -640.0], 2.0),
-        nozzle([360.0, -110.0], [-285.0, -810.0], 3.0),
+        nozzle([-380.0, -135.0], [282.0, -900.0], 1.0),
+        nozzle([0.0, -342.0], [0.0, -590.0], 1.15),
+        nozzle([380.0, -135.0], [-282.0, -900.0], 1.3),
     ]
 }
 
@@ -90,7 +90,7 @@ pub fn emitters_view(n: usize) -> Area {
     [-HALF_WIDTH * scale, -HEIGHT * scale, HALF_WIDTH * scale, 0.0]
 }
 
-/// The bowls, and behind them the first drops, oldest first.
+/// Steps and basin, and behind them the first drops, oldest first.
 pub fn emitters(n: usize, random: &mut Random) -> Start {
     let scale = scale(n);
     let mut particles = immovable(beads(scale), BEAD);
@@ -111,7 +111,7 @@ fn beads(scale: f32) -> Vec<[f32; 2]> {
     };
     let mirrored =
         |line: &[[f32; 2]]| -> Vec<[f32; 2]> { line.iter().map(|&[x, y]| [-x, y]).collect() };
-    let right: [&[[f32; 2]]; 5] = [&TOP, &MIDDLE, &POOL, &STEMS[0], &STEMS[1]];
+    let right: [&[[f32; 2]]; 5] = [&TOP, &MIDDLE, &COLUMN, &FOOT, &RIM];
     let both = right.into_iter().flat_map(|line| {
         let line = scaled(line);
         [mirrored(&line), line]

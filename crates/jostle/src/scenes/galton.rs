@@ -11,9 +11,8 @@ use crate::world::WorldSettings;
 const PITCH: f32 = 32.0;
 const ROW: f32 = 28.0;
 
-/// Free width between two pegs, in radii of a ball. The narrower, the less does a ball at
-/// one peg remember the one before; narrower than this, two balls could block it.
-const GAP: f32 = 3.1;
+/// Free width between two pegs, in radii of a ball: two balls cannot block it.
+const GAP: f32 = 4.8;
 
 /// Radii of beads and of the largest balls.
 const BEAD: f32 = 3.0;
@@ -25,13 +24,15 @@ const ROWS: [usize; 2] = [4, 40];
 /// Share of a bin's area that resting balls cover.
 const PACKED: f32 = 0.82;
 
-/// Gravity, and the drag that lets no ball fall faster than [`FALL`].
-const GRAVITY: f32 = 900.0;
-const DRAG: f32 = 4.0;
+/// Gravity, and the drag that lets no ball fall faster than [`FALL`]. With more drag a ball
+/// drops straight from one peg onto the inner side of the next and turns back; with less it
+/// keeps its direction. With these two it forgets at which side it came.
+const GRAVITY: f32 = 1600.0;
+const DRAG: f32 = 6.0;
 const FALL: f32 = GRAVITY / DRAG;
 
 /// From ball to ball in the column that falls onto the first peg, in radii.
-const COLUMN_STEP: f32 = 5.0;
+const COLUMN_STEP: f32 = 8.0;
 
 /// Half the width of the funnel's spout, in radii of a ball, and where the funnel is open.
 const SPOUT: f32 = 1.8;

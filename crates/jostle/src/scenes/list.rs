@@ -1,9 +1,9 @@
 //! The list of all scenes.
 
-use super::{Scene, falling, fountain, galton, games, gases, mixing, sand, soft};
+use super::{Scene, falling, fountain, galton, games, gases, mixing, sand, soft, stars};
 
 /// All scenes.
-pub const SCENES: [Scene; 15] = [
+pub const SCENES: [Scene; 16] = [
     Scene {
         name: "article",
         default_count: 500,
@@ -85,6 +85,14 @@ pub const SCENES: [Scene; 15] = [
         view: soft::springs_view,
     },
     Scene {
+        name: "stars",
+        default_count: 10_000,
+        about: "A slowly turning cloud of dust pulls itself together, and grains that touch merge. \
+                Watch stars form from the middle outwards and sweep up what is near them.",
+        make: stars::stars,
+        view: stars::stars_view,
+    },
+    Scene {
         name: "thermostat",
         default_count: 4_000,
         about: "A hot light gas on the left and a cold heavy one on the right. \
@@ -102,7 +110,7 @@ pub const SCENES: [Scene; 15] = [
     },
     Scene {
         name: "galton",
-        default_count: 400,
+        default_count: 300,
         about: "Balls fall through rows of pegs, at each of them to the left or to the right. \
                 The bins below fill to the curve of the binomial distribution.",
         make: galton::galton,
@@ -119,7 +127,7 @@ pub const SCENES: [Scene; 15] = [
     Scene {
         name: "emitters",
         default_count: 3_000,
-        about: "Three jets cross above the bowls of a fountain and run over their rims. \
+        about: "Three jets meet above a fountain, and their water runs down its steps. \
                 The oldest drops go as new ones come, so their number has a cap.",
         make: fountain::emitters,
         view: fountain::emitters_view,

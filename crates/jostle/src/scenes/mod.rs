@@ -15,6 +15,7 @@ mod placing;
 pub mod random;
 mod sand;
 mod soft;
+mod stars;
 
 use crate::container::Container;
 use crate::error::{Error, Result};

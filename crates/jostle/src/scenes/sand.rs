@@ -11,7 +11,7 @@ const GRAINS: [f32; 2] = [2.7, 3.3];
 const BEAD: f32 = 5.0;
 
 /// Width of the neck for 2,000 grains, and the narrowest.
-const NECK: f32 = 25.0;
+const NECK: f32 = 23.5;
 
 /// Layers, and by how much each is heavier than the one below: only so that they can be
 /// told apart.

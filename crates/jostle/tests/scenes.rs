@@ -1,0 +1,180 @@
+//! What the scenes with a story have to show.
+
+use jostle::World;
+use jostle::forces::Force;
+use jostle::scenes::{self, STEP};
+
+fn create(name: &str, n: Option<usize>, seed: u64) -> World {
+    scenes::find(name).unwrap().create(n, seed).unwrap()
+}
+
+fn run(world: &mut World, seconds: usize) {
+    world.step(STEP, 60 * seconds, &mut |_| ()).unwrap();
+}
+
+/// Positions of what can be moved.
+fn moving(world: &World) -> Vec<[f32; 2]> {
+    let movable = world.movable();
+    world.positions().into_iter().zip(movable).filter_map(|(p, m)| m.then_some(p)).collect()
+}
+
+fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    let offset = [b[0] - a[0], b[1] - a[1]];
+    (offset[0] * offset[0] + offset[1] * offset[1]).sqrt()
+}
+
+#[test]
+fn a_wall_is_smooth_and_ends_where_it_should() {
+    let (start, end) = ([3.0, -4.0], [-60.0, 70.0]);
+    let beads = scenes::wall(start, end, 2.5).unwrap();
+    assert_eq!((beads[0], beads[beads.len() - 1]), (start, end));
+    assert!(beads.windows(2).all(|pair| distance(pair[0], pair[1]) <= 1.0001));
+    let longer = distance(start, end) + 2.0;
+    assert!((beads.len() as f32) < longer, "{} beads are too many", beads.len());
+    assert_eq!(scenes::wall(start, start, 1.0).unwrap(), [start]);
+}
+
+#[test]
+fn a_wall_without_end_is_refused() {
+    let refused = |start, end, radius| scenes::wall(start, end, radius).unwrap_err().to_string();
+    assert!(refused([0.0; 2], [1.0; 2], 0.0).starts_with("radius is 0; it must be"));
+    assert!(refused([0.0; 2], [1.0; 2], f32::NAN).starts_with("radius is NaN"));
+    assert!(refused([f32::NAN, 0.0], [1.0; 2], 1.0).starts_with("start is (NaN, 0)"));
+    assert!(refused([0.0; 2], [1.0, 1e19], 1.0).starts_with("end is (1, 1"));
+    assert!(refused([0.0; 2], [1e9, 0.0], 1.0).contains("so thin a wall would have"));
+}
+
+#[test]
+fn springs_hold_discs_that_do_not_overlap_at_rest() {
+    let world = create("springs", None, 0);
+    let radii = world.radii();
+    let [Force::Springs(springs)] = world.forces() else { panic!("springs alone") };
+    for spring in &springs.0 {
+        let [a, b] = spring.pair.map(|row| radii[row as usize]);
+        assert!(spring.length >= a + b);
+    }
+}
+
+#[test]
+fn soft_bodies_come_to_rest_in_one_piece() {
+    let mut world = create("springs", Some(400), 1);
+    run(&mut world, 60);
+    let positions = world.positions();
+    let [Force::Springs(springs)] = world.forces() else { panic!("springs alone") };
+    for spring in &springs.0 {
+        let [a, b] = spring.pair.map(|row| positions[row as usize]);
+        let share = distance(a, b) / spring.length;
+        assert!((0.7..1.3).contains(&share), "{:?} is {share} of its length", spring.pair);
+    }
+    let fastest = world.velocities().iter().map(|&v| distance([0.0; 2], v)).fold(0.0, f32::max);
+    assert!(fastest < 200.0, "something still moves at {fastest}");
+}
+
+#[test]
+fn no_grain_leaks_and_the_sand_runs_through() {
+    for (n, seed) in [(500, 0), (150, 1)] {
+        let mut world = create("sand", Some(n), seed);
+        let [_, top, right, floor] = scenes::find("sand").unwrap().view(Some(n)).unwrap();
+        let glass: Vec<[f32; 2]> = world
+            .positions()
+            .into_iter()
+            .zip(world.movable())
+            .filter(|bead| !bead.1)
+            .map(|b| b.0)
+            .collect();
+        let half_width = glass.iter().map(|bead| bead[0]).fold(0.0, f32::max);
+        assert!(half_width < right);
+        run(&mut world, 60);
+        let grains = moving(&world);
+        assert_eq!(grains.len(), n);
+        for &[x, y] in &grains {
+            assert!(x.abs() < half_width && y > top && y < floor, "a grain leaked to ({x}, {y})");
+            // Below the neck's widest bead the glass narrows: at any height, inside both walls.
+            let near = glass.iter().filter(|bead| (bead[1] - y).abs() < 3.0);
+            let wall = near.map(|bead| bead[0].abs()).fold(f32::MAX, f32::min);
+            assert!(x.abs() < wall || y.abs() > floor - 12.0, "a grain is outside at ({x}, {y})");
+        }
+        let through = grains.iter().filter(|grain| grain[1] > 0.0).count();
+        assert!(through * 100 >= n * 95, "{through} of {n} grains have run through");
+    }
+}
+
+#[test]
+fn balls_on_the_board_fall_as_coins_do() {
+    let (mut counts, mut balls) = (Vec::new(), 0.0);
+    let board = scenes::galton_board(None).unwrap();
+    counts.resize(board.rows + 1, 0.0);
+    for seed in 0..2 {
+        let mut world = create("galton", None, seed);
+        while moving(&world).iter().any(|ball| ball[1] < board.bin_top) && world.time() < 120.0 {
+            run(&mut world, 1);
+        }
+        for [x, y] in moving(&world) {
+            assert!(y > board.bin_top, "a ball is stuck at ({x}, {y})");
+            let bin = board.bin_edges.iter().filter(|&&edge| edge <= x).count() - 1;
+            counts[bin.min(board.rows)] += 1.0;
+            balls += 1.0;
+        }
+    }
+    let about = |power: i32, middle: f64| {
+        let terms = counts.iter().enumerate().map(|(k, n)| n * (k as f64 - middle).powi(power));
+        terms.sum::<f64>() / balls
+    };
+    let (mean, rows) = (about(1, 0.0), board.rows as f64);
+    assert!((mean - rows / 2.0).abs() < 0.25, "the mean is {mean} of {rows}");
+    let deviation = about(2, mean).sqrt() / (rows / 4.0).sqrt();
+    assert!((0.85..1.15).contains(&deviation), "{deviation} of the binomial's deviation");
+}
+
+#[test]
+fn the_large_disc_gets_its_share_of_the_energy() {
+    let mut world = create("brownian", Some(800), 0);
+    let (mut large, mut all, samples) = (0.0, 0.0, 400);
+    run(&mut world, 5);
+    for _ in 0..samples {
+        world.step(STEP, 12, &mut |_| ()).unwrap();
+        let [u, v] = world.velocities()[0].map(f64::from);
+        large += 0.5 * f64::from(world.masses()[0]) * (u * u + v * v);
+        all += world.kinetic_energy() / world.len() as f64;
+    }
+    let share = large / all;
+    assert!((0.5..2.0).contains(&share), "{share} of the mean energy");
+}
+
+#[test]
+fn both_gases_take_the_speed_of_the_walls() {
+    let mut world = create("thermostat", Some(1000), 0);
+    run(&mut world, 120);
+    let energies = |first: usize| {
+        let (velocities, masses) = (world.velocities(), world.masses());
+        let rows = first..first + 500;
+        rows.map(|i| masses[i] * distance([0.0; 2], velocities[i]).powi(2)).sum::<f32>()
+    };
+    let share = energies(0) / energies(500);
+    assert!((0.7..1.4).contains(&share), "the light gas has {share} of the heavy one's energy");
+}
+
+#[test]
+fn dust_becomes_stars() {
+    let mut world = create("stars", Some(3000), 0);
+    let mass = |world: &World| world.masses().iter().map(|&m| f64::from(m)).sum::<f64>();
+    let before = mass(&world);
+    run(&mut world, 20);
+    assert!((mass(&world) / before - 1.0).abs() < 1e-4);
+    assert!(world.len() < 600, "{} are left", world.len());
+    let largest = world.radii().into_iter().fold(0.0, f32::max);
+    assert!(largest > 5.0, "the largest star has a radius of {largest}");
+}
+
+#[test]
+fn nozzles_fill_the_cap_in_the_life_of_a_drop() {
+    for n in [0, 1, 3000, 100_000] {
+        let nozzles = scenes::fountains(Some(n)).unwrap();
+        assert_eq!(nozzles.len(), 3);
+        let rate: f32 = nozzles.iter().map(|nozzle| nozzle.drops_per_second).sum();
+        assert!(rate * 4.0 <= n as f32, "{rate} drops a second would live for a glance");
+        assert!(moving(&create("emitters", Some(n), 0)).len() <= n);
+    }
+    assert!(scenes::fountains(Some(usize::MAX)).is_err());
+    assert_eq!(scenes::fountains(None).unwrap(), scenes::fountains(Some(3000)).unwrap());
+}
