@@ -40,7 +40,7 @@ def is_inside(simulation: WorldSimulation) -> bool:
 
 
 def test_more_particles_are_copies_that_touch_nothing() -> None:
-    simulation = gas(200)
+    simulation = gas(200, world_size=1.5)
     before = simulation.frame()
     assert simulation.adjust("n", 240) is None
     frame = simulation.frame()
@@ -65,11 +65,11 @@ def test_the_last_particles_go_first() -> None:
     simulation.adjust("n", 0)
     assert len(simulation) == 0
     simulation.step()
-    assert "restart" in simulation.adjust("n", 5)
+    assert "no room" in simulation.adjust("n", 5)  # nothing to copy
 
 
 def test_the_same_slider_gives_the_same_world() -> None:
-    first, second = gas(100), gas(100)
+    first, second = gas(100, world_size=1.5), gas(100, world_size=1.5)
     for simulation in (first, second):
         for n in (120, 90, 110):
             simulation.adjust("n", n)
@@ -87,20 +87,23 @@ def test_walls_are_not_counted_and_stay() -> None:
         assert movable.sum() == n and (~movable).sum() == fixed
 
 
-def test_where_there_is_no_room_it_is_said_and_nothing_overlaps() -> None:
+@pytest.mark.parametrize("n", [5_000, 300 + MOST_AT_ONCE])
+def test_where_there_is_no_room_nothing_changes_and_it_is_said(n: int) -> None:
     simulation = gas(200)
-    said = simulation.adjust("n", 5_000)
-    added = len(simulation) - 200
-    assert 0 < added < 4_800 and said == f"There was room for {added:,} of 4,800 more particles."
-    frame = simulation.frame()
-    new = jostle.Quadtree(frame.positions[200:], frame.radii[200:])
-    assert len(new.pairs()) == 0
+    before = simulation.world.state_hash()
+    assert simulation.adjust("n", n) == f"There is no room for {n - 200:,} more particles."
+    assert simulation.world.state_hash() == before and simulation.settings.n == 200
 
 
-def test_a_crowd_is_not_added_to_a_running_scene() -> None:
-    simulation = gas(10)
-    assert "restart" in simulation.adjust("n", 20 + MOST_AT_ONCE)
-    assert len(simulation) == 10
+def test_a_session_begins_anew_where_there_is_no_room() -> None:
+    session = Session(gas(200), (800, 600))
+    session.engine.step()
+    session.adjust("n", 190)
+    assert len(session.frame) == 190 and session.frame.facts.time > 0
+    session.adjust("n", 2_000)
+    assert len(session.frame) == session.settings.n == 2_000
+    assert session.frame.facts.time == 0 and "begins anew" in session.notice
+    session.close()
 
 
 # ---- walls ---------------------------------------------------------------------------------------

@@ -45,7 +45,7 @@ def run(window: Window, frames: int) -> None:
 
 def halves(window: Window) -> tuple[np.ndarray, np.ndarray]:
     """What the two columns show, without headings and the readout."""
-    picture = pygame.surfarray.array3d(window.screen)
+    picture = pygame.surfarray.array3d(window.painter.canvas())
     camera = window.session.camera
     edge, width = round(camera.column_edge(1)), round(camera.column_width)
     return picture[edge - width + 2 : edge - 2, 120:660], picture[edge + 2 : 1278, 120:660]
@@ -137,7 +137,9 @@ def test_the_race_ends_and_the_scene_goes_on_alone(open_window) -> None:
     session.toggle_race("brute")
     assert session.race is None and session.camera.columns == 1 and session.engine.short == SHORT
     before = session.frame.facts.time
-    window.frame(FRAME)
+    for _ in range(5):
+        window.frame(FRAME)
+        session.engine.wait()
     assert session.frame.facts.time > before
 
 

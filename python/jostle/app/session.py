@@ -263,12 +263,21 @@ class Session:
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
         live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
-        if live:
+        if live and name == "n":
+            self._take_number(value)
+        elif live:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
-            if name in WORK:
-                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
+
+    def _take_number(self, n: int) -> None:
+        """Add or remove particles; where there is no room, begin anew in a world that has it."""
+        refusals: list[str | None] = []
+        self.engine.edit(lambda simulation: refusals.append(simulation.adjust("n", n)))
+        self.engine.wait()
+        if refusals[0]:
+            self.begin(replace(self.settings, n=n))
+            self.say(f"{refusals[0]} So the scene begins anew.")
 
     def choose_method(self, method: str) -> None:
         """Go on with another method; where the rules change too, with the same particles."""
