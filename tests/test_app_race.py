@@ -48,7 +48,9 @@ def halves(window: Window) -> tuple[np.ndarray, np.ndarray]:
     picture = pygame.surfarray.array3d(window.painter.canvas())
     camera = window.session.camera
     edge, width = round(camera.column_edge(1)), round(camera.column_width)
-    return picture[edge - width + 2 : edge - 2, 120:660], picture[edge + 2 : 1278, 120:660]
+    return picture[edge - width + 2 : edge - 2, 120:660], picture[
+        edge + 2 : edge + width - 2, 120:660
+    ]
 
 
 def test_both_have_the_same_scene_and_stay_together_where_answers_are_the_same(open_window) -> None:

@@ -69,9 +69,8 @@ class Traces:
         """Renew the part that is due the longest; all of them where a run has just begun."""
         if self._statistics.stages != self._stages or self._statistics.beginning is None:
             self._forget()
-        parts = range(len(self._parts))
-        late = [k for k in parts if abs(now - self._done[k]) >= EVERY]
-        if len(late) < len(self._parts):
+        late = [k for k, done in enumerate(self._done) if abs(now - done) >= EVERY]
+        if -np.inf not in self._done:
             late = sorted(late, key=self._done.__getitem__)[:1]
         for k in late:
             self._parts[k](frame, now)
