@@ -6,6 +6,7 @@ import contextlib
 import re
 import subprocess
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -140,7 +141,7 @@ def gif_palette() -> pygame.Surface:
     colours += [blend(STAGE, disc, share) for share in (0.2, 0.4, 0.6, 0.8) for disc in DISCS]
     colours += [blend(STAGE, level, share) for share in (0.36, 0.7) for level in levels]
     colours += [blend(GROUND, TEXT, share / 16) for share in range(1, 17)]
-    colours += [blend(a, b, 0.5) for a, b in zip(DISCS, DISCS[1:], strict=False)]
+    colours += [blend(a, b, 0.5) for a, b in pairwise(DISCS)]
     colours += [blend((0, 0, 0), disc, RIM_SHADE) for disc in DISCS]
     unique = list(dict.fromkeys(colours))[:256]
     unique += [GROUND] * (256 - len(unique))

@@ -22,6 +22,7 @@ from jostle.app.renderers import FAILURES, Screen
 from jostle.app.session import Session
 from jostle.app.simulation import Simulation
 from jostle.app.tools_view import draw_hands
+from jostle.app.why_view import draw_why
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
@@ -164,9 +165,9 @@ class Window:
         self._draw_words()
         drawn = time.perf_counter()
         self._draw_panels(elapsed)
-        times = {"draw": (drawn - start) * 1e3, "panels": (time.perf_counter() - drawn) * 1e3}
-        self.readout.measure(draw=times["draw"])
-        self.session.statistics.measure(**times)
+        panels = time.perf_counter() - drawn
+        self.readout.measure(draw=(drawn - start) * 1e3)
+        self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
         self.screen.show()
 
     def _draw_scene(self) -> None:
@@ -184,6 +185,8 @@ class Window:
     def _draw_words(self) -> None:
         session, painter = self.session, self.painter
         draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
+        if session.why is not None:
+            draw_why(painter, session.why, session.camera)
         panels = self.gui is not None and self.builders and session.shown.panels
         if not panels and painter.size[0] >= 2 * SPACE:  # else it would hide the scene
             self.readout.draw(

@@ -8,6 +8,7 @@ find it. Only this folder and `gui*.py` know ImGui; import it where `gui.availab
 ink, widgets              colours; labels, sliders, choices and icons in one look
 transport, scenes         pause, step, restart; the list of scenes and what to look at
 method, rules, looks      brute force or tree; the sliders; what is drawn
+past, files               going back; scenes, films and tables in files
 figures, plots            the statistics
 column                    the sections at the left, one below the other
 ========================= ======================================================================

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from jostle.app.gui import Gui
 from jostle.app.layout import layout
-from jostle.app.panels import figures, looks, method, rules, scenes, transport
+from jostle.app.panels import figures, files, looks, method, past, rules, scenes, transport
 from jostle.app.panels.ink import ACCENT, TEXT_SOFT, vec
 from jostle.app.panels.widgets import at_right, colours, part, section
 from jostle.app.session import Session
@@ -22,6 +22,9 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Shown", looks.build),
     ("World", rules.build_world),
     ("Time", rules.build_time),
+    ("The last half minute", past.build),
+    ("Two particles", files.build_why),
+    ("Files", files.build),
 ]
 
 FIXED = (

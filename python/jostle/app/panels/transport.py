@@ -22,10 +22,10 @@ Draw = Callable[[imgui.ImDrawList, float, float, int], None]
 def build(session: Session, gui: Gui) -> None:
     """Build the row of buttons."""
     across = share_out(6)
-    can_go_back = session.history.at > 0
+    step_back = session.step_back if session.history.can_go_back else None
     buttons: list[tuple[str, Draw, Callable[[], object] | None, Action | None]] = [
         ("previous scene", _previous, session.previous_scene, Action.PREVIOUS_SCENE),
-        ("step back", _back, session.step_back if can_go_back else None, None),
+        ("step back", _back, step_back, Action.STEP_BACK),
         ("pause", _play if session.paused else _pause, session.toggle_pause, Action.PAUSE),
         ("step", _forward, session.single_step, Action.STEP),
         ("next scene", _next, session.next_scene, Action.NEXT_SCENE),
