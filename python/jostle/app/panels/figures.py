@@ -193,7 +193,7 @@ def _lines(
     with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint, 3.0 if word == "total" else 1.5)
+                plots.line(word, time, values, tint, 2.5 if word == "total" else 1.5)
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))

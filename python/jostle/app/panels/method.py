@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jostle.app.carry import ARTICLE_LIMIT
 from jostle.app.gui import Gui
-from jostle.app.panels.widgets import beside, choice, combo, label, share_out, wrapped
+from jostle.app.panels.widgets import beside, choice, combo, label, share_out
 from jostle.app.session import Session
 from jostle.app.settings import METHODS
 from jostle.app.words import method_name
@@ -30,11 +30,6 @@ def build(session: Session, gui: Gui) -> None:
             if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
                 session.choose_method(method)
 
-    if session.settings.by_article:
-        wrapped(
-            "Watch the faults of these rules: balls overlap, piles never rest, and energy is lost "
-            "and invented."
-        )
     _race(session, gui)
 
 

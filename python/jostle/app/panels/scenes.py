@@ -12,6 +12,10 @@ from jostle.app.session import Session
 
 ROWS = 5.5  # that are seen at once: half a row says that there are more
 LINE = 22.0
+BY_ARTICLE = (
+    "These are the article's own rules. Watch balls overlap, piles that never rest, and energy "
+    "lost and invented."
+)
 
 
 _usual_numbers: dict[str, int] = {}  # of particles, where nobody asks for another
@@ -39,7 +43,9 @@ def build(session: Session, gui: Gui) -> None:
             _line(session, gui, name, present=name == present)
         imgui.end_child()
         imgui.pop_style_var(2)
-    if present in names:
+    if session.settings.by_article:
+        wrapped(BY_ARTICLE)
+    elif present in names:
         wrapped(jostle.scenes.describe(present))
 
 
