@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import subprocess
 import tempfile
@@ -70,6 +71,8 @@ class Encoder:
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0)
                 | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
             )
+            with contextlib.suppress(AttributeError, OSError):  # the window goes first
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, 10)
         except (OSError, RuntimeError) as error:  # imageio's word where there is no ffmpeg
             self._tidy()
             raise OSError(f"no ffmpeg can be started: {error}") from error
