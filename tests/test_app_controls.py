@@ -1,21 +1,45 @@
 """The table of keys is complete, and says what the window does."""
 
+from pathlib import Path
+
 import pytest
 
 pygame = pytest.importorskip("pygame")
 
-from jostle.app.controls import CONTROLS, PANNING, Action, action_of  # noqa: E402
+from app_hands import Hands, world_of  # noqa: E402
+
+from jostle.app.acts import ACTS  # noqa: E402
+from jostle.app.controls import (  # noqa: E402
+    CONTROLS,
+    GROUPS,
+    HELD,
+    PANNING,
+    Action,
+    action_of,
+    as_markdown,
+    key_of,
+)
 from jostle.app.helping import draw_help  # noqa: E402
+from jostle.app.shown import ColourBy  # noqa: E402
 from jostle.app.software import SoftwarePainter  # noqa: E402
 
+ROOT = Path(__file__).parents[1]
 PROMISED = {
     pygame.K_p: Action.PAUSE,
     pygame.K_o: Action.STEP,
+    pygame.K_u: Action.STEP_BACK,
     pygame.K_r: Action.RESTART,
     pygame.K_b: Action.METHOD,
     pygame.K_t: Action.TREE,
+    pygame.K_c: Action.CONTACTS,
+    pygame.K_v: Action.VELOCITIES,
+    pygame.K_l: Action.TRAILS,
+    pygame.K_a: Action.CREATE,
+    pygame.K_SPACE: Action.PULL,
+    pygame.K_TAB: Action.PANELS,
     pygame.K_h: Action.HELP,
-    pygame.K_ESCAPE: Action.QUIT,
+    pygame.K_F1: Action.HELP,
+    pygame.K_ESCAPE: Action.ESCAPE,
     pygame.K_HOME: Action.HOME,
     pygame.K_LEFT: Action.LEFT,
     pygame.K_RIGHT: Action.RIGHT,
@@ -29,9 +53,21 @@ def test_key_does_what_it_promises(key: int) -> None:
     assert action_of(key) is PROMISED[key]
 
 
-def test_every_action_has_exactly_one_key() -> None:
-    actions = [action for control in CONTROLS for action in control.keys.values()]
-    assert sorted(actions, key=lambda action: action.value) == list(Action)
+def test_every_action_has_a_key_and_does_something() -> None:
+    actions = {action for control in CONTROLS for action in control.keys.values()}
+    assert actions == set(Action)
+    assert set(ACTS) == set(Action) - HELD
+
+
+def test_no_key_means_two_things() -> None:
+    keys = [key for control in CONTROLS for key in control.keys]
+    assert len(keys) == len(set(keys))
+
+
+def test_a_line_of_several_keys_tells_which_is_which() -> None:
+    assert key_of(Action.STEP) == "O" and key_of(Action.STEP_BACK) == "U"
+    assert key_of(Action.HELP) == "H" and key_of(Action.DELETE) == "Del"
+    assert key_of(Action.LEFT) == "arrows"
 
 
 def test_other_keys_do_nothing() -> None:
@@ -44,9 +80,82 @@ def test_every_control_is_explained_once() -> None:
     assert set(PANNING) == {Action.LEFT, Action.RIGHT, Action.UP, Action.DOWN}
 
 
-def test_help_fits_on_the_screen() -> None:
-    painter = SoftwarePainter((1280, 720))
+def test_the_document_is_the_table() -> None:
+    """To renew it: write what `as_markdown` returns into the file."""
+    written = (ROOT / "docs" / "controls.md").read_text(encoding="utf-8")
+    assert written == as_markdown()
+    assert "docs/controls.md" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert all(f"## {group}" in written for group in GROUPS)
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (640, 360), (200, 120)])
+def test_help_fits_on_the_screen(size: tuple[int, int]) -> None:
+    painter = SoftwarePainter(size)
+    painter.fill((0, 0, 0))
     draw_help(painter)
     pixels = pygame.surfarray.array3d(painter.canvas())
-    assert pixels[640, 360].any() and not pixels[5, 5].any()
-    assert pixels[:, :20].max() == 0 and pixels[:, -20:].max() == 0
+    assert pixels[size[0] // 2, size[1] // 2].any()
+    for edge in (pixels[:4], pixels[-4:], pixels[:, :4], pixels[:, -4:]):
+        assert edge.max() == 0
+
+
+def test_help_in_no_room_at_all_is_no_error() -> None:
+    draw_help(SoftwarePainter((1, 1)))
+
+
+def test_help_is_not_shrunk_in_the_usual_window() -> None:
+    from jostle.app import helping
+
+    width, height = helping._sheet().get_size()
+    assert width <= 1280 - 16 and height <= 720 - 16
+
+
+@pytest.mark.parametrize("name", ["contacts", "velocities", "trails", "labels", "panels", "help"])
+def test_the_switches_of_what_is_shown(name: str) -> None:
+    hands = Hands(world_of([(100, 100)]))
+    (key,) = {
+        pygame.key.name(key): key
+        for control in CONTROLS
+        for key, action in control.keys.items()
+        if action.name in (name.upper(),) and key != pygame.K_F1
+    }.values()
+    before = getattr(hands.session.shown, name)
+    hands.key(key)
+    assert getattr(hands.session.shown, name) is not before
+    hands.key(key)
+    assert getattr(hands.session.shown, name) is before
+
+
+def test_e_cycles_what_the_colours_tell() -> None:
+    hands = Hands(world_of([(100, 100)]))
+    seen = set()
+    for _ in ColourBy:
+        hands.key(pygame.K_e)
+        seen.add(hands.session.shown.colour_by)
+    assert seen == set(ColourBy)
+
+
+def test_x_clears_the_trails() -> None:
+    hands = Hands(world_of([(100, 100)]))
+    cleared = []
+    hands.session.picture.trails.clear = lambda: cleared.append(True)
+    hands.key(pygame.K_x)
+    assert cleared
+
+
+def test_u_undoes_and_goes_a_step_back() -> None:
+    hands = Hands(world_of([(100, 100)], gravity=(0.0, 100.0)))
+    hands.frames(5)
+    times = [hands.session.frame.facts.time]
+    hands.key(pygame.K_u)
+    times.append(hands.session.frame.facts.time)
+    assert times[0] - times[1] == pytest.approx(1 / 60) and hands.session.paused
+
+
+def test_the_escape_key_closes_the_help_first() -> None:
+    hands = Hands(world_of([(100, 100)]))
+    hands.key(pygame.K_h)
+    hands.key(pygame.K_ESCAPE)
+    assert hands.session.open and not hands.session.shown.help
+    hands.key(pygame.K_ESCAPE)
+    assert not hands.session.open

@@ -85,6 +85,8 @@ def test_version() -> None:
         (["run", "--leaf-capacity", "0"], "--leaf-capacity is 0"),
         (["run", "--max-depth", "-1"], "--max-depth is -1"),
         (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
+        (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
+        (["run", "--renderer", "opengl", "--headless"], "a film is drawn by the processor"),
         (["run", "--speed", "3"], "--speed"),
         (["bench", "-n", "3"], "-n is 3; it must be at least 10"),
         (["bench", "--rounds", "0"], "--rounds is 0"),
@@ -94,6 +96,15 @@ def test_version() -> None:
 )
 def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> None:
     assert words in refused(monkeypatch, capsys, *arguments)
+
+
+def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
+    from jostle.app import renderers
+
+    monkeypatch.setattr(renderers, "_MODERNGL", False)
+    monkeypatch.setattr(cli, "_has_display", lambda: True)
+    sentence = refused(monkeypatch, capsys, "run", "gas", "--renderer", "opengl")
+    assert "--renderer is 'opengl', but OpenGL needs the package moderngl" in sentence
 
 
 def test_a_folder_that_cannot_be_written_is_refused_first(
@@ -140,3 +151,38 @@ def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_
     assert exit_.value.code == 0
     assert "no video device" in capsys.readouterr().out
     assert (tmp_path / "gas.mp4").exists()
+
+
+# ---- a scene in a file ---------------------------------------------------------------------------
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
+
+
+def test_a_file_says_what_to_run_and_options_go_before_it(tmp_path: Path) -> None:
+    pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")
+    done = command(
+        *("run", "--config", str(EXAMPLE), "-n", "40", "--method", "brute", "--steps", "2"),
+        *("--headless", "--out", str(tmp_path)),
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "gas-brute.mp4").stat().st_size
+    assert "gas, brute force" in done.stdout
+    assert f"{40 + 12 + 4}" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("gravitas = 1", "scene.toml, line 1: gravitas is not a setting; did you mean gravity?"),
+        ("n = 1\nrestitution = 2", "line 2: restitution is 2; it must be a number from 0 to 1"),
+        ("n = ", "scene.toml, line 1: "),
+    ],
+)
+def test_a_wrong_file_gets_one_sentence(monkeypatch, capsys, tmp_path: Path, text, words) -> None:
+    pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")
+    (tmp_path / "scene.toml").write_text(text)
+    assert words in refused(monkeypatch, capsys, "run", "--config", str(tmp_path / "scene.toml"))
+
+
+def test_a_file_that_is_not_there_gets_one_sentence(monkeypatch, capsys) -> None:
+    assert "cannot be read" in refused(monkeypatch, capsys, "run", "--config", "nowhere.toml")

@@ -7,8 +7,9 @@ import io
 import os
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 _INSTALL = 'the command needs {}, which is not installed; pip install "jostle[app]" brings it'
 
@@ -20,9 +21,12 @@ except ImportError as missing:
     raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
 
 import jostle
-from jostle.app.settings import METHODS, Settings
+from jostle.app.settings import METHODS, RENDERERS, Settings
 from jostle.app.simulation import Simulation
 from jostle.app.start import start
+
+if TYPE_CHECKING:
+    from jostle.app.config import Config
 
 DEFAULT_SCENE = "mixed"
 MOST_PARTICLES = 100_000_000
@@ -68,19 +72,31 @@ def scenes() -> None:
 @app.command()
 def run(
     scene: Annotated[
-        str, typer.Argument(help="A scene, as `jostle scenes` lists them.")
-    ] = DEFAULT_SCENE,
+        str | None,
+        typer.Argument(help=f"A scene, as `jostle scenes` lists them.  [default: {DEFAULT_SCENE}]"),
+    ] = None,
     n: Annotated[
         int | None, typer.Option("-n", help="Number of particles; the scene's own if not given.")
     ] = None,
-    method: Annotated[str, typer.Option(help=f"One of {', '.join(METHODS)}.")] = METHODS[0],
+    method: Annotated[
+        str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {METHODS[0]}]")
+    ] = None,
     leaf_capacity: Annotated[
         int | None, typer.Option(help="Most particles in a leaf of the tree.")
     ] = None,
     max_depth: Annotated[int | None, typer.Option(help="Most subdivisions of the tree.")] = None,
-    seed: Annotated[int, typer.Option(help="The same seed gives the same run.")] = 0,
+    seed: Annotated[
+        int | None, typer.Option(help="The same seed gives the same run.  [default: 0]")
+    ] = None,
+    config: Annotated[
+        Path | None,
+        typer.Option(help="A TOML file with the scene's settings; options go before it."),
+    ] = None,
     steps: Annotated[
         int | None, typer.Option(help="Stop after so many steps; a film is 10 s if not given.")
+    ] = None,
+    renderer: Annotated[
+        str | None, typer.Option(help="What draws in the window: auto, opengl or software.")
     ] = None,
     headless: Annotated[
         bool, typer.Option("--headless", help="Make a film even where there is a display.")
@@ -88,24 +104,39 @@ def run(
     out: Annotated[Path, typer.Option(help="Folder for the film and the picture.")] = Path("out"),
 ) -> None:
     """Run a scene in a window, or as a film where there is no display."""
-    _check_scene(scene)
-    _check_method(method, leaf_capacity, max_depth)
+    if scene is not None:
+        _check_scene(scene)
+    _check_method(method or METHODS[0], leaf_capacity, max_depth)
     _check_range("-n", n, 0, MOST_PARTICLES)
     _check_range("--leaf-capacity", leaf_capacity, 1, 2**31 - 1)
     _check_range("--max-depth", max_depth, 0, 2**31 - 1)
     _check_range("--seed", seed, 0, 2**63 - 1)
     _check_range("--steps", steps, 1, 2**31 - 1)
+    _check_renderer(renderer)
     _check_extra()
-    settings = Settings(scene, n, seed, method, leaf_capacity, max_depth)
+    wishes = _config(config)
+    options: dict[str, Any] = {
+        **{"scene": scene, "n": n, "seed": seed, "method": method},
+        **{"leaf_capacity": leaf_capacity, "max_depth": max_depth},
+    }
+    given = {name: value for name, value in options.items() if value is not None}
+    settings = replace(wishes.settings, **given)
+    _check_method(settings.method, settings.leaf_capacity, settings.max_depth)
     why_no_window = None
     if not headless:
-        why_no_window = _show(settings, steps) if _has_display() else "there is no display"
+        why_no_window = (
+            _show(settings, steps, renderer or wishes.renderer or RENDERERS[0], wishes)
+            if _has_display()
+            else "there is no display"
+        )
         if why_no_window is None:
             return
+    if renderer == "opengl":
+        _refuse("--renderer is 'opengl', but a film is drawn by the processor")
     _check_folder(out)
     if why_no_window is not None:
         console.print(f"No window here ({why_no_window}), so this run becomes a film.")
-    _film(settings, steps, out)
+    _film(settings, steps, out, wishes)
 
 
 @app.command()
@@ -186,29 +217,58 @@ def bench(
         raise typer.Exit(130)
 
 
-def _show(settings: Settings, steps: int | None) -> str | None:
+def _config(path: Path | None) -> Config:
+    """Return what a file wishes for; nothing where there is none."""
+    from jostle.app.config import Config, ConfigError, read_config
+
+    if path is None:
+        return Config()
+    if sys.version_info < (3, 11) and importlib.util.find_spec("tomli") is None:
+        _refuse(_INSTALL.format("tomli"))
+    try:
+        return read_config(path)
+    except ConfigError as error:
+        _refuse(str(error))
+    except OSError as error:
+        _refuse(f"--config is {str(path)!r}, which cannot be read: {error.strerror}")
+
+
+def _show(settings: Settings, steps: int | None, renderer: str, wishes: Config) -> str | None:
     """Run in a window; return why not, where none can be opened."""
     import pygame
 
-    from jostle.app.window import Window
+    from jostle.app.renderers import NoRendererError
+    from jostle.app.window import SIZE, Window
 
     simulation = _start(settings)
     try:
-        window = Window(simulation, steps=steps)
+        window = Window(simulation, wishes.size or SIZE, steps=steps, renderer=renderer)
+    except NoRendererError as error:
+        _refuse(f"--renderer is 'opengl', but {error}")
     except pygame.error as error:
         return str(error)
+    wishes.show(window.session.shown)
     window.run()
     return None
 
 
-def _film(settings: Settings, steps: int | None, out: Path) -> None:
+def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> None:
     """Run without a window, and print what came of it."""
-    from jostle.app.headless import default_steps, make_film
+    from jostle.app.headless import SIZE, default_steps, make_film
     from jostle.app.report import report
+    from jostle.app.shown import Shown
+
+    shown = Shown() if wishes.shown else None
+    if shown is not None:
+        wishes.show(shown)
 
     simulation = _start(settings)
     try:
-        film = make_film(simulation, steps or default_steps(simulation), out, console)
+        film = make_film(
+            *(simulation, steps or default_steps(simulation), out, console),
+            size=wishes.size or SIZE,
+            shown=shown,
+        )
     except OSError as error:
         _refuse(f"the film could not be written: {str(error).splitlines()[0]}")
     except KeyboardInterrupt:
@@ -246,6 +306,11 @@ def _check_method(method: str, leaf_capacity: int | None, max_depth: int | None)
         _refuse(f"--method is {method!r}; it must be one of {', '.join(METHODS)}")
     if method.startswith("article-") and not leaf_capacity is max_depth is None:
         _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
+
+
+def _check_renderer(renderer: str | None) -> None:
+    if renderer is not None and renderer not in RENDERERS:
+        _refuse(f"--renderer is {renderer!r}; it must be one of {', '.join(RENDERERS)}")
 
 
 def _check_range(name: str, value: int | None, least: int, most: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.settings import Settings
+from jostle.app.packing import pack, unpack
+from jostle.app.settings import Settings, settings_of
 from jostle.app.simulation import (
     Energies,
     Facts,
@@ -31,6 +32,8 @@ from jostle.app.world_simulation import WorldSimulation
 FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
 GRAVITY = 0.5  # pixels a frame, each frame
 DEFAULT_N = 500
+WINDOW = (800, 500)  # pixels
+NUMBERS = ("x", "y", "speed", "angle")  # of a particle, in full precision
 
 
 class ArticleSimulation:
@@ -54,13 +57,16 @@ class ArticleSimulation:
         rules = settings.method.removeprefix("article-")
         if self.scene == "article":
             n = DEFAULT_N if settings.n is None else settings.n
-            self.program = article.Simulation(n, rules, settings.seed)
+            sides = (
+                max(round(side * settings.world_size), article.SMALLEST_SIDE) for side in WINDOW
+            )
+            self.program = article.Simulation(n, rules, settings.seed, *sides)
         else:
-            lender = WorldSimulation.of_scene(replace(settings, method="quadtree"))
+            lender = WorldSimulation.of_scene(
+                replace(settings, method="quadtree", container=None)  # a display is a rectangle
+            )
             self.program = article_of(lender.frame(), lender.view, rules)
-        width, height = self.program.width, self.program.height
-        self.view: Rect = (0.0, 0.0, float(width), float(height))
-        self.container = jostle.Box(*self.view)
+        self._take_size()
         self._pulls: tuple[Pull, ...] = ()
         self._frames = 0
         self._milliseconds = 0.0
@@ -78,8 +84,22 @@ class ArticleSimulation:
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return what can change while it runs: only which of the two programs it is."""
-        return frozenset({"method"})
+        """Return what can change while it runs: which of the two programs it is, and the pace."""
+        return frozenset({"method", "time_scale"})
+
+    @property
+    def rules(self) -> Settings:
+        """Return the settings with what the article has in place of its choices."""
+        return replace(
+            self.settings,
+            leaf_capacity=article.MAX_PER_BOX,
+            max_depth=article.MAX_LEVEL + 1,
+            gravity=(0.0, GRAVITY * FRAMES_A_SECOND**2),
+            drag=0.0,
+            restitution=article.ELASTICITY,
+            substeps=1,
+            threads=1,
+        )
 
     # Looking
 
@@ -139,17 +159,34 @@ class ArticleSimulation:
     def step(self) -> None:
         """Go on by one frame of the article."""
         start = time.perf_counter()
+        for pull in self._pulls:
+            self._feel(pull)
         self.program.frame()
         self.program.release()  # `drag` holds for one frame
         self._frames += 1
         self._milliseconds = (time.perf_counter() - start) * 1e3
 
+    def _feel(self, pull: Pull) -> None:
+        """Accelerate everything by distance × strength, before the frame moves it."""
+        point = pull.point
+        for row in np.flatnonzero(self._tags == pull.tag).tolist():
+            point = self.program.particles[row].x, self.program.particles[row].y
+        if point is None:
+            return
+        gain = pull.strength / FRAMES_A_SECOND**2
+        for particle in self.program.particles:
+            dx, dy = point[0] - particle.x, point[1] - particle.y
+            particle.angle, particle.speed = article.add_vectors(
+                (particle.angle, particle.speed), (math.atan2(dx, -dy), gain * math.hypot(dx, dy))
+            )
+
     def adjust(self, name: str, value: Any) -> str | None:
-        """Swap the article's two programs under the same particles; nothing else can change."""
-        if name != "method" or not str(value).startswith("article-"):
+        """Swap the article's two programs under the same particles, or change the pace."""
+        if name == "method" and str(value).startswith("article-"):
+            self.program.method = value.removeprefix("article-")
+        elif name != "time_scale":
             return "The article's rules are fixed."
-        self.program.method = value.removeprefix("article-")
-        self.settings = replace(self.settings, method=value)
+        self.settings = replace(self.settings, **{name: value})
         return None
 
     def add(
@@ -183,6 +220,8 @@ class ArticleSimulation:
         particles = self.program.particles
         self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
+        left = set(self._tags.tolist())
+        self._pulls = tuple(pull for pull in self._pulls if pull.tag is None or pull.tag in left)
 
     def change(
         self,
@@ -190,22 +229,28 @@ class ArticleSimulation:
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
-        """Set places and velocities; immovable particles the article has none."""
-        wanted = np.atleast_1d(np.asarray(tags))
-        for name, value in (("positions", positions), ("velocities", velocities)):
-            if value is None:
-                continue
-            rows = np.broadcast_to(np.asarray(value, np.float64), (len(wanted), 2)).tolist()
-            for tag, (x, y) in zip(wanted.tolist(), rows, strict=True):
-                for row in np.flatnonzero(self._tags == tag).tolist():
-                    particle = self.program.particles[row]
-                    if name == "positions":
-                        particle.x, particle.y = x, y
-                    else:
-                        particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
-                        particle.angle = math.atan2(x, -y)
+        """Set places, velocities, densities; immovable particles the article has none."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        n, known = len(wanted), dict(zip(self._tags.tolist(), self.program.particles, strict=True))
+        found = [(row, known[tag]) for row, tag in enumerate(wanted.tolist()) if tag in known]
+        if positions is not None:
+            places = np.broadcast_to(np.asarray(positions, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                particle.x, particle.y = places[row]
+        if velocities is not None:
+            ways = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                x, y = ways[row]
+                particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
+                particle.angle = math.atan2(x, -y)
+        if densities is not None:
+            heavy = np.broadcast_to(np.asarray(densities, np.float64), n).tolist()
+            for row, particle in found:
+                particle.density = max(round(heavy[row]), 1)
+                particle.__post_init__()  # mass and drag follow
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""
@@ -213,17 +258,58 @@ class ArticleSimulation:
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Let a particle follow the hand, by the article's rule of the mouse."""
-        (row,) = np.flatnonzero(self._tags == tag)
-        self.program.held = self.program.particles[row]
-        self.program.drag_to(*point)
+        for row in np.flatnonzero(self._tags == tag).tolist():
+            self.program.held = self.program.particles[row]
+            self.program.drag_to(*point)
 
     def save(self) -> bytes:
         """Return the state."""
-        raise NotImplementedError
+        program = self.program
+        facts = {
+            "settings": asdict(self.settings),
+            "method": program.method,
+            "size": [program.width, program.height],
+            "counters": [program.tests, program.repeats, program.hits],
+            "frames": self._frames,
+            "next_tag": self._next_tag,
+            "pulls": [asdict(pull) for pull in self._pulls],
+        }
+        numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
+        sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
+        columns = {
+            "numbers": np.array(numbers, np.float64).reshape(-1, len(NUMBERS)),
+            "sizes": np.array(sizes, np.int64).reshape(-1, 6),
+            "leaves": np.array(program.leaves, np.int64).reshape(-1, 5),
+            "tags": self._tags,
+            "born": self._born,
+        }
+        return pack("article", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Go back to a state."""
-        raise NotImplementedError
+        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        facts, columns = unpack("article", state)
+        particles = []
+        rows = zip(columns["numbers"].tolist(), columns["sizes"].tolist(), strict=True)
+        for (x, y, speed, angle), (radius, density, *rectangle) in rows:
+            particle = article.Particle(x, y, radius, density, speed, angle)
+            left, top, width, height = rectangle
+            particle.rectangle = left, top, width, height
+            particles.append(particle)
+        width, height = facts["size"]
+        program = article.Simulation.of(particles, facts["method"], width, height)
+        program.tests, program.repeats, program.hits = facts["counters"]
+        leaves = columns["leaves"].tolist()
+        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves]
+        self.program, self.settings = program, settings_of(facts["settings"])
+        self._take_size()
+        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        self._frames, self._next_tag = facts["frames"], facts["next_tag"]
+        self._tags, self._born = columns["tags"], columns["born"]
+
+    def _take_size(self) -> None:
+        """Let view and walls be those of the program's display."""
+        self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
+        self.container = jostle.Box(*self.view)
 
 
 def _energies(frame: Frame) -> Energies:

@@ -12,10 +12,11 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
+from jostle.app.camera import Size
 from jostle.app.palette import DISCS
 
 MAX_RADIUS = 1.125  # pixels; larger discs are stamps, and would spill beyond the kernels
-_POINT_RADIUS = 0.5  # below it one pixel is enough
+POINT_RADIUS = 0.5  # below it one pixel is enough
 # However small, a disc is drawn with this radius, or sparse dust in a wide world would vanish;
 # with less where there are so many that they would cover more than this share of the picture.
 _LEAST_RADIUS, _LEAST_SHARE = 0.6, 0.12
@@ -40,15 +41,14 @@ def scatter(
         x, y, radii, shades = x[inside], y[inside], radii[inside], shades[inside]
     if len(x) == 0:
         return
-    least = math.sqrt(_LEAST_SHARE * width * height / (math.pi * len(x)))
-    radii = np.maximum(radii, min(least, _LEAST_RADIUS))
+    radii = np.maximum(radii, least_radius(len(x), (width, height)))
     # Two pixels of border: one for centres just outside, one for what spills over from them.
     wide, high = width + 4, height + 4
     column, row = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
     at = (row + 2) * wide + column + 2
     cells, covers = [], []
     colour = np.zeros(wide * high, np.uint8)
-    broad = radii >= _POINT_RADIUS
+    broad = radii >= POINT_RADIUS
     if broad.any():
         key = _kernel_keys(x[broad] - column[broad], y[broad] - row[broad], radii[broad])
         spread = _OFFSETS @ np.array([1, wide])
@@ -70,6 +70,12 @@ def scatter(
     _blend(target, row[shown] * width + column[shown], share, colour[lit])
 
 
+def least_radius(count: int, size: Size) -> float:
+    """Return the least radius to draw, where so many discs are on a canvas."""
+    even = math.sqrt(_LEAST_SHARE * size[0] * size[1] / (math.pi * max(count, 1)))
+    return min(even, _LEAST_RADIUS)
+
+
 def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[np.uint8]) -> None:
     """Blend colours into pixels; red and blue travel together in one number."""
     pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
@@ -83,7 +89,7 @@ def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[n
 
 
 def _kernel_keys(dx: Floats, dy: Floats, radii: Floats) -> Indices:
-    step: Indices = np.rint((radii - _POINT_RADIUS) * _STEPS).astype(np.intp)
+    step: Indices = np.rint((radii - POINT_RADIUS) * _STEPS).astype(np.intp)
     place: Indices = (dy * _PLACES).astype(np.intp) * _PLACES + (dx * _PLACES).astype(np.intp)
     return step * _PLACES**2 + place
 
@@ -100,7 +106,7 @@ def _make_kernels() -> tuple[Indices, Floats]:
     grid = np.stack(np.meshgrid(fine, fine), axis=-1).reshape(-1, 2)
     points = offsets[:, None, :] + grid
     kernels = []
-    for radius in np.arange(_POINT_RADIUS, MAX_RADIUS + 1e-9, 1 / _STEPS):
+    for radius in np.arange(POINT_RADIUS, MAX_RADIUS + 1e-9, 1 / _STEPS):
         for place in range(_PLACES**2):
             center = (np.array([place % _PLACES, place // _PLACES]) + 0.5) / _PLACES
             distance = np.hypot(*(points - center).transpose(2, 0, 1))

@@ -16,6 +16,7 @@ from jostle.app.simulation import Frame, Simulation, Wants
 Edit = Callable[[Simulation], None]
 
 SHORT = 0.020  # seconds: steps up to this long are made at once, so that they are never late
+FEW = 50_000  # particles whose edits and first step are short, as far as anybody can tell
 SMOOTH = 0.2  # share of a new measurement
 
 
@@ -26,6 +27,9 @@ class Engine:
     ----------
     simulation
         What to step. Nobody else may use it from now on, but by `edit`.
+    short
+        Steps up to so many seconds are made at once. Less than usual also means caution: a step
+        whose time is not known yet is then made beside the window too.
 
     Attributes
     ----------
@@ -37,17 +41,21 @@ class Engine:
         What the last step took, alone.
     before, after
         Called with the simulation around each step, in the thread that steps.
+    touched
+        Called with the simulation before a person changes it.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, short: float = SHORT) -> None:
+        self.short = short
         self.wants = Wants()
         self.before: list[Edit] = []
         self.after: list[Edit] = []
+        self.touched: list[Edit] = []
         self.steps = 0
         self.last_seconds = 0.0
         self._worker: ThreadPoolExecutor | None = None
         self._job: Future[Frame] | None = None
-        self._edits: list[Edit] = []
+        self._edits: list[tuple[Edit, bool]] = []
         self.take(simulation)
 
     def take(self, simulation: Simulation) -> None:
@@ -61,13 +69,14 @@ class Engine:
             simulation.view,
         )
         self.time_step, self.adjustable = simulation.time_step, simulation.adjustable
+        self.rules = simulation.rules
         self._pace = Pace(simulation.time_step)
         self._seconds = 0.0  # one step and its frame, smoothed
         self.frame: Frame = simulation.frame(self.wants)
 
     @property
     def busy(self) -> bool:
-        """Whether a step is under way beside the window."""
+        """Whether a step, or an edit of many particles, is under way beside the window."""
         return self._job is not None and not self._job.done()
 
     @property
@@ -75,12 +84,23 @@ class Engine:
         """The smoothed time of a step with all that belongs to it."""
         return self._seconds
 
-    def edit(self, work: Edit) -> None:
-        """Change the simulation: now, or as soon as the step under way is done."""
-        self._edits.append(work)
+    def edit(self, work: Edit, *, changes: bool = True) -> None:
+        """Change the simulation: now, or as soon as the step under way is done.
+
+        Edits of very many particles are made beside the window: the frame shows them later.
+
+        What only reads it, or brings back a state that was, `changes` nothing.
+        """
+        self._edits.append((work, changes))
         if not self.busy:
             self._collect()
-            self._apply_edits()
+            self._settle_edits()
+
+    def settle(self) -> None:
+        """Once a frame of a pause: take what was done beside the window, and go on with edits."""
+        if not self.busy:
+            self._collect()
+            self._settle_edits()
 
     def look(self) -> None:
         """Renew the frame, where `wants` has changed and no step does it."""
@@ -95,13 +115,21 @@ class Engine:
             return 0
         before = self.steps
         self._collect()
-        self._apply_edits()
-        if self._seconds <= SHORT:
+        self._settle_edits()
+        if self._job is not None:  # edits are under way
+            self._pace.advance(elapsed, lambda: None, most=0)
+        elif self._in_the_window():
             if self._pace.advance(elapsed, self._step):
                 self.frame = self.simulation.frame(self.wants)
         else:
             self._pace.advance(elapsed, self._start, most=1)
         return self.steps - before
+
+    def _in_the_window(self) -> bool:
+        """Tell whether steps are made at once; the first of many particles is not even tried."""
+        if self._seconds:
+            return self._seconds <= self.short
+        return self.short >= SHORT and len(self.simulation) <= FEW
 
     def step(self) -> None:
         """Make one step now, however long it takes."""
@@ -137,11 +165,15 @@ class Engine:
 
     def _start(self) -> None:
         """Begin a step beside the window."""
+        self._beside(self._step)
+
+    def _beside(self, act: Callable[[], None]) -> None:
+        """Do something to the simulation beside the window, and look at it afterwards."""
         if self._worker is None:
             self._worker = ThreadPoolExecutor(1, "jostle-step")
 
         def work() -> Frame:
-            self._step()
+            act()
             return self.simulation.frame(self.wants)
 
         self._job = self._worker.submit(work)
@@ -151,14 +183,35 @@ class Engine:
         if self._job is not None:
             job, self._job = self._job, None
             self.frame = job.result()
+            self._note_rules()
 
     _finish = _collect  # the result of a job that is not done is waited for
 
+    def _settle_edits(self) -> None:
+        """Do what waits to be done: at once, or for very many particles beside the window."""
+        if len(self.simulation) <= FEW:
+            self._apply_edits()
+        elif self._edits:
+            edits, self._edits = self._edits, []
+            self._beside(lambda: self._do(edits))
+
     def _apply_edits(self) -> None:
-        if not self._edits:
-            return
-        edits, self._edits = self._edits, []
-        for work in edits:
+        """Do at once what waits to be done."""
+        if self._edits:
+            edits, self._edits = self._edits, []
+            self._do(edits)
+            self._note_rules()
+            self.frame = self.simulation.frame(self.wants)
+
+    def _do(self, edits: list[tuple[Edit, bool]]) -> None:
+        for work, changes in edits:
+            if changes:
+                for hook in self.touched:
+                    hook(self.simulation)
             work(self.simulation)
-        self.settings, self.adjustable = self.simulation.settings, self.simulation.adjustable
-        self.frame = self.simulation.frame(self.wants)
+
+    def _note_rules(self) -> None:
+        """Keep what everybody may ask for while the simulation is at work."""
+        simulation = self.simulation
+        self.settings, self.adjustable = simulation.settings, simulation.adjustable
+        self.rules, self.view = simulation.rules, simulation.view

@@ -7,6 +7,7 @@ from collections import deque
 from jostle.app.simulation import Point, Simulation
 
 MEMORY = 0.1  # seconds of the hand's way that make the speed of a throw
+LATELY = 0.035  # seconds that make the speed which a held particle takes up, or it overshoots
 
 
 class Hand:
@@ -40,7 +41,15 @@ class Hand:
     @property
     def velocity(self) -> Point:
         """Return the hand's mean velocity over the last moments, world units a second."""
-        (begin, first), (end, last) = self._way[0], self._way[-1]
+        return self._velocity(MEMORY)
+
+    def _velocity(self, span: float) -> Point:
+        """Return the mean velocity over about so many seconds."""
+        end, last = self._way[-1]
+        begin, first = self._way[0]
+        for moment, point in self._way:
+            if moment <= end - span:
+                begin, first = moment, point
         if end <= begin:
             return 0.0, 0.0
         return (last[0] - first[0]) / (end - begin), (last[1] - first[1]) / (end - begin)
@@ -48,10 +57,15 @@ class Hand:
     def drag(self, simulation: Simulation) -> None:
         """Before a step: draw the held particle to the hand."""
         if self.held is not None:
-            simulation.drag(self.held, self.point, self.velocity)
+            simulation.drag(self.held, self.point, self._velocity(LATELY))
+
+    def carry(self, simulation: Simulation) -> None:
+        """In a pause: put the held particle where the hand is."""
+        if self.held is not None:
+            simulation.change([self.held], positions=[self.point])
 
     def throw(self, simulation: Simulation) -> None:
-        """Let go; the particle takes the hand's velocity."""
-        if self.held is not None:
+        """Let go; the particle takes the hand's velocity, or by the article keeps its own."""
+        if self.held is not None and not simulation.settings.by_article:
             simulation.change([self.held], velocities=[self.velocity])
         self.held = None

@@ -18,6 +18,7 @@ from jostle.app.recorder import Recorder, save_png
 from jostle.app.shown import Shown, TreeView
 from jostle.app.simulation import Simulation
 from jostle.app.software import SoftwarePainter
+from jostle.app.words import film_name
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 30
@@ -41,7 +42,12 @@ def default_steps(simulation: Simulation) -> int:
 
 
 def make_film(
-    simulation: Simulation, steps: int, out: Path, console: Console, size: Size = SIZE
+    simulation: Simulation,
+    steps: int,
+    out: Path,
+    console: Console,
+    size: Size = SIZE,
+    shown: Shown | None = None,
 ) -> Film:
     """Step the simulation, record every thirtieth of a second, and save the last picture.
 
@@ -56,20 +62,21 @@ def make_film(
     console
         Where the progress bar goes.
     size
-        Of the film in pixels, both even.
+        Of the film in pixels.
+    shown
+        What to show; if None, the scene alone first, and the tree over it in the second half.
     """
-    name = simulation.scene
-    if simulation.method != "quadtree":
-        name += f"-{simulation.method}"
+    name = film_name(simulation.scene, simulation.method)
     video, still = out / f"{name}.mp4", out / f"{name}.png"
-    engine, shown, painter = Engine(simulation), Shown(), SoftwarePainter(size)
+    engine, painter = Engine(simulation), SoftwarePainter(size)
+    changing, shown = shown is None, shown or Shown()
     camera, picture, readout = Camera(size, simulation.view, left=SPACE), Picture(), Readout()
     stride = max(round(1 / FRAMES_A_SECOND / simulation.time_step), 1)
     spent, frames = 0.0, 0
 
     def draw(step: int, now: float) -> None:
-        # The scene alone first, the tree over it in the second half: the film shows both.
-        shown.tree = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
+        if changing:
+            shown.tree = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
         if engine.wants != picture.wants(shown):
             engine.wants = picture.wants(shown)
             engine.look()

@@ -47,10 +47,19 @@ class Painter(Protocol):
         """Draw rectangles: (k, 4) as min_x, min_y, max_x, max_y and (k, 3) colours."""
 
     def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw lines: (k, 4) as x0, y0, x1, y1; (k, 3) colours, or (k, 4) with alpha."""
+        """Draw lines: (k, 4) as x0, y0, x1, y1; (k, 3) colours, or (k, 4) with alpha.
+
+        Whole numbers are the middles of pixels.
+        """
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
         """Lay a surface, with its alpha, over the canvas."""
 
     def canvas(self) -> pygame.Surface:
         """Return what has been drawn; a view that the next stroke changes, or a copy."""
+
+    def show(self) -> None:
+        """Put the canvas on the window, which has its size."""
+
+    def release(self) -> None:
+        """Give everything back; the painter is not used again."""

@@ -20,12 +20,17 @@ TEXT: Colour = (220, 227, 236)
 TEXT_SOFT: Colour = (142, 154, 171)
 ACCENT: Colour = (126, 178, 184)
 FIXED: Colour = (104, 113, 126)  # immovable particles
+ARROW: Colour = (232, 238, 246)
+CONTACT_STOPS = ((238, 243, 249), (255, 214, 120), (255, 96, 84))  # touching, then ever deeper
+SPRING: Colour = (108, 124, 148)
+PULL: Colour = (198, 160, 220)  # attractors
 
 SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
 
 _DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
 _LEVEL_STOPS = ("#8f98e6", "#8379d2", "#8763b6", "#8e5296", "#934a78")
+_HEAT_STOPS = ("#1b2230", "#2c2f52", "#4d3a6c", "#70406c", "#914c64")
 
 
 def _ramp(stops: tuple[str, ...], count: int) -> NDArray[np.float64]:
@@ -41,6 +46,7 @@ def _colours(ramp: NDArray[np.float64]) -> list[Colour]:
 
 DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED]
 _LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, 25))
+HEAT: list[Colour] = _colours(_ramp(_HEAT_STOPS, 12))  # leaves, from empty to full
 
 
 def level_colour(level: int, depth: int) -> Colour:

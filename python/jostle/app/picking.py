@@ -17,6 +17,13 @@ def pick(frame: Frame, point: Point, reach: float) -> int | None:
     return int(frame.tags[nearest]) if gaps[nearest] <= reach else None
 
 
+def pick_first(frame: Frame, point: Point) -> int | None:
+    """Return the tag of the first particle in list order under the point: the article's rule."""
+    away = frame.positions.astype(np.float64) - np.array(point)
+    under = np.flatnonzero(np.hypot(away[:, 0], away[:, 1]) <= frame.radii)
+    return int(frame.tags[under[0]]) if len(under) else None
+
+
 def inside(frame: Frame, rect: Rect) -> Tags:
     """Return the tags of the particles whose centres lie in a box, in ascending order."""
     x, y = frame.positions[:, 0], frame.positions[:, 1]

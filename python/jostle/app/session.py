@@ -6,22 +6,35 @@ knows of a window.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import jostle
 from jostle.app.camera import Camera, Size
+from jostle.app.carry import carry_over
 from jostle.app.engine import Engine
-from jostle.app.hand import Hand
-from jostle.app.picking import pick
+from jostle.app.explain import Question, Why
+from jostle.app.files import Files
+from jostle.app.hands import Hands
+from jostle.app.history import History
+from jostle.app.painter import Painter
 from jostle.app.picture import Picture
+from jostle.app.race import Race, refusal
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
-from jostle.app.simulation import Frame, Point, Simulation
+from jostle.app.simulation import Frame, Simulation
 from jostle.app.start import start
+from jostle.app.statistics import Statistics
+from jostle.app.traces import Traces
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
-REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
+SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
+
+# What to change does work on the particles: drift begins again, for it is not theirs.
+WORK = {"n", "gravity", "world_size", "container"}
 
 _OTHER_METHOD = {
     "quadtree": "brute",
@@ -31,7 +44,7 @@ _OTHER_METHOD = {
 }
 
 
-class Session:
+class Session(Hands):
     """One run of the program.
 
     Parameters
@@ -45,23 +58,29 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand
-        The parts; everybody may look at them.
-    cursor
-        Where the mouse is, in pixels.
+    engine, camera, shown, picture, statistics, traces
+        The parts; everybody may look at them. Those of `Hands` belong to them.
+    race
+        The other method beside this one, while there is a race.
     now
         Seconds since the session began.
     """
 
     def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
-        self.engine = Engine(simulation)
+        camera = Camera(size, simulation.view, left=left)
+        super().__init__(Engine(simulation), camera, Shown(tree=TreeView.OUTLINE))
         self.engine.before.append(self._act_before)
+        self.history = History()
+        self.history.restart(simulation)
+        self.engine.after.append(self.history.after)
+        self.engine.touched.append(self.history.touch)
+        self.files = Files(self)
+        self.question = Question()
         self.first = simulation.settings  # what restart goes back to
-        self.camera = Camera(size, simulation.view, left=left)
-        self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
-        self.hand = Hand()
-        self.cursor: Point = (size[0] / 2, size[1] / 2)
+        self.race: Race | None = None
+        self.statistics = Statistics()
+        self.traces = Traces(self.statistics)
         self.paused = False
         self.open = True
         self.now = 0.0
@@ -72,18 +91,43 @@ class Session:
     def advance(self, elapsed: float) -> int:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
-        wants = self.picture.wants(self.shown)
-        changed, self.engine.wants = wants != self.engine.wants, wants
+        engine, statistics, wants = self.engine, self.statistics, self.picture.wants(self.shown)
+        wants = replace(wants, tree=wants.tree or self.question.pair is not None)
+        changed = replace(engine.wants, energies=wants.energies) != wants
+        energies = wants.energies or statistics.wants_energies(self.now)
+        engine.wants = replace(wants, energies=energies)
+        if statistics.beginning is None:  # drift begins with the very first state
+            engine.look()
+            statistics.sum_up(self.frame)
         steps = 0
-        if not self.paused:
-            steps = self.engine.advance(elapsed * self.engine.settings.time_scale)
+        if self.paused:
+            self.hold_in_pause()
+            engine.settle()
+        else:
+            steps = engine.advance(elapsed * engine.settings.time_scale)
+            if self.race:
+                self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
-            self.engine.look()
+            engine.look()
+        self.camera.follow(engine.view)
+        self.keep_up()
+        statistics.follow(
+            self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
+        )
+        self.files.follow()
         return steps
 
     def _act_before(self, simulation: Simulation) -> None:
         """Before each step: what a person is doing to the simulation at the moment."""
-        self.hand.drag(simulation)
+        if self.hands_on:
+            self.history.touch()
+        self.act_on(simulation)
+
+    def scale_time(self, factor: float) -> None:
+        """Let time go faster or slower."""
+        scale = min(max(self.settings.time_scale * factor, SLOWEST), FASTEST)
+        self.adjust("time_scale", scale)
+        self.say(f"Time × {scale:.4g}")
 
     def toggle_pause(self) -> None:
         """Pause, or go on."""
@@ -93,6 +137,29 @@ class Session:
         """Make one step, and pause."""
         self.paused = True
         self.engine.step()
+        if self.race:
+            self.race.engine.step()
+
+    def step_back(self) -> None:
+        """Go back to the moment before, and pause; what a person did last is undone first."""
+        self._show(lambda: self.history.at - 1)
+
+    def scrub(self, seconds_ago: float) -> None:
+        """Show what was so long before the youngest moment, and pause."""
+        self._show(lambda: self.history.index_of(seconds_ago))
+
+    def _show(self, which: Callable[[], int]) -> None:
+        self.paused = True
+        self.hand.drop()
+        self._end_race()
+
+        def show(simulation: Simulation) -> None:
+            self.history.hold(simulation)
+            self.history.show(simulation, which(), self.engine.last_seconds)
+            self.picture.restart()
+
+        self.engine.edit(show, changes=False)
+        self.pulls.take_over(self.frame)
 
     # What runs
 
@@ -112,24 +179,87 @@ class Session:
 
     def begin(self, settings: Settings) -> None:
         """Begin anew with other settings; what the library refuses becomes a notice."""
+        self._take(lambda: start(settings))
+
+    def _take(self, create: Callable[[], Simulation]) -> None:
+        """Go on with another simulation, if it can be made."""
         try:
-            simulation = start(settings)
+            simulation = create()
         except (ValueError, OverflowError, MemoryError) as error:
             self.say(str(error) or "There is not enough memory for that.")
             return
         moved = simulation.view != self.engine.view
-        self.hand.drop()
-        self.engine.take(simulation)
-        self.picture.restart()
+        rival = self.race.method if self.race else None
+        self.take(simulation)
+        if rival:
+            self._start_race(rival)
         if moved:
             self.camera.look_at(simulation.view)
 
+    def take(self, simulation: Simulation) -> None:
+        """Go on with another simulation."""
+        self._end_race()
+        self.let_go()
+        self.statistics.remember(self._run_name())
+        self.engine.take(simulation)
+        self.history.restart(simulation)
+        self.pulls.take_over(self.frame)
+        self.picture.restart()
+        self.statistics.restart()
+
+    def _run_name(self, *, other: bool = False) -> str:
+        return f"{self.engine.scene} {self.settings.by_article != other}"
+
+    @property
+    def other_drift(self) -> float | None:
+        """Return how far energy had drifted by now under the other rules, if they ran before."""
+        return self.statistics.drift_of(self._run_name(other=True))
+
+    def choose_scene(self, name: str) -> None:
+        """Begin another scene with its own rules; how it is computed and paced stays."""
+        now = self.settings
+        self.begin(
+            Settings(name, method=now.method, threads=now.threads, time_scale=now.time_scale)
+        )
+
+    def next_scene(self, by: int = 1) -> None:
+        """Begin the scene after this one in the list, in a circle."""
+        names = jostle.scenes.names()
+        at = names.index(self.engine.scene) if self.engine.scene in names else -max(by, 0)
+        self.choose_scene(names[(at + by) % len(names)])
+
+    def previous_scene(self) -> None:
+        """Begin the scene before this one in the list, in a circle."""
+        self.next_scene(-1)
+
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
-        if name in self.engine.adjustable:
+        live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
+        if live and name == "n":
+            self._take_number(value)
+        elif live:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
         else:
             self.begin(replace(self.settings, **{name: value}))
+
+    def _take_number(self, n: int) -> None:
+        """Add or remove particles; where there is no room, begin anew in a world that has it."""
+        refusals: list[str | None] = []
+        self.engine.edit(lambda simulation: refusals.append(simulation.adjust("n", n)))
+        self.engine.wait()
+        if refusals[0]:
+            self.begin(replace(self.settings, n=n))
+            self.say(f"{refusals[0]} So the scene begins anew.")
+
+    def choose_method(self, method: str) -> None:
+        """Go on with another method; where the rules change too, with the same particles."""
+        settings = replace(self.settings, method=method)
+        if self.race or settings.by_article == self.settings.by_article:
+            self.adjust("method", method)
+        else:
+            self.engine.wait()
+            frame, view = self.frame, self.engine.view
+            self._take(lambda: carry_over(settings, frame, view))
 
     def switch_method(self) -> None:
         """Swap brute force and tree, under the same rules."""
@@ -137,34 +267,50 @@ class Session:
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)
 
-    # Hands
+    def toggle_race(self, method: str | None = None) -> None:
+        """Begin anew side by side with another method on the same scene, or end that."""
+        if self.race:
+            self._end_race()
+        else:
+            self.begin(self.settings)
+            self._start_race(method or _OTHER_METHOD[self.settings.method])
 
-    def at_cursor(self) -> Point:
-        """Return the world point under the cursor."""
-        return self.camera.to_world(self.cursor)
+    def _start_race(self, method: str) -> None:
+        reason = refusal(self.settings.method, method, len(self.frame))
+        if reason:
+            self.say(reason)
+        else:
+            self.race = Race(self.engine, method)
+            self.camera.divide(2)
 
-    def under_cursor(self) -> int | None:
-        """Return the tag of the particle under the cursor."""
-        return pick(self.frame, self.at_cursor(), REACH / self.camera.scale)
-
-    def grab(self) -> None:
-        """Pick up the particle under the cursor, if it can move."""
-        tag = self.under_cursor()
-        if tag is not None and not self.frame.movable[self.frame.rows(tag)].all():
-            tag = None
-        self.hand.grab(tag, self.at_cursor(), self.now)
-
-    def throw(self) -> None:
-        """Let go of what is held; it keeps the hand's velocity."""
-        self.hand.follow(self.at_cursor(), self.now)
-        self.engine.edit(self.hand.throw)
+    def _end_race(self) -> None:
+        if self.race:
+            self.race.close()
+            self.race = None
+            self.camera.divide(1)
 
     # Looks
+
+    def draw(self, painter: Painter) -> None:
+        """Draw the scene, or both of a race."""
+        if self.race:
+            self.race.draw(painter, self.picture, self.camera, self.shown, self.now)
+        else:
+            self.picture.draw(painter, self.frame, self.camera, self.shown)
 
     def cycle_tree(self) -> None:
         """Show the tree in the next way."""
         self.shown.tree = self.shown.tree.next()
         self.say(f"Tree: {self.shown.tree.value}")
+
+    def cycle_colours(self) -> None:
+        """Colour the particles by the next quantity."""
+        self.shown.colour_by = self.shown.colour_by.next()
+        self.say(f"Colour: {self.shown.colour_by.value}")
+
+    def clear_trails(self) -> None:
+        """Forget where particles have been."""
+        self.picture.clear_trails()
 
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""
@@ -180,10 +326,41 @@ class Session:
         """Return the sentence to show now, or nothing."""
         return self._notice if self.now < self._notice_until else ""
 
+    # Questions
+
+    def ask_why(self) -> None:
+        """Ask why the two selected particles touch or do not; once more takes it back."""
+        self.say(self.question.ask(self.selection.tags))
+
+    @property
+    def why(self) -> Why | None:
+        """Return the answer for the last state; None if nothing is asked."""
+        return self.question.answer(self.frame, self.settings)
+
+    # Files
+
+    def save(self, path: Path | None = None) -> None:
+        """Save the scene: its state, its settings, and how it is looked at."""
+        self.files.save(path)
+
+    def load(self, path: Path) -> None:
+        """Go on with a saved scene; where that cannot be, nothing changes."""
+        self.files.load(path)
+
+    def screenshot(self) -> None:
+        """Save the picture."""
+        self.files.screenshot()
+
+    def toggle_recording(self) -> None:
+        """Begin a film, or end it."""
+        self.files.toggle_recording()
+
     def quit(self) -> None:
         """Leave the loop after this frame."""
         self.open = False
 
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""
+        self._end_race()
         self.engine.close()
+        self.files.close()

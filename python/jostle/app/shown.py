@@ -28,6 +28,13 @@ class ColourBy(Enum):
     MASS = "mass"
     DENSITY = "density"
     AGE = "age"
+    ENERGY = "kinetic energy"
+    RANDOM = "each its own"
+
+    def next(self) -> ColourBy:
+        """Return the colouring after this one, in a circle."""
+        ways = list(ColourBy)
+        return ways[(ways.index(self) + 1) % len(ways)]
 
 
 @dataclass
@@ -41,4 +48,5 @@ class Shown:
     trails: bool = False
     labels: bool = False
     panels: bool = True
+    statistics: bool = True
     help: bool = False

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -94,6 +95,8 @@ class Frame:
     touching: Touching | None = None
     springs: NDArray[np.uint32] | None = None  # (s, 2) rows
     attractors: tuple[Pull, ...] = ()
+    scene: str = ""  # whose extras are shown
+    begun_with: int | None = None  # the number of particles that the scene was made for
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -120,6 +123,14 @@ class Pull:
     strength: float  # 1/s²
     point: Point | None = None
     tag: int | None = None
+    passing: bool = False  # it lasts as long as a key is down
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> Pull:
+        """Return a pull from its fields, as JSON gives them back."""
+        x_y = facts["point"]
+        point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
+        return cls(facts["strength"], point, facts["tag"], facts["passing"])
 
 
 class Simulation(Protocol):
@@ -142,6 +153,10 @@ class Simulation(Protocol):
     @property
     def adjustable(self) -> frozenset[str]:
         """The fields of `Settings` that `adjust` can change while it runs."""
+
+    @property
+    def rules(self) -> Settings:
+        """The settings with the rules that hold where they leave a choice open."""
 
     def step(self) -> None:
         """Go on by one time step."""
@@ -171,6 +186,7 @@ class Simulation(Protocol):
         *,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
         """Set columns of particles; tags that are gone are no mistake, their rows are left out."""
@@ -179,7 +195,10 @@ class Simulation(Protocol):
         """Replace the attractions that a person has placed."""
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Before a step: draw a held particle to the hand, which is at a point and moves."""
+        """Before a step: draw a held particle to the hand, which is at a point and moves.
+
+        A particle that is gone is no mistake.
+        """
 
     def save(self) -> bytes:
         """Return the state, so that `load` goes on from it bit for bit."""

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from jostle.app import dust
 from jostle.app.camera import Size
 from jostle.app.painter import Colours, Floats, Shades
-from jostle.app.palette import DISCS, Colour, blend
+from jostle.app.palette import DISCS, STAGE, Colour, blend
 from jostle.app.stamps import MAX_RADIUS as MAX_STAMP
 from jostle.app.stamps import RIM_SHADE, RIM_WIDTH, Stamps
+from jostle.app.strips import draw_strips
 
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
 
@@ -81,16 +82,31 @@ class SoftwarePainter:
                 pygame.draw.rect(self._canvas, colour, (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
 
     def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw lines; alpha is mixed with the ground, not with what lies below."""
+        """Draw lines; alpha is mixed with the ground, but true along the axes."""
+        if colours.shape[1] == 4:
+            along = (ends[:, :2] == ends[:, 2:]).any(axis=1) & (width <= 1)
+            if along.any():
+                draw_strips(self._canvas, ends[along], colours[along])
+                ends, colours = ends[~along], colours[~along]
+            share = colours[:, 3:] / 255
+            colours = np.rint(STAGE + (colours[:, :3] - np.array(STAGE, float)) * share)
+            colours = colours.astype(np.uint8)
+        thick = max(round(width), 1)
         for (x0, y0, x1, y1), colour in zip(ends.tolist(), colours.tolist(), strict=True):
-            if width > 1.5:
-                pygame.draw.aaline(self._canvas, colour[:3], (x0, y0), (x1, y1), round(width))
-            else:
-                pygame.draw.aaline(self._canvas, colour[:3], (x0, y0), (x1, y1))
+            pygame.draw.aaline(self._canvas, colour, (x0, y0), (x1, y1), thick)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
         """Lay a surface, with its alpha, over the canvas."""
         self._canvas.blit(surface, (round(place[0]), round(place[1])))
+
+    def show(self) -> None:
+        """Put the canvas on the window."""
+        window = pygame.display.get_surface()
+        if window is not None:
+            window.blit(self._canvas, (0, 0))
+
+    def release(self) -> None:
+        """Give everything back: nothing but memory."""
 
 
 def _near(corners: Floats, size: Size) -> NDArray[np.float64]:

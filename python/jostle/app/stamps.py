@@ -18,6 +18,7 @@ PLACES = 4  # sub-pixel places each way for small discs
 FINE_BELOW, COARSE_BELOW = 12.0, 24.0  # radius: 4 places, then 2, then 1
 RIM_FROM = 3.0  # a darker rim tells discs apart where they lie in a heap
 RIM_SHADE, RIM_WIDTH = 0.68, 1.4
+AT_ONCE = 4096  # discs; between two blits other threads have a turn
 MEMORY_LIMIT = 96 * 2**20  # bytes of stamps, then all are made anew
 
 _BUCKETS = int(MAX_RADIUS * STEPS) + 1
@@ -63,9 +64,12 @@ class Stamps:
         down = ((y - row) * places).astype(np.intp)
         keys = (buckets * _SHADES + shades) * _CELLS + down * places + across
         self._fill(keys)
-        stamps = map(self._table.__getitem__, keys.tolist())
-        corners = zip((column - half).tolist(), (row - half).tolist(), strict=True)
-        target.fblits(list(zip(stamps, corners, strict=True)), pygame.BLEND_PREMULTIPLIED)
+        left, top = column - half, row - half
+        for start in range(0, len(keys), AT_ONCE):
+            part = slice(start, start + AT_ONCE)
+            stamps = map(self._table.__getitem__, keys[part].tolist())
+            corners = zip(left[part].tolist(), top[part].tolist(), strict=True)
+            target.fblits(list(zip(stamps, corners, strict=True)), pygame.BLEND_PREMULTIPLIED)
 
     def _fill(self, keys: NDArray[np.intp]) -> None:
         """Make the stamps that are still missing."""

@@ -11,7 +11,7 @@ from jostle.app.palette import PANEL, PANEL_EDGE, TEXT, Colour
 TITLE, BODY, SMALL = 20, 14, 12
 
 # Regular faces that read well small, best first; pygame's own is bold, and the last resort.
-_FACES = "inter,segoeui,helveticaneue,notosans,dejavusans,liberationsans,arial"
+FACES = "inter,segoeui,helveticaneue,notosans,dejavusans,liberationsans,arial"
 
 Place = tuple[int, int]
 
@@ -20,7 +20,7 @@ Place = tuple[int, int]
 def font(size: int) -> pygame.font.Font:
     """Return the face at a size in pixels."""
     pygame.font.init()  # harmless when done already; film and tests open no window
-    return pygame.font.SysFont(_FACES, size)
+    return pygame.font.SysFont(FACES, size)
 
 
 @lru_cache(maxsize=512)

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+import copy
 import time
+from collections.abc import Callable
 
 import pygame
 
-from jostle.app.acts import ACTS
-from jostle.app.camera import Size
-from jostle.app.controls import PANNING, Action, action_of
+from jostle.app import gui
+from jostle.app.backdrop import Backdrop
+from jostle.app.camera import Camera, Size
+from jostle.app.gui import Gui
 from jostle.app.helping import draw_help
+from jostle.app.input import Input
+from jostle.app.layout import arrange
 from jostle.app.notices import draw_hint, draw_notice
+from jostle.app.painter import Painter
 from jostle.app.readout import SPACE, Readout
+from jostle.app.renderers import FAILURES, Screen
 from jostle.app.session import Session
 from jostle.app.simulation import Simulation
-from jostle.app.software import SoftwarePainter
+from jostle.app.tools_view import draw_hands
+from jostle.app.why_view import draw_why
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
-PAN_SPEED = 700.0  # pixels a second while an arrow key is down
-ZOOM_STEP = 1.15  # for one notch of the wheel
+FRAMES_UNSEEN = 10  # a second, while the window is minimised: the world goes on, nothing is drawn
 LONGEST_FRAME = 0.25  # seconds; a longer one was a machine asleep, or a window being dragged
+
+
+Builder = Callable[[Session, Gui], None]
 
 
 class Window:
@@ -33,35 +43,64 @@ class Window:
     simulation
         What to show.
     size
-        Width and height in pixels.
+        Width and height in points, what the mouse is measured in.
     steps
         Close after so many steps; None to go on.
+    renderer
+        One of `settings.RENDERERS`.
+
+    Attributes
+    ----------
+    builders
+        Build panels and menus each frame, in this order.
     """
 
-    def __init__(self, simulation: Simulation, size: Size = SIZE, steps: int | None = None) -> None:
-        pygame.display.init()
+    def __init__(
+        self,
+        simulation: Simulation,
+        size: Size = SIZE,
+        steps: int | None = None,
+        renderer: str = "auto",
+    ) -> None:
+        self.screen = Screen(size, renderer)
         pygame.display.set_caption(f"jostle · {simulation.scene}")
-        self.screen = pygame.display.set_mode(size, pygame.RESIZABLE)
-        self.session = Session(simulation, self.screen.get_size(), left=SPACE)
-        self.painter = SoftwarePainter(self.screen.get_size())
+        self.session = Session(simulation, self.painter.size, left=SPACE)
         self.readout = Readout()
+        self.builders = _builders()
+        if self.builders:
+            arrange(self.session, *self.screen.size, self.screen.scale)
+        self.gui = Gui(self.painter) if gui.available() else None
+        self._backdrop = Backdrop()
         self._steps_left = steps
-        self._held_keys: set[Action] = set()
+        self.input = Input(self.session)
         self._rate: float | None = None
+        self._seen = True
+
+    @property
+    def painter(self) -> Painter:
+        """Return who draws."""
+        return self.screen.painter
 
     def run(self) -> None:
         """Show frames until the window is closed."""
         clock, last = pygame.time.Clock(), time.perf_counter()
         try:
             while self.session.open:
-                clock.tick(FRAMES_A_SECOND)
+                clock.tick(FRAMES_A_SECOND if self._seen else FRAMES_UNSEEN)
                 self._rate = clock.get_fps() or None
                 now = time.perf_counter()  # the clock's own answer is in whole milliseconds
                 self.frame(now - last)
                 last = now
         finally:
-            self.session.close()
-            pygame.display.quit()
+            self.close()
+
+    def close(self) -> None:
+        """End everything in an orderly way."""
+        self.session.close()
+        self._backdrop.close()
+        if self.gui is not None:
+            self.gui.close()
+        self.screen.close()
 
     def frame(self, elapsed: float) -> None:
         """Do everything that belongs to one frame, `elapsed` seconds after the last."""
@@ -69,69 +108,87 @@ class Window:
         self.session.now += elapsed
         for event in pygame.event.get():
             self._handle(event)
-        self._pan(elapsed)
+        self.input.hold(elapsed)
         steps = self.session.advance(elapsed)
         if steps:
             self.readout.measure(**self.session.frame.facts.stage_times)
         if self._steps_left is not None and self.session.engine.steps >= self._steps_left:
             self.session.quit()
-        self._draw()
+        if self._seen:
+            self._draw(elapsed)
 
     # Events
 
     def _handle(self, event: pygame.event.Event) -> None:
+        if self.gui is not None and self.gui.handle(event):
+            return
         if event.type == pygame.QUIT:
             self.session.quit()
-        elif event.type == pygame.KEYDOWN:
-            self._act(action_of(event.key))
-        elif event.type == pygame.KEYUP:
-            self._held_keys.discard(action_of(event.key) or Action.QUIT)
-        elif event.type == pygame.WINDOWFOCUSLOST:
-            self._held_keys.clear()  # their KEYUP goes to another window
         elif event.type in (pygame.VIDEORESIZE, pygame.WINDOWSIZECHANGED):
             self._resize()
+        elif event.type in (pygame.WINDOWMINIMIZED, pygame.WINDOWHIDDEN):
+            self._seen = False
+        elif event.type in (pygame.WINDOWRESTORED, pygame.WINDOWSHOWN, pygame.WINDOWMAXIMIZED):
+            self._seen = True
+            self._resize()
         else:
-            self._handle_mouse(event)
-
-    def _handle_mouse(self, event: pygame.event.Event) -> None:
-        session = self.session
-        if event.type == pygame.MOUSEMOTION:
-            session.cursor = event.pos
-        elif event.type == pygame.MOUSEWHEEL:
-            turns = getattr(event, "precise_y", event.y)
-            session.camera.zoom_at(session.cursor, ZOOM_STEP**turns)
-        elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            session.cursor = event.pos
-            session.grab()
-        elif event.type == pygame.MOUSEBUTTONUP and event.button == 1:
-            session.cursor = event.pos
-            session.throw()
-
-    def _act(self, action: Action | None) -> None:
-        if action in PANNING:
-            self._held_keys.add(action)
-        elif action is not None:
-            ACTS[action](self.session)
+            self.input.handle(_in_pixels(event, self.screen.scale))
 
     # The picture
 
-    def _pan(self, elapsed: float) -> None:
-        for action in self._held_keys:
-            x, y = PANNING[action]
-            way = PAN_SPEED * elapsed
-            self.session.camera.pan((x * way, y * way))
-
     def _resize(self) -> None:
-        self.screen = pygame.display.get_surface() or self.screen
-        if self.screen.get_size() != self.painter.size:
-            self.painter.resize(self.screen.get_size())
+        if self.screen.fit():
             self.session.camera.resize(self.painter.size)
 
-    def _draw(self) -> None:
+    def _draw(self, elapsed: float) -> None:
+        try:
+            self._draw_all(elapsed)
+        except FAILURES:
+            if self.painter.name == "software":
+                raise
+            self._fall_back()
+            self._draw_all(elapsed)
+
+    def _fall_back(self) -> None:
+        """Go on without a graphics card that has failed; the simulation does not notice."""
+        if self.gui is not None:
+            self.gui.close()
+        self.screen.fall_back()
+        self.session.camera.resize(self.painter.size)
+        if self.gui is not None:
+            self.gui = Gui(self.painter)
+        self.session.say("The graphics card has failed; drawing goes on without it.")
+
+    def _draw_all(self, elapsed: float) -> None:
         start = time.perf_counter()
+        self._draw_scene()
+        self._draw_words()
+        drawn = time.perf_counter()
+        self._draw_panels(elapsed)
+        panels = time.perf_counter() - drawn
+        self.readout.measure(draw=(drawn - start) * 1e3)
+        self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
+        self.screen.show()
+
+    def _draw_scene(self) -> None:
+        session = self.session
+        if session.race:  # of few particles
+            session.draw(self.painter)
+            return
+        frame, shown = session.frame, copy.copy(session.shown)
+
+        def draw(painter: Painter, camera: Camera) -> None:
+            session.picture.draw(painter, frame, camera, shown)
+
+        self._backdrop.draw(self.painter, session.camera, len(frame), draw)
+
+    def _draw_words(self) -> None:
         session, painter = self.session, self.painter
-        session.picture.draw(painter, session.frame, session.camera, session.shown)
-        if painter.size[0] >= 2 * SPACE:  # else it would hide the scene
+        draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
+        if session.why is not None:
+            draw_why(painter, session.why, session.camera)
+        panels = self.gui is not None and self.builders and session.shown.panels
+        if not panels and painter.size[0] >= 2 * SPACE:  # else it would hide the scene
             self.readout.draw(
                 painter,
                 session.engine,
@@ -140,10 +197,37 @@ class Window:
                 paused=session.paused,
             )
         if session.notice:
-            draw_notice(painter, session.notice)
+            camera = session.camera
+            middle = (camera.left + painter.size[0] - camera.right) / 2
+            draw_notice(painter, session.notice, middle)
         if session.shown.help:
             draw_help(painter)
-        draw_hint(painter)
-        self.readout.measure(draw=(time.perf_counter() - start) * 1e3)
-        self.screen.blit(painter.canvas(), (0, 0))
-        pygame.display.flip()
+        draw_hint(painter, session.camera.right)
+
+    def _draw_panels(self, elapsed: float) -> None:
+        if self.gui is not None and self.builders:
+            self.gui.begin(elapsed, self.screen.size, self.screen.scale)
+            for build in self.builders:
+                build(self.session, self.gui)
+            self.gui.end()
+
+
+def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:
+    """Return a mouse event in pixels of the canvas."""
+    if scale == 1.0 or not hasattr(event, "pos"):
+        return event
+    moved = {
+        name: tuple(part * scale for part in getattr(event, name))
+        for name in ("pos", "rel")
+        if hasattr(event, name)
+    }
+    return pygame.event.Event(event.type, {**event.dict, **moved})
+
+
+def _builders() -> list[Builder]:
+    """Return what builds panels and menus, where ImGui is there."""
+    if not gui.available():
+        return []
+    from jostle.app import menus, panels  # they cannot do without it
+
+    return [panels.build, menus.build]

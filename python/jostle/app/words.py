@@ -15,6 +15,12 @@ def method_name(method: str) -> str:
     return _METHOD_NAMES[method]
 
 
+def film_name(scene: str, method: str) -> str:
+    """Return what a film is named for: the scene, and the method where it is not the usual one."""
+    method = method.replace("article-", "2015-")  # the year of the article and its two programs
+    return scene if method == "quadtree" else f"{scene}-{method}"
+
+
 def pairs_of(n: int) -> int:
     """Return n(n-1)/2, the tests of plain brute force."""
     return n * (n - 1) // 2

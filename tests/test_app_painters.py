@@ -1,6 +1,8 @@
-"""Pictures, by the statistics of their pixels."""
+"""Pictures of both painters, by the statistics of their pixels."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -10,14 +12,34 @@ pygame = pytest.importorskip("pygame")
 import jostle  # noqa: E402
 from jostle.app.camera import Camera  # noqa: E402
 from jostle.app.colouring import Colouring  # noqa: E402
-from jostle.app.overlays import draw_filled, draw_outline  # noqa: E402
-from jostle.app.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, level_colour  # noqa: E402
+from jostle.app.overlays import STRONGEST, draw_filled, draw_outline  # noqa: E402
+from jostle.app.painter import Painter  # noqa: E402
+from jostle.app.palette import (  # noqa: E402
+    DISCS,
+    FIXED_SHADE,
+    SHADES,
+    STAGE,
+    WALL,
+    blend,
+    level_colour,
+)
+from jostle.app.renderers import NoRendererError, Screen  # noqa: E402
 from jostle.app.simulation import Frame, TreeBoxes  # noqa: E402
 from jostle.app.software import SoftwarePainter  # noqa: E402
 from jostle.app.stage import draw_discs, draw_stage  # noqa: E402
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)
+
+
+@pytest.fixture(scope="module", params=["software", "opengl"])
+def painter(request: pytest.FixtureRequest) -> Iterator[Painter]:
+    try:
+        screen = Screen(SIZE, request.param)
+    except NoRendererError as error:
+        pytest.skip(str(error))
+    yield screen.painter
+    screen.close()
 
 
 def frame_of(positions, radii, *, densities=1.0, velocities=0.0, movable=True) -> Frame:
@@ -41,8 +63,7 @@ def camera_of_pixels() -> Camera:
     return camera
 
 
-def draw(frame: Frame, camera: Camera | None = None, shade: int = 20, painter=None):
-    painter = painter or SoftwarePainter(SIZE)
+def draw(painter: Painter, frame: Frame, camera: Camera | None = None, shade: int = 20):
     camera = camera or camera_of_pixels()
     draw_stage(painter, None, camera)
     draw_discs(painter, frame, np.full(len(frame), shade, np.uint8), camera)
@@ -58,62 +79,62 @@ def covered_area(picture, shade: int = 20) -> float:
 
 @pytest.mark.parametrize("radius", [0.6, 0.8, 1.0, 1.4, 2.5])
 @pytest.mark.parametrize("place", [(100.5, 100.5), (100.1, 100.9), (100.4, 100.7)])
-def test_small_discs_cover_their_area(radius: float, place: tuple[float, float]) -> None:
-    area = covered_area(draw(frame_of([place], radius)))
+def test_small_discs_cover_their_area(painter, radius: float, place: tuple[float, float]) -> None:
+    area = covered_area(draw(painter, frame_of([place], radius)))
     assert area == pytest.approx(np.pi * radius**2, rel=0.12)
 
 
 @pytest.mark.parametrize("radius", [5, 20, 47, 49, 90])
-def test_larger_discs_cover_their_area_and_have_the_colour_inside(radius: float) -> None:
-    picture = draw(frame_of([(160.5, 120.5)], radius))
+def test_larger_discs_cover_their_area_and_have_the_colour_inside(painter, radius: float) -> None:
+    picture = draw(painter, frame_of([(160.5, 120.5)], radius))
     lit = (np.abs(picture - np.array(STAGE)).max(axis=2) > 8).sum()
     assert lit == pytest.approx(np.pi * (radius + 0.4) ** 2, rel=0.06)
     assert tuple(picture[160, 120].astype(int)) == pytest.approx(DISCS[20], abs=2)
 
 
-def test_dust_adds_up_and_does_not_run_over() -> None:
+def test_dust_adds_up_and_does_not_run_over(painter) -> None:
     positions = np.full((1000, 2), 50.5)
-    picture = draw(frame_of(positions, 0.2))
+    picture = draw(painter, frame_of(positions, 0.2))
     assert tuple(picture[50, 50].astype(int)) == pytest.approx(DISCS[20], abs=2)
     assert (picture[:49] == STAGE).all() and (picture[52:] == STAGE).all()
 
 
-def test_sparse_dust_does_not_vanish_and_dense_dust_keeps_its_share() -> None:
-    assert covered_area(draw(frame_of([(100.5, 100.5)], 1e-6))) > 0.8
+def test_sparse_dust_does_not_vanish_and_dense_dust_keeps_its_share(painter) -> None:
+    assert covered_area(draw(painter, frame_of([(100.5, 100.5)], 1e-6))) > 0.8
     places = np.random.default_rng(3).uniform(0, 240, (200_000, 2))
-    assert covered_area(draw(frame_of(places, 0.0))) < 0.15 * 320 * 240
+    assert covered_area(draw(painter, frame_of(places, 0.0))) < 0.15 * 320 * 240
 
 
-def test_discs_half_outside_are_cut_and_those_outside_leave_no_trace() -> None:
+def test_discs_half_outside_are_cut_and_those_outside_leave_no_trace(painter) -> None:
     for radius in (0.3, 1.0, 6.0, 60.0):
-        edge = covered_area(draw(frame_of([(0.0, 120.0)], radius)))
-        whole = covered_area(draw(frame_of([(160.0, 120.0)], radius)))
+        edge = covered_area(draw(painter, frame_of([(0.0, 120.0)], radius)))
+        whole = covered_area(draw(painter, frame_of([(160.0, 120.0)], radius)))
         if radius >= 1:
             assert edge == pytest.approx(whole / 2, rel=0.2)
         far = [(-radius - 2, 50), (50, 242 + radius), (1e30, 50), (50, -1e30)]
-        assert (draw(frame_of(far, radius)) == STAGE).all()
+        assert (draw(painter, frame_of(far, radius)) == STAGE).all()
 
 
-def test_no_particles_no_ink() -> None:
-    assert (draw(frame_of(np.empty((0, 2)), 1.0)) == STAGE).all()
+def test_no_particles_no_ink(painter) -> None:
+    assert (draw(painter, frame_of(np.empty((0, 2)), 1.0)) == STAGE).all()
 
 
-def test_a_disc_glides_between_pixels() -> None:
+def test_a_disc_glides_between_pixels(painter) -> None:
     """The centre of the ink follows the disc to a fraction of a pixel."""
     for radius in (1.0, 5.0, 15.0):
         for shift in (0.0, 0.3, 0.6, 0.9):
-            picture = draw(frame_of([(100 + shift, 100)], radius))
+            picture = draw(painter, frame_of([(100 + shift, 100)], radius))
             ink = np.abs(picture - np.array(STAGE)).sum(axis=(1, 2))
             middle = (ink * (np.arange(SIZE[0]) + 0.5)).sum() / ink.sum()
             assert middle == pytest.approx(100 + shift, abs=0.3)
 
 
 @pytest.mark.parametrize("zoom", [1e-3, 1e2, 1e5])
-def test_any_zoom(zoom: float) -> None:
+def test_any_zoom(painter, zoom: float) -> None:
     frame = frame_of(np.random.default_rng(1).uniform(0, 240, (500, 2)), 4.0)
     camera = camera_of_pixels()
     camera.zoom_at((frame.positions[0, 0], frame.positions[0, 1]), zoom)
-    picture = draw(frame, camera)
+    picture = draw(painter, frame, camera)
     if zoom > 1:
         x, y = (int(at) for at in frame.positions[0])
         assert tuple(picture[x, y].astype(int)) == DISCS[20]
@@ -121,24 +142,24 @@ def test_any_zoom(zoom: float) -> None:
         assert 0 < covered_area(picture) < 50
 
 
-def test_a_million_particles_are_drawn() -> None:
+def test_a_million_particles_are_drawn(painter) -> None:
     rng = np.random.default_rng(2)
     frame = frame_of(rng.uniform(0, 240, (1_000_000, 2)).astype(np.float32), 0.1)
-    assert covered_area(draw(frame)) > 0.3 * 240 * 240
+    assert covered_area(draw(painter, frame)) > 0.3 * 240 * 240
 
 
 def test_the_store_of_stamps_stays_small() -> None:
     painter = SoftwarePainter(SIZE)
     for radius in np.linspace(2, 47, 40):
         for shade in range(SHADES):
-            draw(frame_of([(100, 100)], radius), shade=shade, painter=painter)
+            draw(painter, frame_of([(100, 100)], radius), shade=shade)
     assert painter._stamps._bytes < 2 * 96 * 2**20
 
 
-def test_drawing_leaves_the_frame_alone() -> None:
+def test_drawing_leaves_the_frame_alone(painter) -> None:
     frame = frame_of([(30, 40), (31, 44)], [3, 0.5])
     before = frame.positions.copy(), frame.radii.copy()
-    draw(frame)
+    draw(painter, frame)
     assert (frame.positions == before[0]).all() and (frame.radii == before[1]).all()
 
 
@@ -150,8 +171,7 @@ def test_drawing_leaves_the_frame_alone() -> None:
         (jostle.Circle((160, 120), 100), (59, 120), (50, 40)),
     ],
 )
-def test_walls_are_outlined(container, edge, outside) -> None:
-    painter = SoftwarePainter(SIZE)
+def test_walls_are_outlined(painter, container, edge, outside) -> None:
     draw_stage(painter, container, camera_of_pixels())
     canvas = painter.canvas()
     assert canvas.get_at(edge)[:3] == pytest.approx(WALL, abs=24)
@@ -159,25 +179,26 @@ def test_walls_are_outlined(container, edge, outside) -> None:
     assert canvas.get_at(outside)[:3] not in (STAGE, WALL)
 
 
-def test_tree_is_coloured_by_level() -> None:
+def test_tree_is_coloured_by_level(painter) -> None:
     boxes = [(20, 20, 220, 220), (20, 20, 120, 120), (120, 20, 220, 120)]
     tree = TreeBoxes(
         np.array(boxes, float), np.array([0, 1, 1]), np.ones(3, int), np.array([False, True, True])
     )
-    painter = SoftwarePainter(SIZE)
     painter.fill(STAGE)
-    canvas = painter.canvas()
     draw_outline(painter, tree, camera_of_pixels())
-    assert canvas.get_at((20, 180))[:3] == level_colour(0, 1)
-    assert canvas.get_at((120, 60))[:3] == level_colour(1, 1)
+    canvas = painter.canvas()
+    root, child = canvas.get_at((20, 180)), canvas.get_at((120, 60))
+    assert root[:3] == pytest.approx(blend(STAGE, level_colour(0, 1), STRONGEST), abs=8)
+    assert STAGE[0] + 20 < child[0] < root[0]  # a share of its level's colour, a fainter one
     assert canvas.get_at((60, 60))[:3] == STAGE
     draw_filled(painter, tree, camera_of_pixels())
+    canvas = painter.canvas()
     assert canvas.get_at((60, 60))[:3] != STAGE
     assert canvas.get_at((60, 180))[:3] == STAGE  # no leaf there
 
 
-def test_no_tree_is_no_trouble() -> None:
-    painter = SoftwarePainter(SIZE)
+def test_no_tree_is_no_trouble(painter) -> None:
+    painter.fill((0, 0, 0))
     draw_outline(painter, TreeBoxes.none(), camera_of_pixels())
     draw_filled(painter, TreeBoxes.none(), camera_of_pixels())
     assert not pygame.surfarray.array3d(painter.canvas()).any()

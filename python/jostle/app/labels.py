@@ -1,0 +1,65 @@
+"""Small words beside discs: which particle it is, and how fast."""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+
+from jostle.app.camera import Camera
+from jostle.app.choosing import few
+from jostle.app.painter import Painter
+from jostle.app.palette import TEXT
+from jostle.app.simulation import Frame
+from jostle.app.text import SMALL, font, word
+
+SMALLEST = 7.0  # pixels: smaller discs would drown in words
+INSIDE = 20.0  # pixels: larger discs have room for theirs
+MOST = 200
+SHADE = (8, 10, 14)  # below the words, so that they can be read on any disc
+
+
+def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
+    """Write tag and speed at discs that are large enough; say so when some are left out."""
+    x, y = camera.to_screen(frame.positions)
+    width, height = camera.size
+    radii = frame.radii.astype(np.float64) * camera.scale
+    seen = (x > 0) & (y > 0) & (x < width) & (y < height) & frame.movable
+    if seen.any() and not (seen & (radii >= SMALLEST)).any():
+        return "labels: zoom in to read them"
+    seen &= radii >= SMALLEST
+    places = np.flatnonzero(seen)
+    drawn = places[few(frame.tags[places], MOST)]
+    speeds = np.hypot(frame.velocities[drawn, 0], frame.velocities[drawn, 1])
+    line = font(SMALL).get_linesize()
+    columns = x[drawn], y[drawn], radii[drawn], frame.tags[drawn], speeds
+    for at_x, at_y, radius, tag, speed in zip(*(c.tolist() for c in columns), strict=True):
+        texts = [f"{tag}", _speed(speed)] if radius >= INSIDE else [f"{tag}"]
+        top = at_y - line * len(texts) / 2
+        for k, text in enumerate(texts):
+            sheet = _shaded(text)
+            painter.sheet(sheet, (at_x - sheet.get_width() / 2, top + k * line))
+    if len(drawn) < len(places):
+        return f"labels: {len(drawn):,} of {len(places):,} shown"
+    return None
+
+
+def _speed(value: float) -> str:
+    return f"{value:,.0f}" if value >= 10 else f"{value:.1f}"
+
+
+_SHEETS: dict[str, pygame.Surface] = {}
+
+
+def _shaded(text: str) -> pygame.Surface:
+    """Return a word with a dark seam around it; words are kept."""
+    sheet = _SHEETS.get(text)
+    if sheet is None:
+        if len(_SHEETS) > 4_000:
+            _SHEETS.clear()
+        light, dark = word(text, TEXT, SMALL), word(text, SHADE, SMALL)
+        sheet = pygame.Surface((light.get_width() + 2, light.get_height() + 2), pygame.SRCALPHA, 32)
+        for shift in ((0, 1), (2, 1), (1, 0), (1, 2)):
+            sheet.blit(dark, shift)
+        sheet.blit(light, (1, 1))
+        _SHEETS[text] = sheet
+    return sheet

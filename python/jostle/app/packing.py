@@ -1,0 +1,89 @@
+"""Facts and arrays in one piece of bytes: what states and scene files are made of.
+
+A first line that says what it is, a header in JSON with the facts and the arrays' names, types and
+shapes, then the arrays' bytes in that order, little-endian. Nothing in it is ever executed.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[Any]
+
+_FIRST = b"jostle "
+_VERSION = 1
+_TYPES = frozenset({"|u1", "|b1", "<u4", "<i8", "<f4", "<f8"})
+_LENGTH = 8  # bytes of the header's length, and of the checksum
+
+
+def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, ArrayLike]) -> bytes:
+    """Return bytes of a kind; `unpack` gives facts and arrays back."""
+    columns = {name: _plain(array) for name, array in arrays.items()}
+    table = [[name, array.dtype.str, array.shape] for name, array in columns.items()]
+    header = json.dumps({"facts": facts, "arrays": table}).encode()
+    parts = [_first_line(kind), len(header).to_bytes(_LENGTH, "little"), header]
+    return b"".join([*parts, *(array.tobytes() for array in columns.values())])
+
+
+def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return facts and arrays; a ValueError says what is wrong with other bytes."""
+    begin = _first_line(kind)
+    if not data.startswith(begin):
+        raise ValueError(f"it is not a {kind} of this version of jostle")
+    at = len(begin) + _LENGTH
+    size = int.from_bytes(data[len(begin) : at], "little")
+    try:
+        header = json.loads(data[at : at + size])
+        facts, table = dict(header["facts"]), list(header["arrays"])
+        at, arrays = at + size, {}
+        for name, kind_of_number, shape in table:
+            if kind_of_number not in _TYPES:
+                raise ValueError("it holds what no jostle has written")
+            count = int(np.prod([int(side) for side in shape], dtype=object))
+            column = np.frombuffer(data, kind_of_number, count, at)
+            arrays[str(name)] = column.reshape(shape).copy()
+            at += column.nbytes
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise ValueError("it is cut off or damaged") from error
+    if at != len(data):
+        raise ValueError("it is damaged: there is more in it than its header says")
+    return facts, arrays
+
+
+def seal(data: bytes) -> bytes:
+    """Return the bytes with their checksum behind them."""
+    return data + zlib.crc32(data).to_bytes(_LENGTH, "little")
+
+
+def unseal(data: bytes) -> bytes:
+    """Return the bytes before the checksum, if it is theirs."""
+    body, checksum = data[:-_LENGTH], data[-_LENGTH:]
+    if len(data) < _LENGTH or zlib.crc32(body).to_bytes(_LENGTH, "little") != checksum:
+        raise ValueError("it is cut off or damaged: its checksum is wrong")
+    return body
+
+
+def blob(data: bytes) -> NDArray[np.uint8]:
+    """Return bytes as an array, to be packed."""
+    return np.frombuffer(data, np.uint8)
+
+
+def is_of(kind: str, data: bytes) -> bool:
+    """Whether bytes begin as one of the kind does."""
+    return data.startswith(_first_line(kind))
+
+
+def _first_line(kind: str) -> bytes:
+    return _FIRST + f"{kind} {_VERSION}\n".encode()
+
+
+def _plain(values: ArrayLike) -> Array:
+    """Return the array in one of the types that are packed, the same on every machine."""
+    array = np.asarray(values)
+    return np.ascontiguousarray(array, array.dtype.newbyteorder("<"))

@@ -1,0 +1,390 @@
+"""What a person does to particles with keys and mouse: the world's state afterwards."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+pygame = pytest.importorskip("pygame")
+
+from app_hands import FRAME, VIEW, Hands, article_with, tags, world_of  # noqa: E402
+
+import jostle  # noqa: E402
+from jostle.app import engine as engine_of_the_app  # noqa: E402
+from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.deeds import scatter, usual  # noqa: E402
+from jostle.app.settings import Settings  # noqa: E402
+from jostle.app.simulation import Pull  # noqa: E402
+from jostle.app.start import start  # noqa: E402
+from jostle.app.world_simulation import WorldSimulation  # noqa: E402
+
+BOTH = [world_of, article_with]
+
+
+@pytest.fixture(autouse=True)
+def closed() -> Iterator[None]:
+    yield
+    pygame.display.quit()
+
+
+# ---- the hand ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", BOTH)
+def test_a_held_particle_that_vanishes_is_dropped(make) -> None:
+    hands = Hands(make([(200, 250), (600, 250)]))
+    hands.down((200, 250))
+    assert hands.session.hand.held == 0
+    hands.session.engine.edit(lambda simulation: simulation.remove([0]))
+    hands.session.engine.step()  # before anybody has noticed
+    hands.frames(1)
+    assert hands.session.hand.held is None
+    hands.up((300, 250))
+    assert len(hands.session.frame) == 1
+
+
+def test_a_heavy_particle_follows_the_hand_more_slowly() -> None:
+    places = [(100, 100), (100, 300), (600, 100), (600, 300), (600, 400)]
+    gone = []
+    for tag, y in enumerate((100, 300)):
+        hands = Hands(world_of(places, radii=[10, 50, 10, 10, 10]))
+        hands.down((100, y))
+        for x in (115, 130, 145, 160):
+            hands.move(hands.pixel((x, y)))
+            hands.frames(1)
+        gone.append(float(hands.world.positions[tag, 0]) - 100)
+    assert 5 < gone[1] < 0.8 * gone[0] < 60
+
+
+def test_what_is_held_does_not_overshoot_when_the_hand_stops() -> None:
+    hands = Hands(world_of([(100, 100)]))
+    hands.down((100, 100))
+    furthest = 0.0
+    for x in [*range(120, 620, 20), *[600] * 30]:
+        hands.move(hands.pixel((x, 100)))
+        hands.frames(1)
+        furthest = max(furthest, float(hands.world.positions[0, 0]))
+    assert furthest < 625 and hands.world.positions[0, 0] == pytest.approx(600, abs=1)
+
+
+def test_what_cannot_move_holds_up_what_is_held() -> None:
+    hands = Hands(world_of([(200, 250), (400, 250)], movable=[True, False]))
+    hands.down((200, 250))
+    hands.point_at((400, 252))
+    hands.frames(120)
+    gap = np.hypot(*(hands.world.positions[0] - hands.world.positions[1]))
+    assert gap > 19 and hands.world.positions[1].tolist() == [400, 250]
+
+
+def test_the_article_throws_with_a_tenth_of_the_distance() -> None:
+    hands = Hands(article_with([(200, 250)]))
+    hands.down((200, 250))
+    hands.point_at((300, 250))
+    hands.frames(2)
+    speed = float(hands.session.frame.velocities[0, 0])
+    hands.up((300, 250))
+    assert hands.session.frame.velocities[0, 0] == pytest.approx(speed)
+    assert 200 < speed < 30 * 0.1 * 100
+
+
+def test_the_article_picks_up_the_first_of_its_list() -> None:
+    hands = Hands(article_with([(200, 250), (206, 250)]))
+    hands.down((206, 250))
+    assert hands.session.hand.held == 0
+    hands.up((206, 250))
+    hands = Hands(world_of([(200, 250), (206, 250)]))
+    hands.down((206, 250))
+    assert hands.session.hand.held == 1
+
+
+def test_in_a_pause_what_is_held_is_put_where_the_hand_is() -> None:
+    hands = Hands(world_of([(200, 250)]))
+    hands.key(pygame.K_p)
+    hands.down((200, 250))
+    hands.point_at((500, 300))
+    hands.frames(2)
+    hands.up((500, 300))
+    assert hands.world.positions[0] == pytest.approx((500, 300), abs=1)
+    assert hands.world.velocities[0].tolist() == [0, 0] and hands.world.time == 0
+
+
+# ---- Space ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", BOTH)
+def test_space_pulls_everything_by_distance_and_stops_on_release(make) -> None:
+    hands = Hands(make([(200, 100), (300, 100), (500, 100)]))
+    still = Hands(make([(200, 100), (300, 100), (500, 100)]))
+    hands.point_at((600, 100))
+    hands.key(pygame.K_SPACE, up=False)
+    hands.frames(2)
+    still.frames(2)
+    gained = (hands.session.frame.velocities - still.session.frame.velocities)[:, 0]
+    assert gained[0] / gained[2] == pytest.approx(4, rel=0.05)
+    assert gained[1] / gained[2] == pytest.approx(3, rel=0.05)
+    hands.key_up(pygame.K_SPACE)
+    assert hands.session.frame.attractors == ()
+    speeds = hands.session.frame.velocities[:, 0].copy()
+    hands.frames(2)
+    assert (hands.session.frame.velocities[:, 0] <= speeds + 1e-4).all()
+
+
+def test_space_follows_the_cursor_and_spares_what_was_placed() -> None:
+    hands = Hands(world_of([(200, 100)]))
+    hands.session.pulls.place((10, 10))
+    hands.key(pygame.K_SPACE, up=False)
+    for point in [(300, 300), (500, 200)]:
+        hands.point_at(point)
+        hands.frames(2)
+        assert hands.session.frame.attractors[-1].point == pytest.approx(point, abs=1)
+    hands.key_up(pygame.K_SPACE)
+    assert [pull.point for pull in hands.session.frame.attractors] == [(10, 10)]
+
+
+def test_space_ends_when_the_window_loses_the_keys() -> None:
+    hands = Hands(world_of([(200, 100)]))
+    hands.key(pygame.K_SPACE, up=False)
+    hands.frames(2)
+    assert hands.session.frame.attractors
+    pygame.event.post(pygame.event.Event(pygame.WINDOWFOCUSLOST))
+    hands.frames(1)
+    assert not hands.session.frame.attractors
+
+
+# ---- adding, copying, removing -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", BOTH)
+def test_a_adds_a_particle_of_the_usual_size_at_the_cursor(make) -> None:
+    hands = Hands(make([(200, 100), (300, 100)]))
+    hands.session.paused = True
+    hands.point_at((500, 300))
+    hands.key(pygame.K_a)
+    frame = hands.session.frame
+    assert len(frame) == 3 and frame.positions[2] == pytest.approx((500, 300), abs=1)
+    assert frame.radii[2] == 10 and frame.densities[2] == 1
+
+
+def test_adding_outside_the_walls_is_no_error() -> None:
+    hands = Hands(world_of([(200, 100)]))
+    hands.session.deeds.create((-5000.0, 100.0))
+    hands.frames(2)
+    assert (hands.world.positions[:, 0] >= 0).all()
+
+
+def test_the_usual_size_is_the_median_of_what_moves() -> None:
+    frame = world_of(
+        [(0, 0)] * 5, radii=[1, 2, 3, 50, 50], movable=[True] * 3 + [False] * 2
+    ).frame()
+    assert usual(frame) == (2, 1)
+    assert usual(world_of([]).frame()) == (10, 1)
+
+
+@pytest.mark.parametrize("make", BOTH)
+@pytest.mark.parametrize("key", [pygame.K_DELETE, pygame.K_BACKSPACE])
+def test_delete_deletes_the_selection_or_what_is_under_the_cursor(make, key: int) -> None:
+    hands = Hands(make([(100, 100), (200, 100), (300, 100), (400, 100)]))
+    hands.session.paused = True
+    hands.point_at((300, 100))
+    hands.key(key)
+    assert tags(hands.session.frame.tags) == [0, 1, 3]
+    hands.drag((50, 50), (250, 150))
+    hands.key(key)
+    assert tags(hands.session.frame.tags) == [3]
+    hands.point_at((700, 400))
+    hands.key(key)
+    assert tags(hands.session.frame.tags) == [3]
+
+
+@pytest.mark.parametrize("make", BOTH)
+def test_d_clones_beside_the_original_with_its_velocity(make) -> None:
+    hands = Hands(make([(100, 100), (750, 300)]))
+    hands.session.paused = True
+    hands.session.engine.edit(lambda simulation: simulation.change([0, 1], velocities=(30, 0)))
+    for x, y in [(100, 100), (750, 300)]:
+        hands.point_at((x, y))
+        hands.key(pygame.K_d)
+    frame = hands.session.frame
+    assert frame.positions[2:] == pytest.approx(np.array([(121, 100), (729, 300)]))
+    assert frame.velocities[2:] == pytest.approx(np.array([(30, 0), (30, 0)]))
+    assert (frame.radii == 10).all() and (frame.densities == 1).all()
+
+
+def test_clones_of_immovable_particles_are_immovable() -> None:
+    hands = Hands(world_of([(100, 100)], movable=[False]))
+    hands.session.deeds.clone(hands.session.frame.tags)
+    assert hands.session.frame.movable.tolist() == [False, False]
+
+
+def test_what_is_removed_takes_its_attraction_with_it_and_scenes_keep_their_forces() -> None:
+    spring = jostle.Springs([(1, 2)], 20.0, 100.0)
+    simulation = world_of([(100, 100), (200, 100), (220, 100), (500, 300)], forces=[spring])
+    simulation.attract((Pull(4.0, tag=3), Pull(4.0, (0.0, 0.0)), Pull(2.0, tag=0)))
+    simulation.remove([0])
+    assert simulation.frame().attractors == (Pull(4.0, tag=3), Pull(4.0, (0.0, 0.0)))
+    springs, first, second = simulation.world.forces
+    assert springs.pairs.tolist() == [[0, 1]] and first.particle == 2 and second.particle is None
+    simulation.attract(())
+    assert len(simulation.world.forces) == 1
+    simulation.remove([1])  # the spring goes with its end
+    simulation.attract((Pull(4.0, (0.0, 0.0)),))
+    springs, pull = simulation.world.forces
+    assert len(springs) == 0 and pull.point == (0, 0)
+
+
+def test_particles_that_merge_keep_the_tag_of_the_oldest() -> None:
+    places = [(100, 100), (300, 100), (315, 100), (600, 100)]
+    simulation = world_of(places, on_touch="merge")
+    simulation.attract((Pull(4.0, tag=2), Pull(4.0, tag=3)))
+    simulation.step()
+    frame = simulation.frame()
+    assert tags(frame.tags) == [0, 1, 3] and len(frame.born) == len(frame.radii) == 3
+    assert frame.radii[1] > 10 and frame.attractors == (Pull(4.0, tag=3),)
+
+
+# ---- everybody -----------------------------------------------------------------------------------
+
+CONTAINERS = [
+    jostle.Box(*VIEW),
+    jostle.Circle((400, 250), 200.0),
+    jostle.Torus(800.0, 500.0),
+    None,
+]
+
+
+@pytest.mark.parametrize("container", CONTAINERS, ids=lambda walls: type(walls).__name__)
+def test_scrambling_leaves_nobody_outside(container: object) -> None:
+    chance = np.random.default_rng(1)
+    radii = np.linspace(1, 40, 500)
+    places = scatter(chance, container, VIEW, radii)
+    if isinstance(container, jostle.Circle):
+        assert (np.hypot(*(places - (400, 250)).T) <= 200 - radii + 1e-9).all()
+    else:
+        assert (places >= radii[:, None] - 1e-9).all()
+        assert (places <= np.array([800, 500]) - radii[:, None] + 1e-9).all()
+    assert np.ptp(places, axis=0).min() > 200
+
+
+@pytest.mark.parametrize("scene", ["article", "gas", "pile", "orbit", "springs", "sand", "galton"])
+@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
+def test_scramble_and_dance_go_on_in_every_scene(scene: str, method: str) -> None:
+    hands = Hands(start(Settings(scene, 120, method=method)))
+    before = hands.session.frame
+    hands.session.deeds.scramble()
+    hands.session.engine.wait()
+    scrambled = hands.session.frame
+    moving = before.movable
+    assert (scrambled.positions[moving] != before.positions[moving]).any(axis=1).all()
+    assert (scrambled.positions[~moving] == before.positions[~moving]).all()
+    hands.frames(5)
+    hands.session.deeds.dance()
+    hands.session.engine.wait()  # the article's tree takes its time
+    frame = hands.session.frame
+    assert np.unique(frame.densities[frame.movable]).size > 10
+    assert np.hypot(*frame.velocities[frame.movable].T).max() > 0
+    hands.frames(10)
+    assert np.isfinite(hands.session.frame.positions).all() and not hands.session.paused
+
+
+# ---- gravity and time ----------------------------------------------------------------------------
+
+
+def test_the_keys_of_gravity() -> None:
+    hands = Hands(world_of([(200, 100)], gravity=(0.0, 100.0)))
+    world = hands.world
+    for key, expected in [
+        (pygame.K_PLUS, (0, 150)),
+        (pygame.K_KP_MINUS, (0, 100)),
+        (pygame.K_i, (0, -100)),
+        (pygame.K_g, (100, 0)),
+        (pygame.K_g, (0, 100)),
+        (pygame.K_0, (0, 0)),
+        (pygame.K_MINUS, (0, 0)),
+    ]:
+        hands.key(key)
+        assert world.gravity == pytest.approx(expected), pygame.key.name(key)
+        assert "ravity" in hands.session.notice
+    hands.key(pygame.K_g)
+    assert world.gravity[1] > 100 and hands.session.gravity.value == world.gravity
+    hands.frames(10)
+    assert hands.world is world and world.velocities[0, 1] > 0
+
+
+def test_the_article_keeps_its_gravity_and_says_so() -> None:
+    hands = Hands(article_with([(200, 100)]))
+    hands.frames(4)
+    time = hands.session.frame.facts.time
+    for key in (pygame.K_i, pygame.K_0, pygame.K_PLUS, pygame.K_g):
+        hands.key(key)
+        assert "fixed" in hands.session.notice
+    assert hands.session.frame.facts.time == time > 0  # nothing has begun anew
+
+
+@pytest.mark.parametrize("make", BOTH)
+def test_time_goes_slower_and_faster(make) -> None:
+    hands = Hands(make([(200, 100)]))
+    for key, steps in [(pygame.K_COMMA, 0.5), (pygame.K_PERIOD, 1.0), (pygame.K_PERIOD, 2.0)]:
+        hands.key(key)
+        assert hands.session.settings.time_scale == steps
+        before = hands.session.engine.steps
+        hands.frames(60)
+        real = 60 * FRAME / hands.session.engine.time_step
+        assert hands.session.engine.steps - before == pytest.approx(real * steps, abs=1.5)
+
+
+def test_attractors_and_selection_do_not_survive_another_scene() -> None:
+    hands = Hands(WorldSimulation.of_scene(Settings("gas", 30)))
+    hands.session.pulls.place((0.0, 0.0))
+    hands.session.deeds.wall((10, 10), (40, 10))
+    hands.key(pygame.K_RIGHTBRACKET)
+    assert hands.session.engine.scene == "pile" and not hands.session.deeds.walls
+    hands.frames(2)
+    assert hands.session.frame.attractors == () == hands.session.pulls.placed
+    hands.key(pygame.K_LEFTBRACKET)
+    assert hands.session.engine.scene == "gas"
+
+
+def test_immovable_is_refused_by_the_article() -> None:
+    simulation = ArticleSimulation(Settings("article", 5, method="article-quadtree"))
+    hands = Hands(simulation)
+    hands.session.deeds.fix(hands.session.frame.tags, movable=False)
+    assert hands.session.frame.movable.all() and "article" in hands.session.notice
+
+
+# ---- very many -----------------------------------------------------------------------------------
+
+
+def test_edits_of_very_many_particles_are_made_beside_the_window(monkeypatch) -> None:
+    monkeypatch.setattr(engine_of_the_app, "FEW", 1)
+    hands = Hands(world_of([(200, 100), (300, 100)]))
+    hands.session.paused = True
+    engine = hands.session.engine
+    gate = threading.Event()
+    engine.edit(lambda simulation: gate.wait(10) and None)
+    assert engine.busy  # and yet the window goes on:
+    hands.session.deeds.create((500.0, 300.0))
+    hands.frames(2)
+    assert len(hands.session.frame) == 2
+    hands.session.gravity.set((0.0, 50.0))
+    gate.set()
+    engine.wait()
+    hands.frames(1)
+    assert len(hands.session.frame) == 3 and hands.session.gravity.value == (0, 50)
+
+
+@pytest.mark.parametrize("paused", [True, False])
+def test_an_edit_beside_the_window_shows_without_another(paused: bool, monkeypatch) -> None:
+    monkeypatch.setattr(engine_of_the_app, "FEW", 1)
+    hands = Hands(world_of([(200, 100), (300, 100)]))
+    hands.session.paused = paused
+    hands.session.deeds.delete(np.array([1]))
+    for _ in range(500):
+        hands.frames(1)
+        if len(hands.session.frame) == 1:
+            break
+        time.sleep(0.01)
+    assert len(hands.session.frame) == 1

@@ -1,0 +1,200 @@
+"""Rewind and scrub: what is shown has really been, bit for bit, whatever was done in between."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pygame")
+
+from jostle.app.history import History
+from jostle.app.session import Session
+from jostle.app.settings import Settings
+from jostle.app.start import start
+
+SCENES = [
+    Settings("gas", 300),
+    Settings("pile", 200),
+    Settings("emitters", 200),
+    Settings("orbit", 200),
+    Settings("springs", 200),
+    Settings("article", 60, method="article-quadtree"),
+    Settings("mixed", 60, method="article-brute"),
+]
+NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
+
+
+def fingerprint(session: Session) -> object:
+    simulation = session.engine.simulation
+    if hasattr(simulation, "world"):
+        return simulation.world.state_hash(), session.frame.tags.tobytes()
+    return simulation.frame().positions.tobytes(), simulation.frame().velocities.tobytes()
+
+
+def session_of(settings: Settings, stride: int = 1) -> Session:
+    session = Session(start(settings), (640, 360))
+    session.history.stride = stride
+    return session
+
+
+def run(session: Session, steps: int) -> list[object]:
+    """Step; return the fingerprints of the state before and after each."""
+    prints = [fingerprint(session)]
+    for _ in range(steps):
+        session.engine.step()
+        prints.append(fingerprint(session))
+    return prints
+
+
+@pytest.mark.parametrize("stride", [1, 8])
+@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+def test_scrubbing_shows_the_same_states(settings: Settings, stride: int) -> None:
+    session = session_of(settings, stride)
+    prints = run(session, 20)
+    step = session.engine.time_step
+    for ago in (0, 1, 20, 7, 8, 13, 3):
+        session.scrub(ago * step)
+        assert fingerprint(session) == prints[20 - ago], ago
+    assert session.paused
+    session.scrub(1000.0)
+    assert fingerprint(session) == prints[0]
+
+
+@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+def test_stepping_back_and_on_again_is_the_same_way(settings: Settings) -> None:
+    session = session_of(settings, stride=4)
+    prints = run(session, 11)
+    for before in reversed(prints[-5:-1]):
+        session.step_back()
+        assert fingerprint(session) == before
+    assert run(session, 4)[1:] == prints[-4:]
+    assert len(session.history.moments) == 12  # the old future has gone
+
+
+def test_stepping_back_ends_at_the_beginning() -> None:
+    session = session_of(Settings("gas", 20))
+    (first, _) = run(session, 1)
+    for _ in range(3):
+        session.step_back()
+    assert fingerprint(session) == first
+
+
+@pytest.mark.parametrize("stride", [1, 5])
+def test_acts_of_a_person_are_shown_as_they_were(stride: int) -> None:
+    """Edits, a hand that drags for several steps, and Space."""
+    session = session_of(Settings("gas", 100), stride)
+    engine, prints = session.engine, {}
+
+    def go(steps: int) -> None:
+        for _ in range(steps):
+            engine.step()
+            prints[len(prints) + 1] = fingerprint(session)
+
+    go(7)
+    engine.edit(lambda simulation: simulation.remove([3, 4]))
+    go(3)
+    session.hand.grab(7, (100.0, 100.0), 0.0)
+    go(7)
+    session.hand.drop()
+    go(3)
+    session.pulls.pull_to((50.0, 50.0))
+    go(2)
+    session.pulls.pull_to(None)
+    session.adjust("gravity", (0.0, 50.0))
+    go(9)
+    history, times = session.history, [moment.time for moment in session.history.moments]
+    assert len(times) > 31 / 2
+    if stride == 1:
+        assert len(times) == 32
+    for index, time in reversed(list(enumerate(times))):
+        session.scrub(history.moments[-1].time - time)
+        assert history.at == index
+        step = round(time / engine.time_step)
+        assert step == 0 or fingerprint(session) == prints[step]
+        assert (100 in (len(session.frame),)) == (step <= 7)
+    assert session.settings.gravity is None  # the slider goes back as well
+
+
+def test_an_edit_in_a_pause_is_undone_by_a_step_back_and_not_lost_by_scrubbing() -> None:
+    session = session_of(Settings("gas", 50))
+    run(session, 3)
+    before = fingerprint(session)
+    session.engine.edit(lambda simulation: simulation.remove([0]))
+    edited = fingerprint(session)
+    session.step_back()
+    assert fingerprint(session) == before and len(session.frame) == 50
+    session.scrub(0.0)
+    assert fingerprint(session) == edited and len(session.frame) == 49
+
+
+def test_an_edit_in_the_past_ends_the_old_future() -> None:
+    session = session_of(Settings("gas", 50))
+    run(session, 10)
+    session.scrub(5 * session.engine.time_step)
+    session.engine.edit(lambda simulation: simulation.remove([0]))
+    session.scrub(0.0)
+    assert len(session.frame) == 49
+    assert session.history.span == pytest.approx(5 * session.engine.time_step)
+
+
+@pytest.mark.parametrize("seconds", [0.5, 2.0])
+def test_it_reaches_back_as_far_as_it_says(seconds: float) -> None:
+    simulation = start(Settings("gas", 10))
+    history = History(seconds)
+    history.restart(simulation)
+    for _ in range(200):
+        simulation.step()
+        history.after(simulation)
+    assert history.span == pytest.approx(seconds, abs=1.5 * simulation.time_step)
+
+
+def test_memory_stays_within_the_budget_and_states_stay_right() -> None:
+    simulation = start(Settings("gas", 100))
+    budget = 12 * len(simulation.save())
+    history, prints = History(1e9, budget), {}
+    history.restart(simulation)
+    history.stride = 1
+    for step in range(1, 301):
+        if step % 70 == 0:
+            simulation.change([step % 100], velocities=(3.0, 4.0))
+            history.touch()
+        simulation.step()
+        history.after(simulation)
+        prints[step] = simulation.world.state_hash()
+        assert history.bytes <= budget
+        assert history.bytes == sum(len(m.state or b"") for m in history.moments)
+    assert history.stride > 4 and history.span > 200 / 60
+    for index in range(len(history.moments) - 1, -1, -7):
+        history.show(simulation, index)
+        step = round(history.moments[index].time * 60)
+        assert step == 0 or simulation.world.state_hash() == prints[step]
+
+
+def test_a_world_larger_than_the_budget_keeps_one_snapshot() -> None:
+    simulation = start(Settings("gas", 100))
+    history = History(budget=1)
+    history.restart(simulation)
+    for _ in range(200):
+        simulation.step()
+        history.after(simulation)
+    assert sum(moment.state is not None for moment in history.moments) == 1
+    last = simulation.world.state_hash()
+    history.show(simulation, len(history.moments))
+    assert simulation.world.state_hash() == last
+
+
+def test_where_steps_are_slow_a_snapshot_is_shown_instead() -> None:
+    session = session_of(Settings("gas", 50), stride=8)
+    prints = run(session, 20)
+    session.engine.last_seconds = 1.0
+    session.scrub(5 / 60)
+    assert session.history.at == 8
+    assert fingerprint(session) == prints[8]
+
+
+def test_beginning_anew_forgets() -> None:
+    session = session_of(Settings("gas", 50))
+    run(session, 5)
+    session.restart()
+    assert (session.history.span, len(session.history.moments)) == (0.0, 1)
+    np.testing.assert_array_equal(session.frame.tags, np.arange(50))
