@@ -72,6 +72,8 @@ class Session:
         The parts; everybody may look at them.
     selection, tools, deeds, pulls, gravity
         What a person chooses, and does to particles, attractions and gravity.
+    history, files, question
+        The last half minute; what is saved, recorded, exported; why two particles touch or not.
     menu
         The one that is open.
     cursor
@@ -255,7 +257,10 @@ class Session:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
         live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
         if live:
-            self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
+            acts = name != "time_scale"  # which is no part of what happens, but how fast we look
+            self.engine.edit(
+                lambda simulation: self.say(simulation.adjust(name, value)), changes=acts
+            )
             if name in WORK:
                 self.statistics.begin_again()
         else:
@@ -333,7 +338,8 @@ class Session:
         self.tools.release(self.at_cursor())
         if self.paused:
             self.hand.drop()
-        self.engine.edit(self.hand.throw)
+        if self.hand.held is not None:  # else nothing changes, and the future stays
+            self.engine.edit(self.hand.throw)
 
     def open_menu(self) -> None:
         """Open the menu of what is under the cursor."""
