@@ -17,6 +17,7 @@ from jostle.app.controls import (  # noqa: E402
     Action,
     action_of,
     as_markdown,
+    key_of,
 )
 from jostle.app.helping import draw_help  # noqa: E402
 from jostle.app.shown import ColourBy  # noqa: E402
@@ -61,6 +62,12 @@ def test_every_action_has_a_key_and_does_something() -> None:
 def test_no_key_means_two_things() -> None:
     keys = [key for control in CONTROLS for key in control.keys]
     assert len(keys) == len(set(keys))
+
+
+def test_a_line_of_several_keys_tells_which_is_which() -> None:
+    assert key_of(Action.STEP) == "O" and key_of(Action.STEP_BACK) == "U"
+    assert key_of(Action.HELP) == "H" and key_of(Action.DELETE) == "Del"
+    assert key_of(Action.LEFT) == "arrows"
 
 
 def test_other_keys_do_nothing() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,6 +14,7 @@ pygame = pytest.importorskip("pygame")
 from app_hands import FRAME, VIEW, Hands, article_with, tags, world_of  # noqa: E402
 
 import jostle  # noqa: E402
+from jostle.app import engine as engine_of_the_app  # noqa: E402
 from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
 from jostle.app.deeds import scatter, usual  # noqa: E402
 from jostle.app.settings import Settings  # noqa: E402
@@ -350,3 +353,38 @@ def test_immovable_is_refused_by_the_article() -> None:
     hands = Hands(simulation)
     hands.session.deeds.fix(hands.session.frame.tags, movable=False)
     assert hands.session.frame.movable.all() and "article" in hands.session.notice
+
+
+# ---- very many -----------------------------------------------------------------------------------
+
+
+def test_edits_of_very_many_particles_are_made_beside_the_window(monkeypatch) -> None:
+    monkeypatch.setattr(engine_of_the_app, "FEW", 1)
+    hands = Hands(world_of([(200, 100), (300, 100)]))
+    hands.session.paused = True
+    engine = hands.session.engine
+    gate = threading.Event()
+    engine.edit(lambda simulation: gate.wait(10) and None)
+    assert engine.busy  # and yet the window goes on:
+    hands.session.deeds.create((500.0, 300.0))
+    hands.frames(2)
+    assert len(hands.session.frame) == 2
+    hands.session.gravity.set((0.0, 50.0))
+    gate.set()
+    engine.wait()
+    hands.frames(1)
+    assert len(hands.session.frame) == 3 and hands.session.gravity.value == (0, 50)
+
+
+@pytest.mark.parametrize("paused", [True, False])
+def test_an_edit_beside_the_window_shows_without_another(paused: bool, monkeypatch) -> None:
+    monkeypatch.setattr(engine_of_the_app, "FEW", 1)
+    hands = Hands(world_of([(200, 100), (300, 100)]))
+    hands.session.paused = paused
+    hands.session.deeds.delete(np.array([1]))
+    for _ in range(500):
+        hands.frames(1)
+        if len(hands.session.frame) == 1:
+            break
+        time.sleep(0.01)
+    assert len(hands.session.frame) == 1

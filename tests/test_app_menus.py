@@ -119,7 +119,7 @@ def test_two_selected_particles_can_be_asked_about() -> None:
     hands.drag((150, 50), (450, 350))
     choose(hands, "why", (400, 300))
     assert hands.session.question.pair == (0, 1)
-    hands.key(pygame.K_y)
+    hands.key(pygame.K_w)
     assert hands.session.question.pair is None
 
 

@@ -254,6 +254,38 @@ def test_what_would_take_too_long_cannot_be_clicked(desk) -> None:
         assert here.session.settings.method == "quadtree"
 
 
+def test_a_rival_runs_beside_the_scene(desk) -> None:
+    here = desk()
+    here.click("race")
+    here.click("race: brute")
+    assert here.session.race is not None and here.session.race.method == "brute"
+    here.click("race")
+    here.click("race: article-brute")
+    assert here.session.race is not None and here.session.race.method == "article-brute"
+    here.click("race")
+    here.click("race: ")
+    assert here.session.race is None
+
+
+def test_a_step_can_be_taken_back(desk) -> None:
+    here = desk()
+    here.click("pause")
+    here.click("step")
+    after = here.session.frame.facts.time
+    here.click("step back")
+    assert here.session.frame.facts.time < after
+
+
+def test_more_particles_come_into_the_scene_where_there_is_room(desk) -> None:
+    here = desk("billiards", 10)
+    here.frame(20)
+    first = here.session.frame
+    here.click("particles number")
+    here.type("12")
+    assert len(here.session.frame) == 12
+    assert here.session.frame.facts.time > first.facts.time, "it goes on"
+
+
 # ---- looks and statistics ------------------------------------------------------------------------
 
 

@@ -17,6 +17,7 @@ from jostle.app.settings import Settings
 from jostle.app.simulation import Energies, Facts, Frame
 from jostle.app.start import start
 from jostle.app.statistics import EVERY, Statistics
+from jostle.app.traces import Traces
 from jostle.app.world_simulation import WorldSimulation
 
 FRAME = 1 / 60
@@ -160,6 +161,37 @@ def test_slow_steps_are_summed_up_less_often() -> None:
     assert statistics.wants_energies(0.95)
 
 
+def test_lines_are_renewed_by_turns_a_part_a_frame() -> None:
+    session = Session(start(Settings("gas", 100)), (640, 360))
+    traces, renewed = session.traces, []
+    for k in range(120):
+        before = [traces.frames.copy(), traces.facts, traces.energies, traces.momenta]
+        session.now += FRAME
+        session.advance(FRAME)
+        traces.refresh(session.frame, session.now)
+        after = [traces.frames, traces.facts, traces.energies, traces.momenta]
+        changed = [not np.array_equal(old, new) for old, new in zip(before, after, strict=True)]
+        if k > 0:
+            renewed.append(changed)
+    parts = np.array(renewed)
+    assert parts.sum(axis=1).max() == 1
+    assert (parts.sum(axis=0) >= 5).all()
+    session.close()
+
+
+def test_the_stack_of_times_adds_up() -> None:
+    statistics = Statistics()
+    traces = Traces(statistics)
+    statistics.measure(draw=4.0, panels=1.0)
+    for k in range(60):
+        statistics.follow(state(k / 60, 1.0), k / 60, 0.016, at_work=True)
+    traces.refresh(state(1.0, 1.0), 59 / 60)
+    assert traces.stacked[:, -1].tolist() == pytest.approx([0, 2, 5, 9, 10])
+    assert (np.diff(traces.stacked, axis=0) >= 0).all()
+    assert traces.stacked[-1, :50].tolist() == [0.0] * 50, "there was nothing yet"
+    assert traces.top == 20.0 and traces.means["pairs"] == pytest.approx(3.0)
+
+
 # ---- in a session --------------------------------------------------------------------------------
 
 
@@ -193,6 +225,21 @@ def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     assert len(session.statistics.sums) == 0
     run(session, FRAME)
     assert session.statistics.sums["time"][0] == 0.0
+    session.close()
+
+
+def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
+    session = Session(start(Settings("gas", 200, method="article-quadtree")), (640, 360))
+    assert session.other_drift is None
+    run(session, 1.5)
+    half = float(np.interp(0.75, *(session.statistics.sums[name] for name in ("time", "drift"))))
+    session.choose_method("quadtree")
+    run(session, 0.75)
+    assert session.other_drift == pytest.approx(half / 100, abs=0.03)
+    assert session.other_drift < -0.05 < session.statistics.energy_drift
+    session.choose_scene("pile")
+    run(session, 0.2)
+    assert session.other_drift is None, "another scene is another matter"
     session.close()
 
 

@@ -85,6 +85,8 @@ def test_version() -> None:
         (["run", "--leaf-capacity", "0"], "--leaf-capacity is 0"),
         (["run", "--max-depth", "-1"], "--max-depth is -1"),
         (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
+        (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
+        (["run", "--renderer", "opengl", "--headless"], "a film is drawn by the processor"),
         (["run", "--speed", "3"], "--speed"),
         (["bench", "-n", "3"], "-n is 3; it must be at least 10"),
         (["bench", "--rounds", "0"], "--rounds is 0"),
@@ -94,6 +96,15 @@ def test_version() -> None:
 )
 def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> None:
     assert words in refused(monkeypatch, capsys, *arguments)
+
+
+def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
+    from jostle.app import renderers
+
+    monkeypatch.setattr(renderers, "_MODERNGL", False)
+    monkeypatch.setattr(cli, "_has_display", lambda: True)
+    sentence = refused(monkeypatch, capsys, "run", "gas", "--renderer", "opengl")
+    assert "--renderer is 'opengl', but OpenGL needs the package moderngl" in sentence
 
 
 def test_a_folder_that_cannot_be_written_is_refused_first(

@@ -1,11 +1,13 @@
 //! Milliseconds of a step of one sub-step in which all bodies pull all others, summed
-//! directly and by the tree, on one thread and on two:
+//! directly and by the tree, on one thread and on two, and how many steps of as many
+//! sub-steps as worlds have by default pass in a second:
 //! `cargo run --release --package jostle --example gravitation`.
 
 use std::time::Instant;
 
 use jostle::forces::Gravitation;
 use jostle::scenes::random::Random;
+use jostle::world::DEFAULT_SUBSTEPS;
 use jostle::{Force, Particles, World, WorldSettings};
 
 const COUNTS: [usize; 6] = [256, 512, 1024, 2048, 10_000, 100_000];
@@ -20,19 +22,21 @@ fn main() {
     for count in COUNTS {
         for (theta, threads) in [(0.0, 2), (0.5, 1), (0.5, 2)] {
             if theta > 0.0 || count <= MOST_DIRECT {
-                let ms = milliseconds(count, theta, threads);
+                let ms = milliseconds(count, theta, threads, 1);
                 println!("{count:7} bodies, theta {theta}, {threads} threads: {ms:9.3} ms");
             }
         }
     }
+    let ms = milliseconds(100_000, 0.5, 2, DEFAULT_SUBSTEPS);
+    println!("100,000 bodies, {DEFAULT_SUBSTEPS} sub-steps: {:.1} steps a second", 1e3 / ms);
 }
 
-fn milliseconds(count: usize, theta: f32, threads: usize) -> f64 {
+fn milliseconds(count: usize, theta: f32, threads: usize, substeps: usize) -> f64 {
     let mut random = Random::new(1);
     let mut place = || [random.between(0.0, 100.0), random.between(0.0, 100.0)];
     let positions = (0..count).map(|_| place()).collect();
     let bodies = Particles::new(positions, vec![[0.0; 2]; count], vec![0.01; count], 1.0);
-    let mut settings = WorldSettings { substeps: 1, ..WorldSettings::default() };
+    let mut settings = WorldSettings { substeps, ..WorldSettings::default() };
     settings.tree.threads = Some(threads);
     let mut world = World::new(bodies, settings).expect("the bodies are valid");
     let pull = Gravitation { g: 1e-4, softening: 0.1, theta };

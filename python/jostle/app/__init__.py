@@ -20,8 +20,10 @@ shown                   the switches of what is shown
 colouring               which particle gets which colour
 picture                 all layers in their order: the one picture of window and film
 words, text, readout    words and numbers on the screen
+controls                the table of keys
 notices, helping        short sentences; the overlay that lists the keys
 picking, hand           what is under the cursor; pick up and throw
+selection               which particles are chosen
 series, statistics      numbers over time; times, pairs, energy, momentum and how they drift
 traces                  the same as the lines of plots
 pace, engine            real time to whole steps; who steps, and in which thread
@@ -30,11 +32,15 @@ paths, exports          new files; states as CSV and GSD
 encoder, recording      an ffmpeg that is fed pictures; a film beside the window
 scene_file, files       a scene in a file; all that a session writes and reads
 explain, why_view       why two particles touch or do not; the answer over the scene
-session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
                         `gui_shapes`, `gui_software` and `gui_opengl` draw it
+deeds, pulls, gravity   what a person does to particles, with attractions, to gravity
+tools, tools_view       what the left mouse button does, and how that is shown
+menu, hands             what the right one offers; all that a mouse does to a scene
+session                 all that a person has before them, without a window
 layout, panels          the room of the panels; all that is set and measured beside the scene
-controls, acts          the table of keys, and what each does to a session
+acts                    what each key does to a session
+input, menus            events to acts; the menus, drawn with ImGui
 backdrop                a picture that takes long is drawn beside the window
 window                  the interactive loop
 recorder                films and pictures of the run without a screen

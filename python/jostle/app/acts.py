@@ -60,9 +60,9 @@ ACTS: dict[Action, Callable[[Session], None]] = {
     Action.COLOURS: Session.cycle_colours,
     Action.PANELS: lambda session: session.toggle("panels"),
     Action.HOME: lambda session: session.camera.home(),
-    Action.SAVE: Session.save,
-    Action.FILM: Session.toggle_recording,
+    Action.RECORD: Session.toggle_recording,
     Action.SCREENSHOT: Session.screenshot,
+    Action.SAVE: Session.save,
     Action.HELP: lambda session: session.toggle("help"),
     Action.ESCAPE: Session.escape,
 }

@@ -48,9 +48,9 @@ class Action(Enum):
     UP = auto()
     DOWN = auto()
     HOME = auto()
-    SAVE = auto()
-    FILM = auto()
+    RECORD = auto()
     SCREENSHOT = auto()
+    SAVE = auto()
     HELP = auto()
     ESCAPE = auto()
 
@@ -86,7 +86,7 @@ TOOLS = (
         {pygame.K_DELETE: Action.DELETE, pygame.K_BACKSPACE: Action.DELETE},
     ),
     Control("M", "open the menu at the cursor", {pygame.K_m: Action.MENU}),
-    Control("Y", "why do the two selected touch, or not?", {pygame.K_y: Action.WHY}),
+    Control("W", "why the two selected touch, or do not", {pygame.K_w: Action.WHY}),
 )
 
 GRAVITY = (
@@ -137,9 +137,13 @@ TIME = (
 )
 
 FILES = (
-    Control("F", "film: begin, end", {pygame.K_f: Action.FILM}),
-    Control("S", "screenshot", {pygame.K_s: Action.SCREENSHOT}),
-    Control("W", "write the scene to a file", {pygame.K_w: Action.SAVE}),
+    Control(
+        "F", "record a film, and end it", {pygame.K_f: Action.RECORD, pygame.K_F9: Action.RECORD}
+    ),
+    Control(
+        "S", "save a picture", {pygame.K_s: Action.SCREENSHOT, pygame.K_F12: Action.SCREENSHOT}
+    ),
+    Control("F5", "save the scene", {pygame.K_F5: Action.SAVE}),
     Control("H", "show or hide this list", {pygame.K_h: Action.HELP, pygame.K_F1: Action.HELP}),
     Control("Esc", "give up a drag, close what is open, quit", {pygame.K_ESCAPE: Action.ESCAPE}),
 )
@@ -194,6 +198,13 @@ HELD = {*PANNING, Action.PULL}
 def action_of(key: int) -> Action | None:
     """Return what a key does."""
     return _ACTIONS.get(key)
+
+
+def key_of(action: Action) -> str:
+    """Return the name of the key for an action: where a line has several, its own."""
+    control = next(control for control in CONTROLS if action in control.keys.values())
+    names, actions = control.label.split("  "), list(dict.fromkeys(control.keys.values()))
+    return names[actions.index(action)] if len(names) == len(actions) else control.label
 
 
 def as_markdown() -> str:

@@ -36,10 +36,13 @@ class Deeds:
         self._say = say
         self._chance = np.random.default_rng()
         self.walls: list[Tags] = []
+        self._seen: Tags | None = None
 
-    def forget(self) -> None:
-        """Begin without walls: another simulation has none of ours."""
-        self.walls.clear()
+    def follow(self, frame: Frame) -> None:
+        """Forget walls that are gone; tags may be given anew after going back in time."""
+        if frame.tags is not self._seen:
+            self.walls[:] = [beads for beads in self.walls if len(frame.rows(beads))]
+            self._seen = frame.tags
 
     # Some particles
 

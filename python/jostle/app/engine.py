@@ -16,7 +16,7 @@ from jostle.app.simulation import Frame, Simulation, Wants
 Edit = Callable[[Simulation], None]
 
 SHORT = 0.020  # seconds: steps up to this long are made at once, so that they are never late
-FEW = 50_000  # particles whose first step is short, as far as anybody can tell
+FEW = 50_000  # particles whose edits and first step are short, as far as anybody can tell
 SMOOTH = 0.2  # share of a new measurement
 
 
@@ -76,7 +76,7 @@ class Engine:
 
     @property
     def busy(self) -> bool:
-        """Whether a step is under way beside the window."""
+        """Whether a step, or an edit of many particles, is under way beside the window."""
         return self._job is not None and not self._job.done()
 
     @property
@@ -87,12 +87,20 @@ class Engine:
     def edit(self, work: Edit, *, changes: bool = True) -> None:
         """Change the simulation: now, or as soon as the step under way is done.
 
+        Edits of very many particles are made beside the window: the frame shows them later.
+
         What only reads it, or brings back a state that was, `changes` nothing.
         """
         self._edits.append((work, changes))
         if not self.busy:
             self._collect()
-            self._apply_edits()
+            self._settle_edits()
+
+    def settle(self) -> None:
+        """Once a frame of a pause: take what was done beside the window, and go on with edits."""
+        if not self.busy:
+            self._collect()
+            self._settle_edits()
 
     def look(self) -> None:
         """Renew the frame, where `wants` has changed and no step does it."""
@@ -107,8 +115,10 @@ class Engine:
             return 0
         before = self.steps
         self._collect()
-        self._apply_edits()
-        if self._in_the_window():
+        self._settle_edits()
+        if self._job is not None:  # edits are under way
+            self._pace.advance(elapsed, lambda: None, most=0)
+        elif self._in_the_window():
             if self._pace.advance(elapsed, self._step):
                 self.frame = self.simulation.frame(self.wants)
         else:
@@ -155,11 +165,15 @@ class Engine:
 
     def _start(self) -> None:
         """Begin a step beside the window."""
+        self._beside(self._step)
+
+    def _beside(self, act: Callable[[], None]) -> None:
+        """Do something to the simulation beside the window, and look at it afterwards."""
         if self._worker is None:
             self._worker = ThreadPoolExecutor(1, "jostle-step")
 
         def work() -> Frame:
-            self._step()
+            act()
             return self.simulation.frame(self.wants)
 
         self._job = self._worker.submit(work)
@@ -169,18 +183,35 @@ class Engine:
         if self._job is not None:
             job, self._job = self._job, None
             self.frame = job.result()
+            self._note_rules()
 
     _finish = _collect  # the result of a job that is not done is waited for
 
+    def _settle_edits(self) -> None:
+        """Do what waits to be done: at once, or for very many particles beside the window."""
+        if len(self.simulation) <= FEW:
+            self._apply_edits()
+        elif self._edits:
+            edits, self._edits = self._edits, []
+            self._beside(lambda: self._do(edits))
+
     def _apply_edits(self) -> None:
-        if not self._edits:
-            return
-        edits, self._edits = self._edits, []
+        """Do at once what waits to be done."""
+        if self._edits:
+            edits, self._edits = self._edits, []
+            self._do(edits)
+            self._note_rules()
+            self.frame = self.simulation.frame(self.wants)
+
+    def _do(self, edits: list[tuple[Edit, bool]]) -> None:
         for work, changes in edits:
             if changes:
                 for hook in self.touched:
                     hook(self.simulation)
             work(self.simulation)
-        self.settings, self.adjustable = self.simulation.settings, self.simulation.adjustable
-        self.rules, self.view = self.simulation.rules, self.simulation.view
-        self.frame = self.simulation.frame(self.wants)
+
+    def _note_rules(self) -> None:
+        """Keep what everybody may ask for while the simulation is at work."""
+        simulation = self.simulation
+        self.settings, self.adjustable = simulation.settings, simulation.adjustable
+        self.rules, self.view = simulation.rules, simulation.view

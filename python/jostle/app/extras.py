@@ -34,13 +34,13 @@ class Extras:
 
     def _forget(self) -> None:
         self._path: list[tuple[float, float]] = []
-        self._every, self._last = PATH_EVERY, -math.inf
+        self._every, self._last, self._now = PATH_EVERY, -math.inf, (0.0, 0.0)
 
     def draw_below(self, painter: Painter, frame: Frame, camera: Camera) -> None:
         """Draw what lies under the discs."""
         if frame.scene == "brownian" and len(frame):
             self._follow(frame)
-            _draw_path(painter, np.array(self._path), camera)
+            _draw_path(painter, np.array([*self._path, self._now]), camera)
 
     def draw_above(self, painter: Painter, frame: Frame, camera: Camera) -> list[Card]:
         """Draw what lies over the discs; return what there is to say."""
@@ -49,7 +49,7 @@ class Extras:
         if frame.scene == "galton":
             return [_draw_galton(painter, frame, camera)]
         if frame.scene == "brownian" and len(self._path) > 1:
-            away = math.dist(self._path[0], self._path[-1])
+            away = math.dist(self._path[0], self._now)
             return [f"the large disc is {away:,.0f} from where it began"]
         if frame.scene == "thermostat":
             return _tell_mixing(frame)
@@ -64,10 +64,11 @@ class Extras:
         now = frame.facts.time
         if now < self._last:
             self._forget()  # back in time: the path begins anew
-        if now - self._last < self._every:
+        x, y = frame.positions[int(np.argmax(frame.masses))].tolist()
+        self._now = x, y
+        if now - self._last < 0.999 * self._every:
             return
         self._last = now
-        x, y = frame.positions[int(np.argmax(frame.masses))].tolist()
         self._path.append((x, y))
         if len(self._path) > PATH_POINTS:
             self._path, self._every = self._path[::2], 2 * self._every

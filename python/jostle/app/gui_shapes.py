@@ -48,8 +48,12 @@ class Outlines:
 def outlines_of(triangles: Indices) -> Outlines:
     """Put triangles, one at least, together that ImGui has made of one convex shape.
 
-    They share its first vertex, and each begins where the one before ends.
+    They share its first vertex, and each begins where the one before ends. ImPlot's boxes are two
+    halves that have the diagonal in common; the first half is turned, so that it is a fan too.
     """
+    halves = np.flatnonzero((triangles[1:, :2] == triangles[:-1, :2]).all(axis=1))
+    triangles = triangles.copy()
+    triangles[halves, 1:] = triangles[halves, :0:-1]
     goes_on = (triangles[1:, 0] == triangles[:-1, 0]) & (triangles[1:, 1] == triangles[:-1, 2])
     start = np.flatnonzero(np.concatenate([[True], ~goes_on]))
     count = np.diff(np.append(start, len(triangles))) + 2

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jostle.app.controls import Action, key_of
 from jostle.app.simulation import Frame, Point, Tags
 
 if TYPE_CHECKING:
@@ -92,8 +93,8 @@ def _on_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
     movable = bool(frame.movable[rows].all())
     attracts, selected = pulls.attracts(tag), tag in session.selection
     return [
-        Item("delete", "Delete", lambda: deeds.delete(tags), key="Del"),
-        Item("clone", "Clone", lambda: deeds.clone(tags), key="D"),
+        Item("delete", "Delete", lambda: deeds.delete(tags), key=key_of(Action.DELETE)),
+        Item("clone", "Clone", lambda: deeds.clone(tags), key=key_of(Action.CLONE)),
         None,
         Item(
             "attract",
@@ -128,7 +129,7 @@ def _question(session: Session, tags: Tags) -> list[Line]:
             "Why do these two touch or not?",
             session.ask_why,
             checked=session.question.pair is not None,
-            key="Y",
+            key=key_of(Action.WHY),
         )
     ]
 
@@ -137,14 +138,20 @@ def _on_the_ground(session: Session, point: Point) -> list[Line]:
     deeds, pulls, gravity = session.deeds, session.pulls, session.gravity
     can_fall = "gravity" in session.engine.adjustable
     return [
-        Item("create", "New particle here", lambda: deeds.create(point), key="A"),
+        Item("create", "New particle here", lambda: deeds.create(point), key=key_of(Action.CREATE)),
         Item("attractor", "New attractor here", lambda: pulls.place(point)),
         Item("stop attraction", "Stop all attraction", pulls.stop, enabled=bool(pulls.placed)),
         None,
         Item("triple", "Gravity × 3", lambda: gravity.scale(GRAVITY_FACTOR), enabled=can_fall),
         Item("third", "Gravity ÷ 3", lambda: gravity.scale(1 / GRAVITY_FACTOR), enabled=can_fall),
-        Item("invert", "Invert gravity", gravity.invert, enabled=can_fall, key="I"),
-        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key="0"),
+        Item(
+            "invert",
+            "Invert gravity",
+            gravity.invert,
+            enabled=can_fall,
+            key=key_of(Action.INVERT_GRAVITY),
+        ),
+        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key=key_of(Action.ZERO_GRAVITY)),
         Number("gravity", "downwards", gravity.value[1], gravity.set_downwards, enabled=can_fall),
         None,
         Item("scramble", "Scramble places", deeds.scramble),

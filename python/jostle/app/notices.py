@@ -10,17 +10,17 @@ HINT = "H help"
 EDGE = 12  # pixels to the edge of the picture
 
 
-def draw_notice(painter: Painter, notice: str) -> None:
-    """Show a sentence at the foot of the picture."""
+def draw_notice(painter: Painter, notice: str, middle: float | None = None) -> None:
+    """Show a sentence at the foot of the picture; its middle is at an x, or in the middle."""
     width, height = font(BODY).size(notice)
     sheet = panel((width + 32, height + 18))
     write(sheet, (16, 9), notice, TEXT)
-    left = (painter.size[0] - sheet.get_width()) / 2
+    left = (painter.size[0] / 2 if middle is None else middle) - sheet.get_width() / 2
     painter.sheet(sheet, (left, painter.size[1] - 2 * EDGE - sheet.get_height()))
 
 
-def draw_hint(painter: Painter) -> None:
-    """Say in a corner that there is help."""
+def draw_hint(painter: Painter, right: int = 0) -> None:
+    """Say in a corner that there is help, so many pixels from the edge."""
     hint = word(HINT, TEXT_SOFT, BODY)
-    width, height = painter.size
+    width, height = painter.size[0] - right, painter.size[1]
     painter.sheet(hint, (width - EDGE - hint.get_width(), height - EDGE - hint.get_height()))

@@ -65,10 +65,13 @@ class Screen:
 
     def fit(self) -> bool:
         """Take over the size that the window has now; return whether it is another."""
+        size = self.size
         window = pygame.display.get_surface()
-        if window is None or window.get_size() == self.painter.size:
+        if window is not None and self.painter.name == "software":
+            size = window.get_size()  # that of an OpenGL window stays what it was at first
+        if size == self.painter.size:
             return False
-        self.painter.resize(window.get_size())
+        self.painter.resize(size)
         return True
 
     def show(self) -> None:
@@ -122,6 +125,12 @@ def _open_opengl(size: Size) -> OpenGLPainter:
             screen = pygame.display.set_mode(size, flags, vsync=1)
         except pygame.error:  # not every screen can be waited for
             screen = pygame.display.set_mode(size, flags)
-        return OpenGLPainter(screen.get_size(), moderngl.create_context(require=330))
+        moderngl.init_context()  # that of the window just opened; an earlier one is gone
+        context = moderngl.get_context()
+        if context.version_code < 330:
+            raise NoRendererError(f"OpenGL is {context.version_code / 100:.1f}, and 3.3 is needed")
+        return OpenGLPainter(screen.get_size(), context)
+    except NoRendererError:
+        raise
     except Exception as error:  # each driver has its own
         raise NoRendererError(f"there is no OpenGL 3.3 here: {error}") from error

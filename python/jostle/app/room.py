@@ -9,7 +9,8 @@ import jostle
 from jostle.app.simulation import Container, Rect
 from jostle.app.walls import bounds, brought_in
 
-ROUNDS = 12  # of looking for free places
+ROUNDS = 24  # of looking for free places
+TRIES, LEAST, MOST = 16, 1_000, 200_000  # for each disc, and in a round
 NEAR = 1.02  # free is what lies this many radii apart
 
 Floats = NDArray[np.floating]
@@ -22,8 +23,8 @@ def free_places(
     container: Container,
     view: Rect,
     seed: int,
-) -> tuple[Floats, NDArray[np.intp]]:
-    """Return random places for discs where nothing is, and which of the discs found one."""
+) -> Floats | None:
+    """Return random places for discs where nothing is; None if not all of them find one."""
     chance = np.random.default_rng([seed, len(taken), len(radii)])
     rect = np.array(_common(bounds(container), view)).reshape(2, 2)
     places = np.zeros((len(radii), 2))
@@ -33,29 +34,35 @@ def free_places(
         left = np.flatnonzero(~found)
         if len(left) == 0:
             break
-        tries = brought_in(chance.uniform(rect[0], rect[1], (len(left), 2)), radii[left], container)
-        free = _free(tries, radii[left], there, sizes)
-        chosen = left[free]
-        places[chosen], found[chosen] = tries[free], True
-        there = np.concatenate([there, tries[free]])
+        who = np.resize(left, min(max(TRIES * len(left), LEAST), MOST))
+        tries = brought_in(chance.uniform(rect[0], rect[1], (len(who), 2)), radii[who], container)
+        free = np.flatnonzero(_clear_of(tries, radii[who], there, sizes))
+        _, first = np.unique(who[free], return_index=True)
+        taken_now = free[first]  # one place for each disc that has any
+        taken_now = taken_now[_apart(tries[taken_now], radii[who[taken_now]])]
+        if len(taken_now) == 0:
+            break
+        chosen = who[taken_now]
+        places[chosen], found[chosen] = tries[taken_now], True
+        there = np.concatenate([there, tries[taken_now]])
         sizes = np.concatenate([sizes, radii[chosen]])
-    return places[found], np.flatnonzero(found)
+    return places if found.all() else None
 
 
-def _free(
-    tries: Floats,
-    radii: Floats,
-    there: Floats,
-    sizes: Floats,
-) -> NDArray[np.bool_]:
-    """Return which tries overlap neither what is there nor a try before them."""
-    both = np.concatenate([there, tries])
-    reach = np.concatenate([sizes, radii]) * NEAR
-    pairs = jostle.find_pairs(both, reach)
-    later = pairs[:, 1] >= len(there)
-    free = np.ones(len(tries), np.bool_)
-    free[pairs[later, 1].astype(np.intp) - len(there)] = False
-    return free
+def _clear_of(tries: Floats, radii: Floats, there: Floats, sizes: Floats) -> NDArray[np.bool_]:
+    """Return which tries overlap nothing of what is there."""
+    clear = np.ones(len(tries), np.bool_)
+    if len(there):
+        new, old = jostle.Quadtree(tries, radii * NEAR), jostle.Quadtree(there, sizes * NEAR)
+        clear[new.pairs(old)[:, 0].astype(np.intp)] = False
+    return clear
+
+
+def _apart(places: Floats, radii: Floats) -> NDArray[np.bool_]:
+    """Return which places overlap none before them."""
+    apart = np.ones(len(places), np.bool_)
+    apart[jostle.find_pairs(places, radii * NEAR)[:, 1].astype(np.intp)] = False
+    return apart
 
 
 def _common(walls: Rect | None, view: Rect) -> Rect:

@@ -12,39 +12,26 @@ from pathlib import Path
 from typing import Any
 
 import jostle
-from jostle.app import gui
 from jostle.app.camera import Camera, Size
 from jostle.app.carry import carry_over
-from jostle.app.deeds import Deeds
 from jostle.app.engine import Engine
 from jostle.app.explain import Question, Why
 from jostle.app.files import Files
-from jostle.app.gravity import Gravity
-from jostle.app.hand import Hand
+from jostle.app.hands import Hands
 from jostle.app.history import History
-from jostle.app.menu import Menu
 from jostle.app.painter import Painter
-from jostle.app.picking import pick, pick_first
 from jostle.app.picture import Picture
-from jostle.app.pulls import Pulls
 from jostle.app.race import Race, refusal
-from jostle.app.selection import NOBODY, Selection
 from jostle.app.settings import Settings
 from jostle.app.shown import Shown, TreeView
-from jostle.app.simulation import Frame, Point, Simulation, Tags
+from jostle.app.simulation import Frame, Simulation
 from jostle.app.start import start
 from jostle.app.statistics import Statistics
-from jostle.app.tools import Tool, Tools
 from jostle.app.traces import Traces
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
-CLICK = 4.0  # pixels: a button that moves less while it is down was a click
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
-REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
-
-# What to change does work on the particles: drift begins again, for it is not theirs.
-WORK = {"n", "gravity", "world_size", "container"}
 
 _OTHER_METHOD = {
     "quadtree": "brute",
@@ -54,7 +41,7 @@ _OTHER_METHOD = {
 }
 
 
-class Session:
+class Session(Hands):
     """One run of the program.
 
     Parameters
@@ -68,16 +55,10 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand, statistics, traces
-        The parts; everybody may look at them.
-    selection, tools, deeds, pulls, gravity
-        What a person chooses, and does to particles, attractions and gravity.
+    engine, camera, shown, picture, statistics, traces
+        The parts; everybody may look at them. Those of `Hands` belong to them.
     history, files, question
         The last half minute; what is saved, recorded, exported; why two particles touch or not.
-    menu
-        The one that is open.
-    cursor
-        Where the mouse is, in pixels.
     race
         The other method beside this one, while there is a race.
     now
@@ -85,7 +66,8 @@ class Session:
     """
 
     def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
-        self.engine = Engine(simulation)
+        camera = Camera(size, simulation.view, left=left)
+        super().__init__(Engine(simulation), camera, Shown(tree=TreeView.OUTLINE))
         self.engine.before.append(self._act_before)
         self.history = History()
         self.history.restart(simulation)
@@ -94,20 +76,10 @@ class Session:
         self.files = Files(self)
         self.question = Question()
         self.first = simulation.settings  # what restart goes back to
-        self.camera = Camera(size, simulation.view, left=left)
-        self.shown = Shown(tree=TreeView.OUTLINE)
         self.picture = Picture()
         self.race: Race | None = None
-        self.hand = Hand()
-        self.selection = Selection()
-        self.pulls = Pulls(self.engine)
-        self.deeds = Deeds(self.engine, self.say)
-        self.gravity = Gravity(self.engine, self.say)
-        self.tools = Tools(self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say)
-        self.menu: Menu | None = None
         self.statistics = Statistics()
         self.traces = Traces(self.statistics)
-        self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
         self.open = True
         self.now = 0.0
@@ -128,7 +100,8 @@ class Session:
             statistics.sum_up(self.frame)
         steps = 0
         if self.paused:
-            self._hold_in_pause()
+            self.hold_in_pause()
+            engine.settle()
         else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
             if self.race:
@@ -136,7 +109,7 @@ class Session:
         if changed and not steps:
             engine.look()
         self.camera.follow(engine.view)
-        self._keep_up()
+        self.keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
         )
@@ -145,10 +118,9 @@ class Session:
 
     def _act_before(self, simulation: Simulation) -> None:
         """Before each step: what a person is doing to the simulation at the moment."""
-        if self.hand.held is not None or self.pulls.to_cursor:
+        if self.hands_on:
             self.history.touch()
-        self.pulls.apply(simulation)
-        self.hand.drag(simulation)
+        self.act_on(simulation)
 
     def scale_time(self, factor: float) -> None:
         """Let time go faster or slower."""
@@ -226,15 +198,21 @@ class Session:
     def take(self, simulation: Simulation) -> None:
         """Go on with another simulation."""
         self._end_race()
-        self.tools.cancel()
-        self.selection.clear()
-        self.deeds.forget()
-        self.menu = None
+        self.let_go()
+        self.statistics.remember(self._run_name())
         self.engine.take(simulation)
         self.history.restart(simulation)
         self.pulls.take_over(self.frame)
         self.picture.restart()
         self.statistics.restart()
+
+    def _run_name(self, *, other: bool = False) -> str:
+        return f"{self.engine.scene} {self.settings.by_article != other}"
+
+    @property
+    def other_drift(self) -> float | None:
+        """Return how far energy had drifted by now under the other rules, if they ran before."""
+        return self.statistics.drift_of(self._run_name(other=True))
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own rules; how it is computed and paced stays."""
@@ -256,15 +234,24 @@ class Session:
     def adjust(self, name: str, value: Any) -> None:
         """Change one setting: while it runs where that is possible, else by beginning anew."""
         live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
-        if live:
+        if live and name == "n":
+            self._take_number(value)
+        elif live:
             acts = name != "time_scale"  # which is no part of what happens, but how fast we look
             self.engine.edit(
                 lambda simulation: self.say(simulation.adjust(name, value)), changes=acts
             )
-            if name in WORK:
-                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
+
+    def _take_number(self, n: int) -> None:
+        """Add or remove particles; where there is no room, begin anew in a world that has it."""
+        refusals: list[str | None] = []
+        self.engine.edit(lambda simulation: refusals.append(simulation.adjust("n", n)))
+        self.engine.wait()
+        if refusals[0]:
+            self.begin(replace(self.settings, n=n))
+            self.say(f"{refusals[0]} So the scene begins anew.")
 
     def choose_method(self, method: str) -> None:
         """Go on with another method; where the rules change too, with the same particles."""
@@ -303,79 +290,6 @@ class Session:
             self.race.close()
             self.race = None
             self.camera.divide(1)
-
-    # Hands
-
-    def at_cursor(self) -> Point:
-        """Return the world point under the cursor."""
-        return self.camera.to_world(self.cursor)
-
-    def under_cursor(self) -> int | None:
-        """Return the tag of the particle under the cursor; the article's rules have their own."""
-        if self.settings.by_article:
-            return pick_first(self.frame, self.at_cursor())
-        return pick(self.frame, self.at_cursor(), REACH / self.camera.scale)
-
-    def targets(self) -> Tags:
-        """Return what a key acts on: the selection, or else what is under the cursor."""
-        if len(self.selection):
-            return self.selection.tags
-        tag = self.under_cursor()
-        return NOBODY if tag is None else self.selection.around(tag)
-
-    def press(self, *, add: bool = False) -> None:
-        """Begin to use the tool at the cursor; `add` to the selection."""
-        slack = CLICK / self.camera.scale
-        self.tools.press(self.at_cursor(), self.now, self.under_cursor(), slack, add=add)
-
-    def drag_on(self) -> None:
-        """Go on with the tool to the cursor."""
-        self.tools.move(self.at_cursor())
-
-    def release(self) -> None:
-        """End what the tool does; a particle that is held keeps the hand's velocity."""
-        self.hand.follow(self.at_cursor(), self.now)
-        self.tools.release(self.at_cursor())
-        if self.paused:
-            self.hand.drop()
-        if self.hand.held is not None:  # else nothing changes, and the future stays
-            self.engine.edit(self.hand.throw)
-
-    def open_menu(self) -> None:
-        """Open the menu of what is under the cursor."""
-        if not gui.available():
-            self.say("The menus need imgui-bundle; H lists the keys that do without.")
-            return
-        tag = self.under_cursor()
-        tags = None if tag is None else self.selection.around(tag)
-        self.menu = Menu(self.at_cursor(), tag, tags)
-
-    def escape(self) -> None:
-        """Give up the drag under way; else close what is open, let go of what is chosen; quit."""
-        if self.tools.cancel():
-            return
-        if self.menu is not None:
-            self.menu = None
-        elif self.shown.help:
-            self.shown.help = False
-        elif self.tools.tool is not Tool.POINTER:
-            self.tools.choose(Tool.POINTER)
-        elif len(self.selection):
-            self.selection.clear()
-        else:
-            self.quit()
-
-    def _hold_in_pause(self) -> None:
-        """In a pause, put what is held where the hand is."""
-        if self.hand.held is not None:
-            self.engine.edit(self.hand.carry)
-
-    def _keep_up(self) -> None:
-        """Let go of what is no longer in the world."""
-        self.selection.follow(self.frame)
-        self.pulls.follow(self.frame)
-        if self.hand.held is not None and not len(self.frame.rows(self.hand.held)):
-            self.hand.drop()
 
     # Looks
 

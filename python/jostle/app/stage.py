@@ -14,8 +14,8 @@ from jostle.app.simulation import Container, Frame, Rect
 from jostle.app.walls import bounds
 
 WALL_WIDTH = 2
-NEARLY = 1.05  # radii, within which immovable discs count as one wall
-MOST_LINKS = 2_000  # between them; more are drawn as discs alone
+NEARLY = 1.05  # diameters, within which immovable discs count as one wall
+STRAIGHT = 0.9999  # cosine between the first step of a run and any other
 FAR = 30_000  # pixels; what lies beyond is clipped to this before it becomes whole pixels
 
 
@@ -47,32 +47,51 @@ def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera
 class Beads:
     """Immovable discs in a row: drawn as one wall, not as a string of beads.
 
-    Which of them touch is asked again only when they have changed.
+    Where they lie in a row is looked for again only when they have changed.
     """
 
     def __init__(self) -> None:
         self._asked = np.empty((0, 3), np.float32)
-        self._pairs = np.empty((0, 2), np.uint32)
+        self._runs: list[tuple[int, int]] = []
 
     def draw(self, painter: Painter, frame: Frame, camera: Camera) -> None:
-        """Fill the gaps between immovable discs that touch, but for their outer corners."""
+        """Draw each straight run of immovable discs as one thick line over them."""
         if frame.movable.all():
             return
         fixed = np.flatnonzero(~frame.movable)
         asked = np.column_stack([frame.positions[fixed], frame.radii[fixed]])
         if not np.array_equal(asked, self._asked):
-            reach = asked[:, 2] * np.float32(NEARLY)
-            self._asked, self._pairs = asked, jostle.find_pairs(asked[:, :2], reach)
-        if len(self._pairs) == 0 or len(self._pairs) > MOST_LINKS:
+            self._asked, self._runs = asked, _runs(asked)
+        if not self._runs:
             return
+        first, last = np.array(self._runs).T
         x, y = camera.to_screen(asked[:, :2])
-        first, second = self._pairs[:, 0], self._pairs[:, 1]
-        widths = 2 * np.minimum(asked[first, 2], asked[second, 2]) * camera.scale
-        ends = np.column_stack([x[first], y[first], x[second], y[second]])
+        ends = np.column_stack([x[first], y[first], x[last], y[last]])
+        widths = np.rint(2 * asked[first, 2] * camera.scale)
         seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
-        for width in np.unique(np.rint(widths[seen])).tolist():
-            mine = ends[seen & (np.rint(widths) == width)]
+        for width in np.unique(widths[seen]).tolist():
+            mine = ends[seen & (widths == width)]
             painter.lines(mine, np.tile(np.array(FIXED, np.uint8), (len(mine), 1)), width)
+
+
+def _runs(discs: NDArray[np.float32]) -> list[tuple[int, int]]:
+    """Return the first and last of all that lie in a row, each touching the next, equal in size."""
+    steps = np.diff(discs[:, :2].astype(np.float64), axis=0)
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    radii = discs[:, 2]
+    linked = (lengths > 0) & (lengths <= NEARLY * 2 * radii[1:]) & (radii[1:] == radii[:-1])
+    ways = steps / np.maximum(lengths, 1e-30)[:, None]
+    runs: list[tuple[int, int]] = []
+    way: tuple[float, float] | None = None  # of the run that ends at this disc
+    for k, (joined, (x, y)) in enumerate(zip(linked.tolist(), ways.tolist(), strict=True)):
+        if not joined:
+            way = None
+        elif way is not None and way[0] * x + way[1] * y > STRAIGHT:
+            runs[-1] = runs[-1][0], k + 1
+        else:
+            way = x, y
+            runs.append((k, k + 1))
+    return runs
 
 
 def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from jostle.app.series import Series
+import numpy as np
+
+from jostle.app.series import Floats, Series
 from jostle.app.simulation import Energies, Frame
 
 FRAMES = 1024  # rows of times: five seconds even at 200 frames a second
@@ -21,6 +23,7 @@ SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "dr
 class Beginning:
     """What drift is measured from."""
 
+    time: float
     energies: Energies
     mass: float
 
@@ -40,9 +43,12 @@ class Statistics:
         between two pictures; then come the stages of the last step, `draw` and `panels`.
     sums
         A row for each state that was summed up, over the simulated `time`.
+    runs
+        Time and drift of earlier runs, by the names that they were remembered under.
     """
 
     def __init__(self) -> None:
+        self.runs: dict[str, tuple[Floats, Floats]] = {}
         self._drawing = {"draw": 0.0, "panels": 0.0}
         self.restart()
 
@@ -52,6 +58,18 @@ class Statistics:
         self.sums = Series(SUMS, SAMPLES)
         self.begin_again()
         self._due = 0.0
+
+    def remember(self, name: str) -> None:
+        """Keep the drift of this run under a name, to be compared with the next ones."""
+        if self.beginning is not None and len(self.sums):
+            self.runs[name] = self.sums["time"] - self.beginning.time, self.sums["drift"].copy()
+
+    def drift_of(self, name: str) -> float | None:
+        """Return the drift, as a share, that a run had after the time that this one has taken."""
+        run, beginning = self.runs.get(name), self.beginning
+        if run is None or beginning is None or not len(self.sums):
+            return None
+        return float(np.interp(self.sums["time"][-1] - beginning.time, *run)) / 100
 
     def begin_again(self) -> None:
         """Measure drift from the next state on."""
@@ -105,7 +123,7 @@ class Statistics:
             return
         seen = self.sums["time"]
         if self.beginning is None:
-            self.beginning = Beginning(energies, float(frame.masses.sum(dtype=float)))
+            self.beginning = Beginning(time, energies, float(frame.masses.sum(dtype=float)))
             self._lowest = self._highest = energies.potential
         elif len(seen) and time == seen[-1] and energies.kinetic == self.sums["kinetic"][-1]:
             return

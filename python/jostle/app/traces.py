@@ -16,7 +16,7 @@ from jostle.app.statistics import Statistics
 Floats = NDArray[np.float64]
 
 SPAN = 5.0  # seconds of times that are shown
-BINS = 90
+BINS = 75
 MOST = 200  # points of a line of sums
 EVERY = 0.15  # seconds between two pictures of a part
 SMOOTH = 0.35  # share of a new mean in the numbers: they rest enough to be read
@@ -69,9 +69,8 @@ class Traces:
         """Renew the part that is due the longest; all of them where a run has just begun."""
         if self._statistics.stages != self._stages or self._statistics.beginning is None:
             self._forget()
-        parts = range(len(self._parts))
-        late = [k for k in parts if abs(now - self._done[k]) >= EVERY]
-        if len(late) < len(self._parts):
+        late = [k for k, done in enumerate(self._done) if abs(now - done) >= EVERY]
+        if -np.inf not in self._done:
             late = sorted(late, key=self._done.__getitem__)[:1]
         for k in late:
             self._parts[k](frame, now)

@@ -197,10 +197,12 @@ class Window:
                 paused=session.paused,
             )
         if session.notice:
-            draw_notice(painter, session.notice)
+            camera = session.camera
+            middle = (camera.left + painter.size[0] - camera.right) / 2
+            draw_notice(painter, session.notice, middle)
         if session.shown.help:
             draw_help(painter)
-        draw_hint(painter)
+        draw_hint(painter, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
         if self.gui is not None and self.builders:

@@ -223,13 +223,13 @@ class WorldSimulation:
         self._renew_pulls()
 
     def adjust(self, name: str, value: Any) -> str | None:
-        """Change a setting; a sentence says why where that cannot be, or not wholly."""
+        """Change a setting; a sentence says why where that cannot be, and nothing has changed."""
         before = self.settings
         self.settings = replace(before, **{name: value})
         try:
             if name == "n":
-                return self._take_number(value)
-            if name in ("world_size", "container"):
+                self._take_number(value)
+            elif name in ("world_size", "container"):
                 self._fit_walls()
             elif name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
                 raise ValueError(
@@ -252,44 +252,37 @@ class WorldSimulation:
         inside = brought_in(places, self._radii.astype(np.float64), world.container)
         world.positions = np.where(self._movable[:, None], inside, places)
 
-    def _take_number(self, n: int) -> str | None:
-        """Add copies of particles where there is room, or remove the last ones.
+    def _take_number(self, n: int) -> None:
+        """Add copies of particles where there is room for all of them, or remove the last ones.
 
         `n` counts what can move; of a scene with emitters it is the cap.
         """
         if self.emitters is not None:
             self.emitters.cap = n
-            return None
+            return
         moving = np.flatnonzero(self._movable)
-        if n <= len(moving):
-            self.remove(self._tags[moving[n:]])
-            return None
         more = n - len(moving)
-        reason = None
-        if more > MOST_AT_ONCE:
-            reason = f"{more:,} more are too many to add to a running scene: restart with them."
-        elif len(moving) == 0:
-            reason = "There is no particle to copy: restart with them."
-        elif self.method == "brute" and len(self) + more > BRUTE_LIMIT:
-            reason = f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
-        else:
-            added = self._add_copies(moving, more)
-            if added < more:
-                reason = f"There was room for {added:,} of {more:,} more particles."
-        return reason
+        if more <= 0:
+            self.remove(self._tags[moving[n:]])
+            return
+        if self.method == "brute" and len(self) + more > BRUTE_LIMIT:
+            raise ValueError(f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles.")
+        if more > MOST_AT_ONCE or len(moving) == 0 or not self._add_copies(moving, more):
+            raise ValueError(f"There is no room for {more:,} more particles.")
 
-    def _add_copies(self, rows: NDArray[np.intp], count: int) -> int:
-        """Add copies of some of the rows at free random places; return how many found one."""
+    def _add_copies(self, rows: NDArray[np.intp], count: int) -> bool:
+        """Add copies of some of the rows at free random places, if there is one for each."""
         world = self.world
         chance = np.random.default_rng([self.settings.seed, self._next_tag])
         rows = chance.choice(rows, count)
-        places, found = free_places(
+        places = free_places(
             world.positions, self._radii, self._radii[rows], world.container, self.view,
             int(chance.integers(2**31)),
         )  # fmt: skip
-        rows = rows[found]
+        if places is None:
+            return False
         self.add(places, world.velocities[rows], self._radii[rows], self._densities[rows])
-        return len(rows)
+        return True
 
     def add(
         self,

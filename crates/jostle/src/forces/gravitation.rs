@@ -11,24 +11,27 @@
 //! is kept to rounding.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
 use super::{Bodies, check_number, nearest, nearest_on};
 use crate::columns::Columns;
 use crate::container::Container;
 use crate::error::{Error, Result};
-use crate::geometry::Cover;
 use crate::parallel;
 use crate::particles::FARTHEST;
-use crate::quadtree::{Node, Quadtree};
+use crate::quadtree::Quadtree;
 use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
 use crate::shapes::{Each, Shapes};
-use crate::simd::LANES;
+use crate::simd::{LANES, Number, Simd, Work};
 
 /// Up to so many bodies, each pulls each: that is faster.
 const DIRECT: usize = 512;
 
 /// Bodies that walk the tree together.
-const GROUP: usize = 32;
+const GROUP: usize = 64;
+
+/// Groups that a thread takes at a time, with one list.
+const SHARE: usize = 16;
 
 /// Bodies in a leaf of the tree.
 const LEAF: usize = 16;
@@ -82,6 +85,8 @@ pub struct Memory {
 struct Moment {
     center: [f32; 2],
     mass: f32,
+    /// Diagonal of its box.
+    width: f32,
 }
 
 /// Adds the pull of all on each.
@@ -105,7 +110,11 @@ pub fn add(
         left = rest;
     }
     let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
-    parallel::for_each(threads, &mut tasks, |(group, pulls)| walk.pull(*group, direct, pulls));
+    let mut shares: Vec<_> = tasks.chunks_mut(SHARE).collect();
+    parallel::for_each(threads, &mut shares, |share| {
+        let mut list = List::default();
+        share.iter_mut().for_each(|(group, pulls)| walk.pull(*group, direct, &mut list, pulls));
+    });
     balance(pulls, &all.mass);
     let g = f64::from(gravitation.g);
     for (pull, &row) in pulls.iter().zip(tree.rows()) {
@@ -178,7 +187,7 @@ fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
     let Columns { x, y, .. } = tree.columns();
     moments.clear();
     moments.resize(tree.nodes().len(), Moment::default());
-    for (index, node) in tree.nodes().iter().enumerate().rev() {
+    for (index, (node, cover)) in tree.nodes().iter().zip(tree.covers()).enumerate().rev() {
         let mut sum = [0.0f64; 3];
         let mut add = |[px, py]: [f32; 2], mass: f32| {
             let mass = f64::from(mass);
@@ -192,8 +201,12 @@ fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
             children.iter().for_each(|child| add(child.center, child.mass));
         }
         let [mass, mx, my] = sum;
-        moments[index] =
-            Moment { center: [(mx / mass) as f32, (my / mass) as f32], mass: mass as f32 };
+        let sides = [0, 1].map(|k| cover.max[k] - cover.min[k]);
+        moments[index] = Moment {
+            center: [(mx / mass) as f32, (my / mass) as f32],
+            mass: mass as f32,
+            width: (sides[0] * sides[0] + sides[1] * sides[1]).sqrt(),
+        };
     }
 }
 
@@ -231,7 +244,7 @@ impl Sources {
         self.mass.push(mass);
     }
 
-    fn extend(&mut self, other: &Self, range: std::ops::Range<usize>) {
+    fn extend(&mut self, other: &Self, range: Range<usize>) {
         self.x.extend_from_slice(&other.x[range.clone()]);
         self.y.extend_from_slice(&other.y[range.clone()]);
         self.mass.extend_from_slice(&other.mass[range]);
@@ -291,6 +304,13 @@ impl Sources {
     }
 }
 
+/// What pulls at one group, and the nodes still to be looked at.
+#[derive(Debug, Default)]
+struct List {
+    found: Sources,
+    stack: Vec<u32>,
+}
+
 /// What all groups look at.
 struct Walk<'a> {
     gravitation: &'a Gravitation,
@@ -302,37 +322,16 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// Writes what pulls at each body of a group.
-    fn pull(&self, group: u32, direct: bool, pulls: &mut [[f64; 2]]) {
-        let mut found = Sources::default();
-        let sources = if direct {
-            self.all
-        } else {
-            self.collect(group, &mut found);
-            &found
-        };
-        let soft_square = self.gravitation.softening * self.gravitation.softening;
-        let range = self.tree.nodes()[group as usize].range();
-        for (pull, place) in pulls.iter_mut().zip(range) {
-            let position = [self.all.x[place], self.all.y[place]];
-            *pull = match self.container {
-                Container::Torus { size: [w, h] } => {
-                    sources
-                        .pull(position, soft_square, |[x, y]| [nearest_on(x, w), nearest_on(y, h)])
-                }
-                _ => sources.pull(position, soft_square, |offset| offset),
-            };
-        }
+    fn pull(&self, group: u32, direct: bool, list: &mut List, pulls: &mut [[f64; 2]]) {
+        let sources = if direct { self.all } else { self.collect(group, list) };
+        let bodies = self.tree.nodes()[group as usize].range();
+        f32::with_widest(Pull { walk: self, sources, bodies, pulls });
     }
 
     /// Sum over a group's bodies of mass times the mass of each source over its distance.
     fn energy(&self, group: u32, direct: bool) -> f64 {
-        let mut found = Sources::default();
-        let sources = if direct {
-            self.all
-        } else {
-            self.collect(group, &mut found);
-            &found
-        };
+        let mut list = List::default();
+        let sources = if direct { self.all } else { self.collect(group, &mut list) };
         let soft = f64::from(self.gravitation.softening);
         // Each body is one of its own sources, at distance 0.
         let own = if soft > 0.0 { 1.0 / soft } else { 0.0 };
@@ -345,14 +344,18 @@ impl Walk<'_> {
     }
 
     /// Lists what pulls at a group: bodies that are near, nodes that are far.
-    fn collect(&self, group: u32, found: &mut Sources) {
+    fn collect<'a>(&self, group: u32, list: &'a mut List) -> &'a Sources {
+        let List { found, stack } = list;
+        found.clear();
         let target = &self.tree.covers()[group as usize];
-        let mut stack = vec![0u32];
+        let middle = [0, 1].map(|k| 0.5 * target.min[k] + 0.5 * target.max[k]);
+        let half = [0, 1].map(|k| 0.5 * target.max[k] - 0.5 * target.min[k]);
+        stack.push(0);
         while let Some(index) = stack.pop() {
             let index = index as usize;
-            let node: &Node = &self.tree.nodes()[index];
-            if self.is_far(target, index) {
-                found.push(self.moments[index].center, self.moments[index].mass);
+            let (node, moment) = (&self.tree.nodes()[index], &self.moments[index]);
+            if self.is_far(middle, half, moment) {
+                found.push(moment.center, moment.mass);
             } else if node.is_leaf() {
                 found.extend(self.all, node.range());
             } else {
@@ -360,19 +363,16 @@ impl Walk<'_> {
             }
         }
         found.pad();
+        found
     }
 
     /// Whether a node counts as one body for everything in the box of a group.
-    fn is_far(&self, target: &Cover<f32>, index: usize) -> bool {
-        let cover = &self.tree.covers()[index];
-        let sides = [0, 1].map(|k| cover.max[k] - cover.min[k]);
-        let width = (sides[0] * sides[0] + sides[1] * sides[1]).sqrt();
+    #[inline(always)]
+    fn is_far(&self, middle: [f32; 2], half: [f32; 2], moment: &Moment) -> bool {
+        let Moment { center, width, .. } = *moment;
         if width == 0.0 {
             return true;
         }
-        let middle = [0, 1].map(|k| 0.5 * target.min[k] + 0.5 * target.max[k]);
-        let half = [0, 1].map(|k| 0.5 * target.max[k] - 0.5 * target.min[k]);
-        let center = self.moments[index].center;
         let offset = nearest(&self.container, [0, 1].map(|k| center[k] - middle[k]));
         if let Container::Torus { size } = self.container {
             // Seen from one side of the group or the other, the nearest image is the same.
@@ -384,5 +384,35 @@ impl Walk<'_> {
         let [x, y] = [0, 1].map(|k| (offset[k].abs() - half[k]).max(0.0));
         let theta = self.gravitation.theta;
         width * width < theta * theta * (x * x + y * y)
+    }
+}
+
+/// What the bodies of a group feel, by the widest instructions of the machine: the compiler
+/// makes them of plain loops.
+struct Pull<'a> {
+    walk: &'a Walk<'a>,
+    sources: &'a Sources,
+    bodies: Range<usize>,
+    pulls: &'a mut [[f64; 2]],
+}
+
+impl Work<f32> for Pull<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<S: Simd<f32>>(self, _: S) {
+        let Self { walk, sources, bodies, pulls } = self;
+        let Gravitation { softening, .. } = *walk.gravitation;
+        let soft_square = softening * softening;
+        for (pull, place) in pulls.iter_mut().zip(bodies) {
+            let position = [walk.all.x[place], walk.all.y[place]];
+            *pull = match walk.container {
+                Container::Torus { size: [w, h] } => {
+                    sources
+                        .pull(position, soft_square, |[x, y]| [nearest_on(x, w), nearest_on(y, h)])
+                }
+                _ => sources.pull(position, soft_square, |offset| offset),
+            };
+        }
     }
 }

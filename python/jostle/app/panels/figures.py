@@ -37,6 +37,7 @@ from jostle.app.traces import SPAN, Floats
 from jostle.app.words import pairs_of, scientific, share
 
 TAB = 34.0  # height of the panel when it is folded
+UNSEEN = 0.5  # points; thinner layers are not drawn
 COLUMN_GAP = 18.0
 LONG = 1e5  # numbers from here on have a power of ten
 WORDS = 16.0  # points that the words in a plot's corners are high
@@ -112,7 +113,7 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
     with plots.plot("times", height, (-SPAN, 0.0), (0.0, traces.top), corner) as seen:
         if seen:
-            plots.stack(traces.ages, traces.stacked, tints)
+            plots.stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
             plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
     legend = [
@@ -149,12 +150,17 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
     time, *columns, drift = session.traces.energies
     names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
     _lines(gui, "energy", height, time, names, tints, columns)
-    row("drift since the start", signed(drift[-1] if len(drift) else 0.0, "+.2f") + " %")
+    row("drift since the start", _percent(drift[-1] if len(drift) else 0.0))
     hint(
         "How far the total energy is from where it began, compared with the energy in play. "
         "Right physics loses energy to restitution and drag alone; the article's rules lose and "
         "invent it. The potential energy counts from the start."
     )
+    other = session.other_drift
+    if other is not None:
+        rules = "with right physics" if session.settings.by_article else "with the article's rules"
+        row(rules, _percent(100 * round(other, 3)))
+        hint("The drift that the run before had after as much time, under the other rules.")
 
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:
@@ -187,10 +193,14 @@ def _lines(
     with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint)
+                plots.line(word, time, values, tint, 2.5 if word == "total" else 1.5)
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))
+
+
+def _percent(value: float) -> str:
+    return signed(value, "+,.2f") + " %"
 
 
 def _sum(value: float) -> str:

@@ -1,11 +1,13 @@
-"""How pairs are found and by whose rules they bounce."""
+"""How pairs are found, by whose rules they bounce, and a race of two methods."""
 
 from __future__ import annotations
 
 from jostle.app.carry import ARTICLE_LIMIT
 from jostle.app.gui import Gui
-from jostle.app.panels.widgets import beside, choice, label, share_out
+from jostle.app.panels.widgets import beside, choice, combo, label, share_out
 from jostle.app.session import Session
+from jostle.app.settings import METHODS
+from jostle.app.words import method_name
 from jostle.app.world_simulation import BRUTE_LIMIT
 
 RULES = (
@@ -27,6 +29,23 @@ def build(session: Session, gui: Gui) -> None:
             chosen = method == now
             if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
                 session.choose_method(method)
+
+    _race(session, gui)
+
+
+def _race(session: Session, gui: Gui) -> None:
+    """Build the choice of a rival, which runs beside the scene."""
+    now, rival = session.settings.method, session.race.method if session.race else ""
+    rivals = {"": "alone"} | {
+        method: f"against {method_name(method)}" for method in METHODS if method != now
+    }
+    chosen = combo(gui, "race", rivals, rival)
+    if chosen is None or chosen == rival:
+        return
+    if session.race:
+        session.toggle_race(rival)
+    if chosen:
+        session.toggle_race(chosen)
 
 
 def _reason(method: str, count: int) -> str:

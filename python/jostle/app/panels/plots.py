@@ -51,13 +51,15 @@ def plot(
     implot.pop_style_var()
 
 
-def stack(at: Floats, stacked: Floats, colours: Sequence[Colour]) -> None:
+def stack(at: Floats, stacked: Floats, colours: Sequence[Colour], least: float) -> None:
     """Draw a stack as bars side by side: the highest first, each covered by those below it.
 
-    Upright boxes are what a processor without a graphics card fills fastest.
+    Upright boxes are what a processor without a graphics card fills fastest; a layer that is
+    nowhere thicker than `least` could not be seen, and is left out.
     """
     width = float(at[1] - at[0])
-    for k in reversed(range(len(colours))):
+    thick = (stacked[1:] - stacked[:-1]).max(axis=1) > least
+    for k in np.flatnonzero(thick)[::-1].tolist():
         spec = implot.Spec()
         spec.fill_color, spec.line_weight = vec(colours[k]), 0.0
         spec.line_color = spec.fill_color

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 from imgui_bundle import imgui
 
 import jostle
 from jostle.app.gui import Gui
-from jostle.app.panels.ink import ACCENT, CHOSEN, TEXT_SOFT, vec
-from jostle.app.panels.widgets import at_right, colours
+from jostle.app.panels.ink import ACCENT, CHOSEN, vec
+from jostle.app.panels.widgets import at_right, colours, wrapped
 from jostle.app.session import Session
 
-ROWS = 6.5  # that are seen at once: half a row says that there are more
+ROWS = 5.5  # that are seen at once: half a row says that there are more
 LINE = 22.0
+BY_ARTICLE = (
+    "These are the article's own rules. Watch balls overlap, piles that never rest, and energy "
+    "lost and invented."
+)
 
 
-@cache
-def usual_number(name: str) -> int:
-    """Return how many particles a scene has if nobody says otherwise."""
-    return len(jostle.scenes.create(name))
+_usual_numbers: dict[str, int] = {}  # of particles, where nobody asks for another
+
+
+def _count_one(names: list[str]) -> None:
+    """Count the particles of one more scene: to make them all would hold up the first frame."""
+    missing = next((name for name in names if name not in _usual_numbers), None)
+    if missing is not None:
+        _usual_numbers[missing] = len(jostle.scenes.create(missing))
 
 
 def build(session: Session, gui: Gui) -> None:
     """Build the list and the two sentences."""
     names, present = jostle.scenes.names(), session.engine.scene
+    _count_one(names)
     with colours(child_bg=vec((255, 255, 255), 0.025)):
         imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, 5.0))
         imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0))
@@ -36,11 +43,10 @@ def build(session: Session, gui: Gui) -> None:
             _line(session, gui, name, present=name == present)
         imgui.end_child()
         imgui.pop_style_var(2)
-    if present in names:
-        imgui.push_text_wrap_pos(0.0)
-        with colours(text=vec(TEXT_SOFT)):
-            imgui.text_unformatted(jostle.scenes.describe(present))
-        imgui.pop_text_wrap_pos()
+    if session.settings.by_article:
+        wrapped(BY_ARTICLE)
+    elif present in names:
+        wrapped(jostle.scenes.describe(present))
 
 
 def _line(session: Session, gui: Gui, name: str, *, present: bool) -> None:
@@ -52,7 +58,8 @@ def _line(session: Session, gui: Gui, name: str, *, present: bool) -> None:
     gui.mark(f"scene {name}")
     if present and imgui.is_window_appearing():
         imgui.set_scroll_here_y()
-    number = len(session.frame) if present else usual_number(name)
-    at_right(f"{number:,}", quiet=not present)
+    number = len(session.frame) if present else _usual_numbers.get(name)
+    if number is not None:
+        at_right(f"{number:,}", quiet=not present)
     if clicked:
         session.choose_scene(name)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.controls import CONTROLS, Action
+from jostle.app.controls import Action, key_of
 from jostle.app.gui import Gui
 from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
 from jostle.app.panels.widgets import beside, colours, hint, share_out
@@ -38,11 +38,7 @@ def build(session: Session, gui: Gui) -> None:
         if _sign_button(gui, name, draw, across, chosen=held, off=act is None) and act:
             act()
         words = "go on" if held else name
-        hint(words.capitalize() + (f"  ({_key_of(action)})" if action else ""))
-
-
-def _key_of(action: Action) -> str:
-    return next(control.label for control in CONTROLS if action in control.keys.values())
+        hint(words.capitalize() + (f"  ({key_of(action)})" if action else ""))
 
 
 def _sign_button(

@@ -81,6 +81,13 @@ def soft(text: str) -> None:
     imgui.text_disabled(text)
 
 
+def wrapped(text: str) -> None:
+    """Write sentences in the softer colour, as wide as the panel."""
+    imgui.push_text_wrap_pos(0.0)
+    soft(text)
+    imgui.pop_text_wrap_pos()
+
+
 def at_right(text: str, *, quiet: bool = False) -> None:
     """Write up to the right edge, on the line of the last widget."""
     imgui.same_line()

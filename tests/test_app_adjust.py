@@ -1,0 +1,250 @@
+"""Settings that change while a scene runs: number, walls, size and rules."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pygame")
+
+import jostle
+from jostle.app.article_simulation import ArticleSimulation
+from jostle.app.session import Session
+from jostle.app.settings import Settings
+from jostle.app.start import start
+from jostle.app.walls import Home, bounds, brought_in
+from jostle.app.world_simulation import MOST_AT_ONCE, WorldSimulation
+
+CONTAINERS = [
+    jostle.Box(-10, 0, 90, 50),
+    jostle.Circle((40, 25), 30),
+    jostle.Torus(100, 50),
+    None,
+]
+
+
+def gas(n: int = 200, **settings) -> WorldSimulation:
+    simulation = start(Settings("gas", n, **settings))
+    assert isinstance(simulation, WorldSimulation)
+    return simulation
+
+
+def is_inside(simulation: WorldSimulation) -> bool:
+    frame = simulation.frame()
+    radii = frame.radii.astype(np.float64)
+    places = frame.positions.astype(np.float64)
+    return bool(np.allclose(brought_in(places, radii, frame.container), places, atol=1e-3))
+
+
+# ---- the number of particles ---------------------------------------------------------------------
+
+
+def test_more_particles_are_copies_that_touch_nothing() -> None:
+    simulation = gas(200, world_size=1.5)
+    before = simulation.frame()
+    assert simulation.adjust("n", 240) is None
+    frame = simulation.frame()
+    assert len(frame) == 240 and simulation.settings.n == 240
+    assert (frame.positions[:200] == before.positions).all()
+    assert (frame.tags == np.arange(240)).all()
+    assert len(jostle.find_pairs(frame.positions[200:], frame.radii[200:])) == 0
+    new = jostle.Quadtree(frame.positions[200:], frame.radii[200:])
+    assert len(new.pairs(jostle.Quadtree(before.positions, before.radii))) == 0
+    assert np.isin(frame.velocities[200:, 0], before.velocities[:, 0]).all()
+    assert is_inside(simulation)
+
+
+def test_the_last_particles_go_first() -> None:
+    simulation = gas(200)
+    simulation.step()
+    before = simulation.frame()
+    assert simulation.adjust("n", 150) is None
+    frame = simulation.frame()
+    assert (frame.tags == np.arange(150)).all()
+    assert (frame.positions == before.positions[:150]).all()
+    simulation.adjust("n", 0)
+    assert len(simulation) == 0
+    simulation.step()
+    assert "no room" in simulation.adjust("n", 5)  # nothing to copy
+
+
+def test_the_same_slider_gives_the_same_world() -> None:
+    first, second = gas(100, world_size=1.5), gas(100, world_size=1.5)
+    for simulation in (first, second):
+        for n in (120, 90, 110):
+            simulation.adjust("n", n)
+        simulation.step()
+    assert first.world.state_hash() == second.world.state_hash()
+
+
+def test_walls_are_not_counted_and_stay() -> None:
+    simulation = start(Settings("sand", 300))
+    fixed = int((~simulation.frame().movable).sum())
+    assert fixed > 0
+    for n in (350, 100):
+        simulation.adjust("n", n)
+        movable = simulation.frame().movable
+        assert movable.sum() == n and (~movable).sum() == fixed
+
+
+@pytest.mark.parametrize("n", [5_000, 300 + MOST_AT_ONCE])
+def test_where_there_is_no_room_nothing_changes_and_it_is_said(n: int) -> None:
+    simulation = gas(200)
+    before = simulation.world.state_hash()
+    assert simulation.adjust("n", n) == f"There is no room for {n - 200:,} more particles."
+    assert simulation.world.state_hash() == before and simulation.settings.n == 200
+
+
+def test_a_session_begins_anew_where_there_is_no_room() -> None:
+    session = Session(gas(200), (800, 600))
+    session.engine.step()
+    session.adjust("n", 190)
+    assert len(session.frame) == 190 and session.frame.facts.time > 0
+    session.adjust("n", 2_000)
+    assert len(session.frame) == session.settings.n == 2_000
+    assert session.frame.facts.time == 0 and "begins anew" in session.notice
+    session.close()
+
+
+# ---- walls ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("container", CONTAINERS, ids=str)
+@pytest.mark.parametrize("kind", ["box", "circle", "torus", "none"])
+def test_walls_of_another_kind_have_the_same_room(container, kind: str) -> None:
+    view = bounds(container) or (0.0, 0.0, 100.0, 50.0)
+    fitted, seen = Home.of(container, view, None).fitted(kind, 1.0)
+    assert (kind == "none") == (fitted is None)
+
+    def area(walls) -> float:
+        if isinstance(walls, jostle.Circle):
+            return np.pi * walls.radius**2
+        low_x, low_y, high_x, high_y = bounds(walls) or view
+        return (high_x - low_x) * (high_y - low_y)
+
+    if fitted is not None and container is not None:
+        assert area(fitted) == pytest.approx(area(container), rel=1e-5)
+    walls = bounds(fitted)
+    if walls is not None:
+        assert np.array(seen) == pytest.approx(np.array(walls), rel=1e-5)
+    back, _ = Home.of(container, view, None).fitted(None, 1.0)
+    assert bounds(back) == pytest.approx(bounds(container)) if container else back is None
+
+
+@pytest.mark.parametrize("container", CONTAINERS, ids=str)
+def test_what_is_outside_comes_in_and_what_is_inside_stays(container) -> None:
+    places = np.random.default_rng(0).uniform(-100, 200, (500, 2))
+    inside = brought_in(places, np.full(500, 2.0), container)
+    assert brought_in(inside, np.full(500, 2.0), container) == pytest.approx(inside)
+    unmoved = (inside == places).all(axis=1)
+    assert unmoved.any() and (container is None or not unmoved.all())
+
+
+@pytest.mark.parametrize("kind", ["box", "circle", "torus", "none"])
+@pytest.mark.parametrize("scene", ["gas", "orbit", "stars"])
+def test_nothing_is_lost_when_walls_change(kind: str, scene: str) -> None:
+    simulation = start(Settings(scene, 150))
+    simulation.step()
+    count = len(simulation)
+    assert simulation.adjust("container", kind) is None
+    assert simulation.settings.container == kind and len(simulation) == count
+    if kind != "none":
+        assert type(simulation.container).__name__.lower() == kind
+    assert is_inside(simulation)
+    for _ in range(5):
+        simulation.step()
+    assert np.isfinite(simulation.frame().positions).all()
+
+
+@pytest.mark.parametrize("size", [0.7, 1.0, 2.5])
+def test_the_world_grows_and_shrinks_about_its_middle(size: float) -> None:
+    simulation = gas(100)
+    first, view = bounds(simulation.container), simulation.view
+    simulation.adjust("world_size", 3.0)
+    assert simulation.adjust("world_size", size) is None  # of the scene's own, not of the last
+    low_x, low_y, high_x, high_y = bounds(simulation.container)
+    assert high_x - low_x == pytest.approx(size * (first[2] - first[0]), rel=1e-5)
+    assert (low_x + high_x, low_y + high_y) == pytest.approx(
+        (first[0] + first[2], first[1] + first[3]), rel=1e-4
+    )
+    assert simulation.view[2] - simulation.view[0] == pytest.approx(size * (view[2] - view[0]))
+    assert is_inside(simulation) and len(simulation) == 100
+
+
+def test_a_scene_begins_in_the_world_of_its_settings() -> None:
+    simulation = gas(100, world_size=2.0, container="circle")
+    plain = gas(100)
+    assert isinstance(simulation.container, jostle.Circle)
+    side = plain.view[2] - plain.view[0]
+    assert np.pi * simulation.container.radius**2 == pytest.approx(4 * side**2, rel=1e-4)
+
+
+def test_walls_are_the_same_after_going_back_to_a_state() -> None:
+    simulation = gas(100)
+    simulation.adjust("world_size", 2.0)
+    state = simulation.save()
+    simulation.adjust("world_size", 0.8)
+    simulation.load(state)
+    simulation.adjust("world_size", 1.0)
+    assert bounds(simulation.container) == pytest.approx(bounds(gas(100).container))
+
+
+def test_the_camera_shows_the_world_that_has_grown() -> None:
+    session = Session(gas(100), (800, 600))
+    scale = session.camera.scale
+    session.paused = True
+    session.adjust("world_size", 2.0)
+    session.advance(0.0)
+    assert session.camera.scale == pytest.approx(scale / 2)
+    session.camera.zoom_at((400, 300), 2.0)
+    zoomed = session.camera.scale
+    session.adjust("world_size", 1.0)
+    session.advance(0.0)
+    assert session.camera.scale == zoomed  # who looks closely goes on looking there
+    session.close()
+
+
+# ---- rules ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("gravity", (0.0, 50.0)), ("drag", 0.25), ("restitution", 0.5), ("substeps", 2),
+     ("leaf_capacity", 7), ("max_depth", 3), ("on_touch", "merge"), ("threads", 1)],
+)  # fmt: skip
+def test_rules_change_without_a_new_beginning(name: str, value: object) -> None:
+    session = Session(gas(50), (800, 600))
+    session.engine.step()
+    time = session.frame.facts.time
+    session.adjust(name, value)
+    world = session.engine.simulation.world
+    assert getattr(world, name) == value and getattr(session.settings, name) == value
+    assert session.frame.facts.time == time
+    session.close()
+
+
+def test_what_the_library_refuses_is_said_and_changes_nothing() -> None:
+    simulation = gas(50)
+    said = simulation.adjust("leaf_capacity", 0)
+    assert "leaf_capacity" in said and simulation.settings.leaf_capacity is None
+    simulation.step()
+
+
+def test_the_article_has_the_number_and_the_display_asked_for() -> None:
+    simulation = ArticleSimulation(
+        Settings("article", 70, method="article-quadtree", world_size=1.5)
+    )
+    assert len(simulation) == 70 and simulation.view == (0, 0, 1200, 750)
+    lent = ArticleSimulation(
+        Settings("gas", 70, method="article-brute", world_size=2.0, container="circle")
+    )
+    plain = ArticleSimulation(Settings("gas", 70, method="article-brute"))
+    assert lent.view[2] == pytest.approx(2 * plain.view[2], abs=2)
+
+
+def test_the_article_begins_anew_with_another_number() -> None:
+    session = Session(start(Settings("article", 40, method="article-quadtree")), (800, 600))
+    session.engine.step()
+    session.adjust("n", 60)
+    assert len(session.frame) == 60 and session.frame.facts.time == 0
+    session.close()

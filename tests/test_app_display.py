@@ -1,0 +1,250 @@
+"""Which painter a window gets, and what it does when that fails, is hidden, or is slow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+pygame = pytest.importorskip("pygame")
+
+from jostle.app import backdrop, gui, renderers  # noqa: E402
+from jostle.app.backdrop import Backdrop  # noqa: E402
+from jostle.app.camera import Camera  # noqa: E402
+from jostle.app.palette import GROUND  # noqa: E402
+from jostle.app.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.settings import Settings  # noqa: E402
+from jostle.app.software import SoftwarePainter  # noqa: E402
+from jostle.app.start import start  # noqa: E402
+from jostle.app.window import Window  # noqa: E402
+
+FRAME = 1 / 60
+SIZE = (640, 360)
+
+
+@pytest.fixture
+def open_window() -> Iterator:
+    windows = []
+
+    def make(n: int = 50, **options: object) -> Window:
+        try:
+            windows.append(Window(start(Settings("gas", n)), SIZE, **options))
+        except NoRendererError as error:
+            pytest.skip(str(error))
+        pygame.event.clear()
+        return windows[-1]
+
+    yield make
+    for window in windows:
+        window.close()
+
+
+def picture_of(painter) -> np.ndarray:
+    return pygame.surfarray.array3d(painter.canvas()).astype(int)
+
+
+# ---- the choice ----------------------------------------------------------------------------------
+
+
+def test_a_processor_that_plays_a_card_is_used_only_when_it_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    opengl = pytest.importorskip("jostle.app.opengl")
+    try:
+        name = Screen(SIZE, "opengl").painter.renderer
+    except NoRendererError as error:
+        pytest.skip(str(error))
+    monkeypatch.setattr(opengl, "_PLAYED", (name.lower(),))
+    assert Screen(SIZE, "auto").painter.name == "software"
+    assert Screen(SIZE, "opengl").painter.name == "opengl"
+    monkeypatch.setattr(opengl, "_PLAYED", ())
+    assert Screen(SIZE, "auto").painter.name == "opengl"
+    assert Screen(SIZE, "software").painter.name == "software"
+
+
+def test_without_moderngl_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(renderers, "_MODERNGL", False)
+    assert Screen(SIZE, "auto").painter.name == "software"
+    with pytest.raises(NoRendererError, match="moderngl, which is not installed"):
+        Screen(SIZE, "opengl")
+
+
+def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
+    moderngl = pytest.importorskip("moderngl")
+
+    def fail() -> None:
+        raise moderngl.Error("no card")
+
+    monkeypatch.setattr(moderngl, "init_context", fail)
+    assert Screen(SIZE, "auto").painter.name == "software"
+    with pytest.raises(NoRendererError, match="no card"):
+        Screen(SIZE, "opengl")
+
+
+def test_without_imgui_there_is_the_readout(open_window, monkeypatch) -> None:
+    monkeypatch.setattr(gui, "_THERE", False)
+    window = open_window()
+    assert window.gui is None
+    window.frame(FRAME)
+    assert picture_of(window.painter).std() > 1
+
+
+@pytest.mark.parametrize("renderer", ["software", "opengl"])
+def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
+    open_window, renderer, monkeypatch
+) -> None:
+    window = open_window(renderer=renderer)
+    built = []
+    window.builders.append(lambda session, host: built.append((session, host)))
+    for size in [(500, 300), (640, 360)]:
+        window.frame(FRAME)
+        if renderer == "software":
+            pygame.display.set_mode(size, pygame.RESIZABLE)
+        else:
+            monkeypatch.setattr(pygame.display, "get_window_size", lambda size=size: size)
+        pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
+        window.frame(FRAME)
+        assert window.painter.size == window.session.camera.size == size
+        assert picture_of(window.painter).std() > 1
+    if window.gui is not None:
+        assert built and built[0] == (window.session, window.gui)
+
+
+# ---- failures ------------------------------------------------------------------------------------
+
+
+def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window) -> None:
+    moderngl = pytest.importorskip("moderngl")
+    window = open_window(renderer="opengl")
+    window.builders.append(lambda session, host: None)
+    window.frame(FRAME)
+    steps, frame = window.session.engine.steps, window.session.frame
+
+    def lost() -> None:
+        raise moderngl.Error("GL_CONTEXT_LOST")
+
+    window.painter.show = lost
+    window.session.paused = True
+    window.frame(FRAME)
+    assert window.painter.name == "software"
+    assert "graphics card has failed" in window.session.notice
+    assert window.session.engine.steps == steps
+    assert (window.session.frame.positions == frame.positions).all()
+    window.session.paused = False
+    for _ in range(3):
+        window.frame(FRAME)
+    assert window.session.engine.steps > steps
+    assert picture_of(window.painter).std() > 1
+
+
+def test_what_is_wrong_in_software_is_not_hidden(open_window) -> None:
+    window = open_window(renderer="software")
+
+    def wrong() -> None:
+        raise pygame.error("wrong")
+
+    window.painter.show = wrong
+    with pytest.raises(pygame.error, match="wrong"):
+        window.frame(FRAME)
+
+
+# ---- hidden, dense, slow -------------------------------------------------------------------------
+
+
+def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_window) -> None:
+    window = open_window()
+    window.frame(FRAME)
+    before, steps = picture_of(window.painter), window.session.engine.steps
+    pygame.event.post(pygame.event.Event(pygame.WINDOWMINIMIZED))
+    for _ in range(20):
+        window.frame(FRAME)
+    assert (picture_of(window.painter) == before).all()
+    assert window.session.engine.steps > steps
+    pygame.event.post(pygame.event.Event(pygame.WINDOWRESTORED))
+    window.frame(FRAME)
+    assert (picture_of(window.painter) != before).any()
+
+
+def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatch) -> None:
+    window = open_window()
+    monkeypatch.setattr(pygame.display, "get_window_size", lambda: (320, 180))
+    assert window.screen.scale == 2.0
+    pygame.event.post(
+        pygame.event.Event(pygame.MOUSEMOTION, pos=(100, 50), rel=(1, 0), buttons=(0, 0, 0))
+    )
+    window.frame(FRAME)
+    assert window.session.cursor == (200, 100)
+
+
+@pytest.fixture
+def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[Backdrop]:
+    """A backdrop to which every picture is a long one."""
+    monkeypatch.setattr(backdrop, "FEW", -1)
+    monkeypatch.setattr(backdrop, "MANY", -1)
+    monkeypatch.setattr(backdrop, "LONG", -1.0)
+    slow = Backdrop()
+    yield slow
+    slow.close()
+
+
+def test_a_long_picture_is_drawn_beside_the_window(beside: Backdrop) -> None:
+    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
+    camera.scale, camera.center = 1.0, (320.0, 180.0)
+    beside.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
+    assert (picture_of(painter) == GROUND).all()  # nothing is finished
+    beside.wait()
+
+    def corner(target, seer) -> None:
+        target.fill((0, 0, 0))
+        target.rects(np.array([[0, 0, 11, 11]]), np.array([[0, 200, 0]]), filled=True)
+
+    beside.draw(painter, camera, 10, corner)
+    assert (picture_of(painter) == (200, 0, 0)).all()
+    beside.wait()
+    beside.draw(painter, camera, 10, corner)
+    assert tuple(picture_of(painter)[5, 5]) == (0, 200, 0)
+    beside.wait()
+    camera.pan((-100, -50))  # the last picture goes with the camera, before there is a new one
+    beside.draw(painter, camera, 10, corner)
+    shown = picture_of(painter)
+    assert tuple(shown[105, 55]) == (0, 200, 0)
+    assert tuple(shown[50, 20]) == GROUND
+    camera.pan((100, 50))
+    beside.wait()
+    beside.draw(painter, camera, 10, corner)
+    camera.zoom_at((0, 0), 4.0)
+    beside.draw(painter, camera, 10, corner)
+    assert tuple(picture_of(painter)[30, 30]) == (0, 200, 0)
+
+
+def test_what_goes_wrong_beside_the_window_is_told(beside: Backdrop) -> None:
+    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
+
+    def wrong(target, seer) -> None:
+        raise ValueError("wrong")
+
+    beside.draw(painter, camera, 10, wrong)
+    with pytest.raises(ValueError, match="wrong"):
+        beside.wait()
+    with pytest.raises(ValueError, match="wrong"):
+        beside.draw(painter, camera, 10, wrong)
+
+
+def test_few_particles_are_always_drawn_at_once() -> None:
+    quick = Backdrop()
+    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
+    quick._seconds = 10.0
+    quick.draw(painter, camera, 100, lambda target, seer: target.fill((9, 9, 9)))
+    assert (picture_of(painter) == 9).all() and not quick.beside
+
+
+@pytest.mark.parametrize("renderer", ["software", "opengl"])
+def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) -> None:
+    window = open_window(200_000, renderer=renderer)
+    for _ in range(3):
+        window.frame(FRAME)
+    assert window._backdrop.beside
+    window._backdrop.wait()
+    window.frame(FRAME)
+    assert picture_of(window.painter).std() > 1
