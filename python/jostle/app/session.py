@@ -33,9 +33,6 @@ from jostle.app.words import method_name
 NOTICE_TIME = 3.0  # seconds
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 
-# What to change does work on the particles: drift begins again, for it is not theirs.
-WORK = {"n", "gravity", "world_size", "container"}
-
 _OTHER_METHOD = {
     "quadtree": "brute",
     "brute": "quadtree",
@@ -60,6 +57,8 @@ class Session(Hands):
     ----------
     engine, camera, shown, picture, statistics, traces
         The parts; everybody may look at them. Those of `Hands` belong to them.
+    history, files, question
+        The last half minute; what is saved, recorded, exported; why two particles touch or not.
     race
         The other method beside this one, while there is a race.
     now
@@ -238,7 +237,10 @@ class Session(Hands):
         if live and name == "n":
             self._take_number(value)
         elif live:
-            self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
+            acts = name != "time_scale"  # which is no part of what happens, but how fast we look
+            self.engine.edit(
+                lambda simulation: self.say(simulation.adjust(name, value)), changes=acts
+            )
         else:
             self.begin(replace(self.settings, **{name: value}))
 
