@@ -151,7 +151,7 @@ LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COM
 # The files of the app that act on a simulation; all others look at it.
 ACTING = {
     *("world_simulation", "article_simulation", "carry", "engine", "session", "report"),
-    *("hand", "deeds", "pulls", "gravity"),
+    *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
 }
 LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
 ACTS = {"step", "restart", "adjust", "attract", "drag", "change", "load", "add", "remove", "set"}
