@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,14 @@ import pytest
 
 pytest.importorskip("pygame")
 
-from jostle.app.config import Config, ConfigError, lines_of, read_config
-from jostle.app.settings import Group, Settings
+from jostle.app.config import (
+    WINDOW_RULES,
+    Config,
+    ConfigError,
+    lines_of,
+    read_config,
+)
+from jostle.app.settings import GROUP_RULES, RULES, Group, Settings
 from jostle.app.shown import ColourBy, Shown, TreeView
 from jostle.app.start import start
 
@@ -45,6 +52,13 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
     assert ((frame.radii[1500:1512] >= 12) & (frame.radii[1500:1512] <= 20)).all()
     assert (frame.velocities[1500:1512] == (60, 0)).all()
     np.testing.assert_array_equal(start(config.settings).frame().positions, frame.positions)
+
+
+def test_the_documents_name_every_entry() -> None:
+    page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
+    shown = (field.name for field in fields(Shown))
+    for name in (*RULES, *GROUP_RULES, *WINDOW_RULES, *shown):
+        assert f"`{name}`" in page, name
 
 
 def test_a_file_may_be_empty(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Scenes, pictures, tables and trajectories: written, read again, and refused where they are wrong."""
+"""Scenes, pictures, tables, trajectories: written, read again, and refused where they are wrong."""
 
 from __future__ import annotations
 

@@ -95,6 +95,12 @@ def test_table_sets_the_methods_side_by_side(
         assert words in table
 
 
+def test_table_of_nothing_races_nobody(tmp_path: Path, console, monkeypatch) -> None:
+    monkeypatch.setattr(report, "PATIENCE", 0.01)
+    table = table_of(Settings("gas", 0), tmp_path, console)
+    assert "nothing to race" in table and "×" not in table
+
+
 def test_table_says_when_a_method_was_not_timed_in_full(
     tmp_path: Path, console, monkeypatch
 ) -> None:

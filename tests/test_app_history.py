@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -135,6 +137,25 @@ def test_an_edit_in_the_past_ends_the_old_future() -> None:
     session.scrub(0.0)
     assert len(session.frame) == 49
     assert session.history.span == pytest.approx(5 * session.engine.time_step)
+
+
+def test_what_changes_nothing_leaves_the_future_alone(tmp_path: Path) -> None:
+    session = session_of(Settings("gas", 50))
+    prints = run(session, 10)
+    session.scrub(5 * session.engine.time_step)
+    session.press()  # on the ground, or on a particle that is let go where it was
+    session.tools.cancel()
+    session.hand.drop()
+    session.release()
+    session.adjust("time_scale", 0.5)
+    session.save(tmp_path / "now.jostle")
+    session.files.folder = tmp_path
+    session.files.export_gsd()
+    for _ in range(3):
+        session.advance(1 / 60)
+    session.scrub(0.0)
+    assert fingerprint(session) == prints[-1]
+    session.close()
 
 
 @pytest.mark.parametrize("seconds", [0.5, 2.0])

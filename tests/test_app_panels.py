@@ -363,3 +363,56 @@ def test_a_still_session_has_still_panels(desk) -> None:
     first = pygame.surfarray.array3d(here.painter.canvas())[:290]
     here.frame(5)
     assert (pygame.surfarray.array3d(here.painter.canvas())[:290] == first).mean() > 0.999
+
+
+# ---- the past, and files -------------------------------------------------------------------------
+
+
+def test_the_slider_goes_through_the_last_half_minute(desk) -> None:
+    desk = desk("gas", 100)
+    desk.frame(60)
+    time = desk.session.frame.facts.time
+    desk.press("moment", 0.3, 0.5)
+    desk.let_go("moment", 0.5)
+    assert desk.session.paused
+    assert desk.session.frame.facts.time == pytest.approx(time / 2, abs=0.15)
+    desk.click("step back")
+    assert desk.session.history.back > 0
+
+
+def test_files_are_saved_loaded_recorded_and_exported(desk, tmp_path) -> None:
+    desk = desk("gas", 30, (1600, 1600))
+    session = desk.session
+    session.files.folder = tmp_path
+    desk.click("save")
+    desk.click("screenshot")
+    assert {path.suffix for path in tmp_path.iterdir()} == {".jostle", ".png"}
+    session.engine.edit(lambda simulation: simulation.remove([0]))
+    desk.frame(70)  # the list of files is renewed every second
+    (saved,) = session.files.scenes()
+    desk.click("load")
+    desk.click(f"load: {saved}")
+    assert len(session.frame) == 30
+    desk.click("film GIF")
+    desk.click("record")
+    film = session.files.recording
+    assert film.path.suffix == ".gif"
+    desk.frame(10)
+    desk.click("record")
+    film.close()
+    desk.frame()
+    assert session.files.recording is None and film.path.stat().st_size > 0
+    desk.click("export CSV")
+    session.close()
+    assert len([*tmp_path.glob("*.csv")]) == 2
+
+
+def test_two_selected_particles_are_asked_about(desk) -> None:
+    desk = desk("gas", 30, (1600, 1600))
+    desk.click("why")
+    assert desk.session.why is None
+    desk.session.selection.take([3, 4])
+    desk.click("why")
+    assert desk.session.why is not None
+    desk.click("why")
+    assert desk.session.why is None

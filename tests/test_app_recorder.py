@@ -100,7 +100,7 @@ def test_another_suffix_is_refused(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_not_there_is_ffmpegs_complaint(tmp_path: Path) -> None:
     encoding = Encoder(tmp_path / "missing" / "film.mp4", SIZE, 30)
-    with pytest.raises(OSError, match="(?i)no such file|could not|error"):
+    with pytest.raises(OSError, match=r"(?i)no such file"):
         for _ in range(100):
             encoding.add(bytes(SIZE[0] * SIZE[1] * 4))
         encoding.close()

@@ -140,3 +140,38 @@ def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_
     assert exit_.value.code == 0
     assert "no video device" in capsys.readouterr().out
     assert (tmp_path / "gas.mp4").exists()
+
+
+# ---- a scene in a file ---------------------------------------------------------------------------
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
+
+
+def test_a_file_says_what_to_run_and_options_go_before_it(tmp_path: Path) -> None:
+    pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")
+    done = command(
+        *("run", "--config", str(EXAMPLE), "-n", "40", "--method", "brute", "--steps", "2"),
+        *("--headless", "--out", str(tmp_path)),
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "gas-brute.mp4").stat().st_size
+    assert "gas, brute force" in done.stdout
+    assert f"{40 + 12 + 4}" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("gravitas = 1", "scene.toml, line 1: gravitas is not a setting; did you mean gravity?"),
+        ("n = 1\nrestitution = 2", "line 2: restitution is 2; it must be a number from 0 to 1"),
+        ("n = ", "scene.toml, line 1: "),
+    ],
+)
+def test_a_wrong_file_gets_one_sentence(monkeypatch, capsys, tmp_path: Path, text, words) -> None:
+    pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")
+    (tmp_path / "scene.toml").write_text(text)
+    assert words in refused(monkeypatch, capsys, "run", "--config", str(tmp_path / "scene.toml"))
+
+
+def test_a_file_that_is_not_there_gets_one_sentence(monkeypatch, capsys) -> None:
+    assert "cannot be read" in refused(monkeypatch, capsys, "run", "--config", "nowhere.toml")

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 _INSTALL = 'the command needs {}, which is not installed; pip install "jostle[app]" brings it'
 
@@ -115,11 +115,12 @@ def run(
     _check_renderer(renderer)
     _check_extra()
     wishes = _config(config)
-    options = dict(
-        scene=scene, n=n, seed=seed, method=method, leaf_capacity=leaf_capacity, max_depth=max_depth
-    )
+    options: dict[str, Any] = {
+        **{"scene": scene, "n": n, "seed": seed, "method": method},
+        **{"leaf_capacity": leaf_capacity, "max_depth": max_depth},
+    }
     given = {name: value for name, value in options.items() if value is not None}
-    settings = replace(wishes.settings, **given)  # type: ignore[arg-type]
+    settings = replace(wishes.settings, **given)
     _check_method(settings.method, settings.leaf_capacity, settings.max_depth)
     why_no_window = None
     if not headless:

@@ -4,7 +4,8 @@ In reading order; each file uses only files above it:
 
 ======================= ========================================================================
 palette                 every colour, in one place
-settings                what to simulate: the command, a file and the sliders have it in common
+rules, settings         what to simulate: the command, a file and the sliders have it in common
+packing                 facts and arrays in one piece of bytes, for states and scene files
 simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
 world_simulation        `jostle.World` behind that protocol
 article_simulation      `jostle.article.Simulation` behind that protocol
@@ -21,15 +22,23 @@ picture                 all layers in their order: the one picture of window and
 words, text, readout    words and numbers on the screen
 notices, helping        short sentences; the overlay that lists the keys
 picking, hand           what is under the cursor; pick up and throw
-series, statistics, traces      numbers over time; times, pairs, energy, momentum and how they drift
+series, statistics      numbers over time; times, pairs, energy, momentum and how they drift
+traces                  the same as the lines of plots
 pace, engine            real time to whole steps; who steps, and in which thread
+history                 the last half minute: snapshots, and the steps between made again
+paths, exports          new files; states as CSV and GSD
+encoder, recording      an ffmpeg that is fed pictures; a film beside the window
+scene_file, files       a scene in a file; all that a session writes and reads
+explain, why_view       why two particles touch or do not; the answer over the scene
 session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
                         `gui_shapes`, `gui_software` and `gui_opengl` draw it
+layout, panels          the room of the panels; all that is set and measured beside the scene
 controls, acts          the table of keys, and what each does to a session
 backdrop                a picture that takes long is drawn beside the window
 window                  the interactive loop
-recorder                MP4 and PNG files
+recorder                films and pictures of the run without a screen
+config                  a scene described in TOML
 headless, report        the run without a screen, and its table
 ======================= ========================================================================
 

@@ -7,6 +7,7 @@ million particles slow the picture, and neither the mouse nor the panels.
 from __future__ import annotations
 
 import copy
+import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -23,6 +24,7 @@ Draw = Callable[[Painter, Camera], None]
 LONG = 0.040  # seconds; pictures that take longer are drawn beside the window
 FEW = 20_000  # particles that are always drawn in the window
 MANY = 150_000  # particles whose first picture is not even tried in the window
+SHORTEST_TURN = 0.001  # seconds a thread keeps the interpreter while another waits
 PAUSE, LONGEST_PAUSE = 4, 512
 LARGEST_STRETCH = 16.0  # a picture stretched further shows nothing
 
@@ -78,6 +80,8 @@ class Backdrop:
 
     def _start(self, painter: Painter, camera: Camera, draw: Draw) -> None:
         if self._worker is None:
+            # Who waits for the interpreter gets it sooner, and one frame waits several times.
+            sys.setswitchinterval(SHORTEST_TURN)
             self._worker = ThreadPoolExecutor(1, "jostle-draw")
         if self._free.size != painter.size:
             self._free.resize(painter.size)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import subprocess
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -69,6 +71,8 @@ class Encoder:
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0)
                 | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
             )
+            with contextlib.suppress(AttributeError, OSError):  # the window goes first
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, 10)
         except (OSError, RuntimeError) as error:  # imageio's word where there is no ffmpeg
             self._tidy()
             raise OSError(f"no ffmpeg can be started: {error}") from error
@@ -140,7 +144,7 @@ def gif_palette() -> pygame.Surface:
     colours += [blend(STAGE, disc, share) for share in (0.2, 0.4, 0.6, 0.8) for disc in DISCS]
     colours += [blend(STAGE, level, share) for share in (0.36, 0.7) for level in levels]
     colours += [blend(GROUND, TEXT, share / 16) for share in range(1, 17)]
-    colours += [blend(a, b, 0.5) for a, b in zip(DISCS, DISCS[1:], strict=False)]
+    colours += [blend(a, b, 0.5) for a, b in pairwise(DISCS)]
     colours += [blend((0, 0, 0), disc, RIM_SHADE) for disc in DISCS]
     unique = list(dict.fromkeys(colours))[:256]
     unique += [GROUND] * (256 - len(unique))

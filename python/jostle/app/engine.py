@@ -16,6 +16,7 @@ from jostle.app.simulation import Frame, Simulation, Wants
 Edit = Callable[[Simulation], None]
 
 SHORT = 0.020  # seconds: steps up to this long are made at once, so that they are never late
+FEW = 50_000  # particles whose first step is short, as far as anybody can tell
 SMOOTH = 0.2  # share of a new measurement
 
 
@@ -107,12 +108,18 @@ class Engine:
         before = self.steps
         self._collect()
         self._apply_edits()
-        if self._seconds <= self.short if self._seconds else self.short >= SHORT:
+        if self._in_the_window():
             if self._pace.advance(elapsed, self._step):
                 self.frame = self.simulation.frame(self.wants)
         else:
             self._pace.advance(elapsed, self._start, most=1)
         return self.steps - before
+
+    def _in_the_window(self) -> bool:
+        """Tell whether steps are made at once; the first of many particles is not even tried."""
+        if self._seconds:
+            return self._seconds <= self.short
+        return self.short >= SHORT and len(self.simulation) <= FEW
 
     def step(self) -> None:
         """Make one step now, however long it takes."""

@@ -6,6 +6,7 @@ wrong becomes a notice as well, and leaves the session as it was.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING
 from jostle.app.camera import Size
 from jostle.app.exports import write_gsd, write_positions, write_series
 from jostle.app.paths import new_path, why_not, write_whole
+from jostle.app.picture import Picture
 from jostle.app.recorder import save_png
 from jostle.app.recording import Recording
 from jostle.app.scene_file import SUFFIX, read_scene, scene_bytes
@@ -59,6 +61,7 @@ class Files:
         self.film = FilmWishes()
         self._exporter: ThreadPoolExecutor | None = None
         self._exports: list[Future[str]] = []
+        self._listed: tuple[float, list[Path]] | None = None  # when, and what there was
 
     def follow(self) -> None:
         """Every frame: let the film have it, and say what has been finished."""
@@ -82,15 +85,18 @@ class Files:
     # Scenes
 
     def scenes(self) -> list[Path]:
-        """Return the saved scenes of the folder, the youngest first."""
-        found = self.folder.glob("*" + SUFFIX)
-        return sorted(found, key=lambda path: (path.stat().st_mtime, path.name), reverse=True)
+        """Return the saved scenes of the folder, the youngest first, as of a second ago."""
+        now = self._session.now
+        if self._listed is None or not 0 <= now - self._listed[0] < 1:
+            self._listed = now, _youngest_first(self.folder)
+        return self._listed[1]
 
     def save(self, path: Path | None = None) -> None:
         """Save the scene, under a new name unless one is given."""
         session = self._session
 
         def write(simulation: Simulation) -> None:
+            self._listed = None
             self._try(SUFFIX, lambda new: write_whole(new, scene_bytes(
                 simulation, session.camera, session.shown)), path)  # fmt: skip
 
@@ -116,11 +122,13 @@ class Files:
     def screenshot(self, path: Path | None = None, size: Size | None = None) -> None:
         """Save the picture as PNG, at the window's size unless another is given."""
         session = self._session
-        camera = session.camera if size is None else session.camera.on(size)
 
         def write(new: Path) -> None:
-            painter = SoftwarePainter(camera.size)
-            session.picture.draw(painter, session.frame, camera, session.shown)
+            painter = SoftwarePainter(size or session.camera.size)
+            if size is None:
+                session.draw(painter)
+            else:
+                Picture().draw(painter, session.frame, session.camera.on(size), session.shown)
             save_png(painter.canvas(), new)
 
         self._try(".png", write, path)
@@ -203,6 +211,14 @@ class Files:
             session.say(f"{path}: {error}")
         else:
             session.say(done.format(path))
+
+
+def _youngest_first(folder: Path) -> list[Path]:
+    ages = {}
+    for path in folder.glob("*" + SUFFIX):
+        with contextlib.suppress(OSError):  # it may have just been removed
+            ages[path] = path.stat().st_mtime_ns, path.name
+    return sorted(ages, key=lambda path: ages[path], reverse=True)
 
 
 def _summary(film: Recording) -> str:

@@ -55,6 +55,7 @@ class History:
     def __init__(self, seconds: float = SECONDS, budget: int = BUDGET) -> None:
         self.seconds, self.budget = seconds, budget
         self.moments: list[Moment] = []
+        self._changed = False
         self.at = self.bytes = 0
         self.span = self.back = 0.0
         self.stride = 1
@@ -69,6 +70,11 @@ class History:
         while self.stride < MOST_STRIDE and whole > self.budget * self.stride:
             self.stride *= 2
         self._since = 0  # steps since the last snapshot
+
+    @property
+    def can_go_back(self) -> bool:
+        """Whether there is a moment before this one, or an act to be undone."""
+        return self.at > 0 or self._changed
 
     # Taking note
 

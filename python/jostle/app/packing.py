@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[Any]
 
@@ -22,7 +22,7 @@ _TYPES = frozenset({"|u1", "|b1", "<u4", "<i8", "<f4", "<f8"})
 _LENGTH = 8  # bytes of the header's length, and of the checksum
 
 
-def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
+def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, ArrayLike]) -> bytes:
     """Return bytes of a kind; `unpack` gives facts and arrays back."""
     columns = {name: _plain(array) for name, array in arrays.items()}
     table = [[name, array.dtype.str, array.shape] for name, array in columns.items()]
@@ -83,7 +83,7 @@ def _first_line(kind: str) -> bytes:
     return _FIRST + f"{kind} {_VERSION}\n".encode()
 
 
-def _plain(array: Array) -> Array:
+def _plain(values: ArrayLike) -> Array:
     """Return the array in one of the types that are packed, the same on every machine."""
-    array = np.asarray(array)
+    array = np.asarray(values)
     return np.ascontiguousarray(array, array.dtype.newbyteorder("<"))

@@ -56,6 +56,9 @@ def report(simulation: Simulation, film: Film, settings: Settings) -> Table:
     )
     table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
     table.add_section()
+    if every_pair == 0:
+        table.add_row("other methods", "–", "there is no pair to find, so there is nothing to race")
+        return table
     for row in _comparison(simulation, state, settings):
         table.add_row(*row)
     return table

@@ -72,6 +72,8 @@ class Session:
         The parts; everybody may look at them.
     selection, tools, deeds, pulls, gravity
         What a person chooses, and does to particles, attractions and gravity.
+    history, files, question
+        The last half minute; what is saved, recorded, exported; why two particles touch or not.
     menu
         The one that is open.
     cursor
@@ -257,7 +259,12 @@ class Session:
         if live and name == "n":
             self._take_number(value)
         elif live:
-            self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
+            acts = name != "time_scale"  # which is no part of what happens, but how fast we look
+            self.engine.edit(
+                lambda simulation: self.say(simulation.adjust(name, value)), changes=acts
+            )
+            if name in WORK:
+                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
 
@@ -342,7 +349,8 @@ class Session:
         self.tools.release(self.at_cursor())
         if self.paused:
             self.hand.drop()
-        self.engine.edit(self.hand.throw)
+        if self.hand.held is not None:  # else nothing changes, and the future stays
+            self.engine.edit(self.hand.throw)
 
     def open_menu(self) -> None:
         """Open the menu of what is under the cursor."""

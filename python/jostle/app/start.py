@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from jostle.app.article_simulation import ArticleSimulation
+from jostle.app.room import free_places
 from jostle.app.settings import Group, Settings
 from jostle.app.simulation import Simulation
 from jostle.app.world_simulation import WorldSimulation
@@ -32,16 +33,18 @@ def resume(settings: Settings, state: bytes) -> Simulation:
 
 
 def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) -> None:
-    """Add the particles of a group; those of one seed are always the same."""
-    count = group.count
-    min_x, min_y, max_x, max_y = group.region or simulation.view
+    """Add the particles of a group where there is room; those of one seed are always the same."""
+    count, frame = group.count, simulation.frame()
+    region = group.region or simulation.view
+    radii = chance.uniform(*group.radius, count)
+    places = chance.uniform(region[:2], region[2:], (count, 2))
+    free, found = free_places(
+        frame.positions, frame.radii, radii, frame.container, region, int(chance.integers(2**31))
+    )
+    places[found] = free  # the others lie where they may; the first steps part them
     angles = chance.uniform(0, 2 * np.pi, count)
     speeds = chance.uniform(*group.speed, count)
     spread = speeds[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    simulation.add(
-        chance.uniform((min_x, min_y), (max_x, max_y), (count, 2)),
-        np.array(group.velocity) + spread,
-        chance.uniform(*group.radius, count),
-        chance.uniform(*group.density, count),
-        group.movable,
-    )
+    densities = chance.uniform(*group.density, count)
+    velocities = np.array(group.velocity) + spread
+    simulation.add(places, velocities, radii, densities, group.movable)

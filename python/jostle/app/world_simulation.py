@@ -403,8 +403,8 @@ class WorldSimulation:
             "home": asdict(self._home),
             "emitters": self._emitted(),
         }
-        columns = {"tags": self._tags, "born": self._born, "world": blob(self.world.snapshot())}
-        return pack("world", facts, columns)
+        snapshot = blob(self.world.snapshot())
+        return pack("world", facts, {"tags": self._tags, "born": self._born, "world": snapshot})
 
     def load(self, state: bytes) -> None:
         """Go back to a state; a ValueError says what is wrong with other bytes."""

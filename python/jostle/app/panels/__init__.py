@@ -6,9 +6,9 @@ find it. Only this folder and `gui*.py` know ImGui; import it where `gui.availab
 
 ========================= ======================================================================
 ink, widgets              colours; labels, sliders, choices and icons in one look
-layout                    how much room the panels have, and what the scene keeps
 transport, scenes         pause, step, restart; the list of scenes and what to look at
 method, rules, looks      brute force or tree; the sliders; what is drawn
+past, files               going back; scenes, films and tables in files
 figures, plots            the statistics
 column                    the sections at the left, one below the other
 ========================= ======================================================================
@@ -16,12 +16,13 @@ column                    the sections at the left, one below the other
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
+from imgui_bundle import imgui
+
 from jostle.app.gui import Gui
+from jostle.app.layout import arrange
 from jostle.app.panels import column, figures
-from jostle.app.panels.layout import arrange
 from jostle.app.session import Session
 
 Builder = Callable[[Session, Gui], None]
@@ -31,9 +32,9 @@ BUILDERS: list[Builder] = [column.build, figures.build]
 
 def build(session: Session, gui: Gui) -> None:
     """Build all panels; call it between `gui.begin` and `gui.end`."""
-    start = time.perf_counter()
-    arrange(session)
+    io = imgui.get_io()
+    size, scale = io.display_size, io.display_framebuffer_scale.x
+    arrange(session, size.x, size.y, scale)
     if session.shown.panels:
         for builder in BUILDERS:
             builder(session, gui)
-    session.statistics.measure(panels=(time.perf_counter() - start) * 1e3)

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from imgui_bundle import imgui
 
 from jostle.app.gui import Gui
-from jostle.app.panels import figures, looks, method, rules, scenes, transport
+from jostle.app.layout import layout
+from jostle.app.panels import figures, files, looks, method, past, rules, scenes, transport
 from jostle.app.panels.ink import ACCENT, TEXT_SOFT, vec
-from jostle.app.panels.layout import layout
 from jostle.app.panels.widgets import at_right, colours, part, section
 from jostle.app.session import Session
 from jostle.app.words import method_name
@@ -22,6 +22,9 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Shown", looks.build),
     ("World", rules.build_world),
     ("Time", rules.build_time),
+    ("The last half minute", past.build),
+    ("Two particles", files.build_why),
+    ("Files", files.build),
 ]
 
 FIXED = (
@@ -33,7 +36,7 @@ FIXED = (
 
 def build(session: Session, gui: Gui) -> None:
     """Build the column, if there is room for one."""
-    room = layout(session)
+    room = layout(session, *imgui.get_io().display_size)
     if not room.column:
         return
     imgui.set_next_window_pos((0.0, 0.0))

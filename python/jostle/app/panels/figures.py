@@ -5,6 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from jostle.app.gui import Gui
+from jostle.app.layout import layout
 from jostle.app.palette import Colour
 from jostle.app.panels import plots
 from jostle.app.panels.ink import (
@@ -20,7 +21,6 @@ from jostle.app.panels.ink import (
     ink,
     vec,
 )  # fmt: skip
-from jostle.app.panels.layout import TAB, layout
 from jostle.app.panels.widgets import (
     at_right,
     button,
@@ -36,6 +36,7 @@ from jostle.app.session import Session
 from jostle.app.traces import SPAN, Floats
 from jostle.app.words import pairs_of, scientific, share
 
+TAB = 34.0  # height of the panel when it is folded
 COLUMN_GAP = 18.0
 LONG = 1e5  # numbers from here on have a power of ten
 WORDS = 16.0  # points that the words in a plot's corners are high
@@ -52,7 +53,7 @@ FLAGS = (
 
 def build(session: Session, gui: Gui) -> None:
     """Build the panel at the right, folded or not, if there is room for it."""
-    room = layout(session)
+    room = layout(session, *imgui.get_io().display_size)
     if not room.figures:
         return
     height = room.height if session.shown.statistics else TAB

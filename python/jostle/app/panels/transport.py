@@ -22,13 +22,13 @@ Draw = Callable[[imgui.ImDrawList, float, float, int], None]
 def build(session: Session, gui: Gui) -> None:
     """Build the row of buttons."""
     across = share_out(6)
-    step_back = getattr(session, "step_back", None)  # where there is a history
+    step_back = session.step_back if session.history.can_go_back else None
     buttons: list[tuple[str, Draw, Callable[[], object] | None, Action | None]] = [
-        ("previous scene", _previous, session.previous_scene, None),
-        ("step back", _back, step_back, None),
+        ("previous scene", _previous, session.previous_scene, Action.PREVIOUS_SCENE),
+        ("step back", _back, step_back, Action.STEP_BACK),
         ("pause", _play if session.paused else _pause, session.toggle_pause, Action.PAUSE),
         ("step", _forward, session.single_step, Action.STEP),
-        ("next scene", _next, session.next_scene, None),
+        ("next scene", _next, session.next_scene, Action.NEXT_SCENE),
         ("restart", _restart, session.restart, Action.RESTART),
     ]
     for k, (name, draw, act, action) in enumerate(buttons):

@@ -1,0 +1,167 @@
+"""Why two particles touch or do not: the sentences are true, whatever the tree and the rules."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pygame = pytest.importorskip("pygame")
+
+import jostle  # noqa: E402
+from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.camera import Camera  # noqa: E402
+from jostle.app.explain import Why, explain  # noqa: E402
+from jostle.app.session import Session  # noqa: E402
+from jostle.app.settings import Settings  # noqa: E402
+from jostle.app.simulation import Frame, Wants  # noqa: E402
+from jostle.app.software import SoftwarePainter  # noqa: E402
+from jostle.app.start import start  # noqa: E402
+from jostle.app.why_view import draw_why  # noqa: E402
+from jostle.app.world_simulation import WorldSimulation  # noqa: E402
+
+VIEW = (0.0, 0.0, 100.0, 100.0)
+TREE = Wants(tree=True)
+
+
+def frame_of(places, radii, container=None, movable=None, **settings) -> tuple[Frame, Settings]:
+    rules = Settings("some discs", **settings)
+    zeros = np.zeros((len(places), 2))
+    simulation = WorldSimulation(
+        rules,
+        VIEW,
+        lambda: jostle.World(places, zeros, radii, container=container, movable=movable),
+    )
+    return simulation.frame(TREE), rules
+
+
+def answer(*args, **options) -> Why:
+    frame, settings = frame_of(*args, **options)
+    why = explain(frame, 0, 1, settings)
+    assert why is not None
+    return why
+
+
+def test_two_that_overlap() -> None:
+    why = answer([(10, 10), (13, 14)], [3, 4])
+    assert why.touching and why.tested
+    assert why.lines[0] == "Particles 0 and 1 touch: they overlap by 2."
+    assert why.lines[1] == "Their centres are 5 apart; the radii 3 and 4 make 7."
+    assert "overlap, and so do the circles" in why.lines[2]
+    assert "Both lie in one leaf, 0 levels down with 2 particles" in why.lines[3]
+    assert why.boxes == ((7, 7, 13, 13), (9, 10, 17, 18))
+    assert why.centres == ((10, 10), (13, 14))
+
+
+def test_two_whose_boxes_overlap_but_not_the_circles() -> None:
+    why = answer([(0, 0), (3, 4)], [2, 2.5])
+    assert not why.touching
+    assert why.lines[0] == "Particles 0 and 1 do not touch: there is a gap of 0.5."
+    assert "The boxes around them overlap, so the circles themselves" in why.lines[2]
+
+
+def test_two_that_just_meet_do_not_touch() -> None:
+    why = answer([(0, 0), (3, 4)], [2, 3])
+    assert not why.touching
+    assert why.lines[0] == "Particles 0 and 1 just meet: touching without overlap does not count."
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [((10, 0), "by 6 in x, "), ((0, 7), "by 3 in y, "), ((10, 7), "by 6 in x and by 3 in y, ")],
+)
+def test_on_which_axis_boxes_are_apart(place, words) -> None:
+    why = answer([(0, 0), place], [2, 2])
+    assert why.lines[2] == f"The boxes around them are apart {words}which settles it."
+
+
+def test_across_the_seam_of_a_torus() -> None:
+    why = answer([(1, 50), (99, 50)], [2, 2], jostle.Torus(100, 100))
+    assert why.touching
+    assert "overlap by 2" in why.lines[0]
+    assert why.centres == ((1, 50), (-1, 50))
+
+
+def test_leaves_that_are_apart_are_not_tested() -> None:
+    places = [(5, 5), (95, 95), (6, 6), (94, 94)]
+    why = answer(places, 1.0, leaf_capacity=2)
+    assert not why.tested and len(why.leaves) == 2
+    assert "They lie in two leaves: 1 level down with 2 particles, and 1 level" in why.lines[3]
+    assert why.lines[4].endswith("the pair is not tested.")
+    assert {leaf.cover for leaf in why.leaves} == {(4, 4, 7, 7), (93, 93, 96, 96)}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_whoever_touches_is_tested(seed: int) -> None:
+    """What the sentences say of the tree agrees with the pairs that overlap."""
+    chance = np.random.default_rng(seed)
+    places, radii = chance.uniform(0, 100, (60, 2)), chance.uniform(1, 8, 60)
+    frame, settings = frame_of(places, radii, leaf_capacity=3)
+    pairs = set(map(tuple, jostle.find_pairs(frame.positions, frame.radii).tolist()))
+    untested = 0
+    for i in range(60):
+        for j in range(i + 1, 60):
+            why = explain(frame, i, j, settings)
+            assert why.touching == ((i, j) in pairs)
+            assert why.tested or not why.touching
+            assert all(leaf.count <= 3 for leaf in why.leaves)
+            untested += not why.tested
+    assert untested > 500
+
+
+def test_without_a_tree_every_pair_is_tested() -> None:
+    why = answer([(0, 0), (50, 50)], 1.0, method="brute")
+    assert why.tested and why.leaves == ()
+    assert why.lines[3] == "Without a tree every pair is tested, this one too."
+
+
+def test_rules_that_are_not_a_bounce_are_told() -> None:
+    near = [(0, 0), (1, 0)]
+    assert "pass through each other" in answer(near, 1.0, on_touch="ignore").lines[-1]
+    assert "become one" in answer(near, 1.0, on_touch="merge").lines[-1]
+    assert "Neither of them can move" in answer(near, 1.0, movable=[False, False]).lines[-1]
+
+
+def test_one_that_is_gone_has_no_answer() -> None:
+    frame, settings = frame_of([(0, 0), (1, 1)], 1.0)
+    assert explain(frame, 0, 2, settings) is None
+    assert explain(frame, 1, 1, settings) is None
+
+
+def test_the_article_tests_what_shares_a_leaf() -> None:
+    simulation = ArticleSimulation(Settings("article", 80, method="article-quadtree"))
+    simulation.step()
+    frame, tested = simulation.frame(TREE), 0
+    for i in range(30):
+        for j in range(i + 1, 30):
+            why = explain(frame, i, j, simulation.settings)
+            assert ("the pair is tested" in why.lines[3]) == why.tested
+            tested += why.tested
+    assert 0 < tested < 30 * 29 / 2
+
+
+def test_a_session_answers_for_two_selected_until_it_is_taken_back() -> None:
+    session = Session(start(Settings("gas", 40)), (640, 360))
+    session.ask_why()
+    assert session.notice == "Select two particles to ask about; 0 are selected."
+    assert session.why is None
+    session.selection.take([3, 5])
+    session.ask_why()
+    session.advance(1 / 60)
+    first = session.why
+    assert first.lines[0].startswith("Particles 3 and 5 ")
+    assert len(first.leaves) in (1, 2)  # though the picture shows no tree
+    for _ in range(5):
+        session.advance(1 / 60)
+    assert session.why.centres != first.centres
+    session.engine.edit(lambda simulation: simulation.remove([5]))
+    assert session.why is None
+    session.advance(1 / 60)
+    assert session.question.pair is None
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (200, 100)])
+def test_the_answer_is_drawn(size) -> None:
+    why = answer([(10, 10), (60, 70)], [3, 4])
+    painter = SoftwarePainter(size)
+    draw_why(painter, why, Camera(size, VIEW))
+    assert len(np.unique(pygame.surfarray.array2d(painter.canvas()))) > 2
