@@ -40,6 +40,9 @@ _OTHER_METHOD = {
     "article-brute": "article-quadtree",
 }
 
+# Settings whose change does work on the particles, or shifts the zero of their energy.
+WORK = {"n", "gravity", "world_size", "container"}
+
 
 class Session(Hands):
     """One run of the program.
@@ -241,6 +244,8 @@ class Session(Hands):
             self.engine.edit(
                 lambda simulation: self.say(simulation.adjust(name, value)), changes=acts
             )
+            if name in WORK:
+                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
 
