@@ -22,10 +22,12 @@ words, text, readout    words and numbers on the screen
 notices, helping        short sentences; the overlay that lists the keys
 picking, hand           what is under the cursor; pick up and throw
 series, statistics      numbers over time; times, pairs, energy, momentum and how they drift
+traces                  the same as the lines of plots
 pace, engine            real time to whole steps; who steps, and in which thread
 session                 all that a person has before them, without a window
 gui                     the host of the panels: `gui_keys`, `gui_style` dress it,
                         `gui_shapes`, `gui_software` and `gui_opengl` draw it
+layout, panels          the room of the panels; all that is set and measured beside the scene
 controls, acts          the table of keys, and what each does to a session
 backdrop                a picture that takes long is drawn beside the window
 window                  the interactive loop

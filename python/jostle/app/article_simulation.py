@@ -32,6 +32,7 @@ from jostle.app.world_simulation import WorldSimulation
 FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
 GRAVITY = 0.5  # pixels a frame, each frame
 DEFAULT_N = 500
+WINDOW = (800, 500)  # pixels
 NUMBERS = ("x", "y", "speed", "angle")  # of a particle, in full precision
 
 
@@ -56,9 +57,14 @@ class ArticleSimulation:
         rules = settings.method.removeprefix("article-")
         if self.scene == "article":
             n = DEFAULT_N if settings.n is None else settings.n
-            self.program = article.Simulation(n, rules, settings.seed)
+            sides = (
+                max(round(side * settings.world_size), article.SMALLEST_SIDE) for side in WINDOW
+            )
+            self.program = article.Simulation(n, rules, settings.seed, *sides)
         else:
-            lender = WorldSimulation.of_scene(replace(settings, method="quadtree"))
+            lender = WorldSimulation.of_scene(
+                replace(settings, method="quadtree", container=None)  # a display is a rectangle
+            )
             self.program = article_of(lender.frame(), lender.view, rules)
         self._take_size()
         self._pulls: tuple[Pull, ...] = ()

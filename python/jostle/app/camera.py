@@ -25,19 +25,19 @@ class Camera:
         Width and height of the screen in pixels.
     view
         The part of the world to show, as min_x, min_y, max_x, max_y.
-    left
-        Pixels at the left edge that the scene shall stay clear of (the readout).
+    left, right
+        Pixels at the edges that the scene shall stay clear of (the panels).
 
     Attributes
     ----------
     columns
-        Into how many equal parts the width beside the readout is divided; the view is shown in
+        Into how many equal parts the width between the panels is divided; the view is shown in
         the first. `column` gives the others.
     """
 
-    def __init__(self, size: Size, view: Rect, left: int = 0) -> None:
+    def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:
         self.size = size
-        self.left = left
+        self.left, self.right = left, right
         self.columns = 1
         self._view = view
         self.home()
@@ -47,8 +47,15 @@ class Camera:
         self._view = view
         self.home()
 
+    def follow(self, view: Rect) -> None:
+        """Know that the view has changed its size; a camera at home shows all of it again."""
+        if view != self._view:
+            self._view = view
+            if self._at_home:
+                self.home()
+
     def home(self) -> None:
-        """Show the whole view, as large as fits beside the readout."""
+        """Show the whole view, as large as fits between the panels."""
         min_x, min_y, max_x, max_y = self._view
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
         left, column = self._clear, self.column_width
@@ -59,15 +66,24 @@ class Camera:
         self.center = (min_x + max_x) / 2 - aside / self.scale, (min_y + max_y) / 2
         self._at_home = True
 
+    def keep_clear(self, left: int, right: int) -> None:
+        """Leave other edges free from now on; a view at home stays at home."""
+        if (left, right) != (self.left, self.right):
+            self.left, self.right = left, right
+            if self._at_home:
+                self.home()
+
     @property
     def _clear(self) -> int:
-        """Return what the scene keeps clear of, where there is room for that."""
+        """Return what the scene keeps clear of at the left, where there is room for that."""
         return self.left if self.left < self.size[0] / 2 else 0
 
     @property
     def column_width(self) -> float:
         """Return the width of one of the columns in pixels."""
-        return (self.size[0] - self._clear) / self.columns
+        left = self._clear
+        right = self.right if left + self.right < 0.7 * self.size[0] else 0
+        return (self.size[0] - left - right) / self.columns
 
     def column_edge(self, column: int) -> float:
         """Return the left edge of a column in pixels; the first has all that is left of it."""

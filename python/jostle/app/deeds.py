@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.engine import Edit, Engine
 from jostle.app.simulation import Container, Frame, Point, Rect, Simulation, Tags
-from jostle.app.stage import bounds
+from jostle.app.walls import bounds
 
 BEAD_SHARE = 0.5  # a wall is as thick as a typical particle is wide, halved
 MOST_BEADS = 2_000  # in one wall: a longer one gets thicker beads

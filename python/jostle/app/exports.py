@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jostle.app.simulation import Frame, Rect
-from jostle.app.stage import bounds
+from jostle.app.walls import bounds
 
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # what tells any two numbers of single precision apart
@@ -31,9 +31,7 @@ def write_series(path: Path, columns: Mapping[str, ArrayLike]) -> None:
     _write_table(path, tuple(columns), list(columns.values()), ["%.17g"] * len(columns))
 
 
-def _write_table(
-    path: Path, names: Iterable[str], columns: list[Any], formats: list[str]
-) -> None:
+def _write_table(path: Path, names: Iterable[str], columns: list[Any], formats: list[str]) -> None:
     table = np.column_stack([np.asarray(column, np.float64) for column in columns])
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(",".join(names) + "\n")

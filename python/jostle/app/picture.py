@@ -9,14 +9,16 @@ import pygame
 from jostle.app import overlays
 from jostle.app.camera import Camera
 from jostle.app.colouring import Colouring
+from jostle.app.extras import Extras
 from jostle.app.labels import draw_labels
 from jostle.app.legend import Card, Legend, draw_cards
 from jostle.app.marks import draw_attractors, draw_contacts, draw_springs, draw_velocities
 from jostle.app.painter import Painter
 from jostle.app.shown import ColourBy, Shown, TreeView
 from jostle.app.simulation import Frame, TreeBoxes, Wants
-from jostle.app.stage import Beads, bounds, draw_discs, draw_stage, rect_on_screen
+from jostle.app.stage import Beads, draw_discs, draw_stage, rect_on_screen
 from jostle.app.trails import Trails
+from jostle.app.walls import bounds
 
 DrawTree = Callable[[Painter, TreeBoxes, Camera], Legend | None]
 
@@ -40,6 +42,11 @@ class Picture:
         self.colouring = Colouring()
         self.trails = Trails()
         self._beads = Beads()
+        self._extras = Extras()
+
+    def clear_trails(self) -> None:
+        """Forget where particles have been."""
+        self.trails.clear()
 
     @staticmethod
     def wants(shown: Shown) -> Wants:
@@ -67,6 +74,7 @@ class Picture:
             cards.append(_draw_tree(overlays.draw_heat, painter, frame, camera, part))
         if shown.trails:
             cards.append(self.trails.draw(painter, frame, shades, camera))
+        self._extras.draw_below(painter, frame, camera)
         draw_springs(painter, frame, camera)
         draw_discs(painter, frame, shades, camera)
         self._beads.draw(painter, frame, camera)
@@ -79,6 +87,7 @@ class Picture:
             cards.append(draw_velocities(painter, frame, camera))
         if shown.labels:
             cards.append(draw_labels(painter, frame, camera))
+        cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
         draw_cards(painter, [card for card in cards if card])
 

@@ -33,12 +33,16 @@ from jostle.app.simulation import Frame, Point, Simulation, Tags
 from jostle.app.start import start
 from jostle.app.statistics import Statistics
 from jostle.app.tools import Tool, Tools
+from jostle.app.traces import Traces
 from jostle.app.words import method_name
 
 NOTICE_TIME = 3.0  # seconds
 CLICK = 4.0  # pixels: a button that moves less while it is down was a click
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
+
+# What to change does work on the particles: drift begins again, for it is not theirs.
+WORK = {"n", "gravity", "world_size", "container"}
 
 _OTHER_METHOD = {
     "quadtree": "brute",
@@ -62,7 +66,7 @@ class Session:
 
     Attributes
     ----------
-    engine, camera, shown, picture, hand, statistics
+    engine, camera, shown, picture, hand, statistics, traces
         The parts; everybody may look at them.
     selection, tools, deeds, pulls, gravity
         What a person chooses, and does to particles, attractions and gravity.
@@ -97,6 +101,7 @@ class Session:
         self.tools = Tools(self.engine, self.hand, self.selection, self.deeds, self.pulls, self.say)
         self.menu: Menu | None = None
         self.statistics = Statistics()
+        self.traces = Traces(self.statistics)
         self.cursor: Point = (size[0] / 2, size[1] / 2)
         self.paused = False
         self.open = True
@@ -124,6 +129,7 @@ class Session:
                 self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
             engine.look()
+        self.camera.follow(engine.view)
         self._keep_up()
         statistics.follow(
             self.frame, self.now, elapsed, at_work=not self.paused, step_seconds=engine.step_seconds
@@ -244,6 +250,8 @@ class Session:
         live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
         if live:
             self.engine.edit(lambda simulation: self.say(simulation.adjust(name, value)))
+            if name in WORK:
+                self.statistics.begin_again()
         else:
             self.begin(replace(self.settings, **{name: value}))
 
@@ -375,7 +383,7 @@ class Session:
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
-        self.picture.trails.clear()
+        self.picture.clear_trails()
 
     def toggle(self, name: str) -> None:
         """Switch one of the switches of `Shown`."""

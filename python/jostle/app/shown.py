@@ -48,4 +48,5 @@ class Shown:
     trails: bool = False
     labels: bool = False
     panels: bool = True
+    statistics: bool = True
     help: bool = False

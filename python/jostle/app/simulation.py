@@ -95,6 +95,8 @@ class Frame:
     touching: Touching | None = None
     springs: NDArray[np.uint32] | None = None  # (s, 2) rows
     attractors: tuple[Pull, ...] = ()
+    scene: str = ""  # whose extras are shown
+    begun_with: int | None = None  # the number of particles that the scene was made for
 
     def __len__(self) -> int:
         return len(self.radii)

@@ -11,6 +11,7 @@ from jostle.app.camera import Camera
 from jostle.app.painter import Painter
 from jostle.app.palette import FIXED, GROUND, STAGE, WALL
 from jostle.app.simulation import Container, Frame, Rect
+from jostle.app.walls import bounds
 
 WALL_WIDTH = 2
 NEARLY = 1.05  # radii, within which immovable discs count as one wall
@@ -72,18 +73,6 @@ class Beads:
         for width in np.unique(np.rint(widths[seen])).tolist():
             mine = ends[seen & (np.rint(widths) == width)]
             painter.lines(mine, np.tile(np.array(FIXED, np.uint8), (len(mine), 1)), width)
-
-
-def bounds(container: Container) -> Rect | None:
-    """Return the rectangle around the walls; None where there are none."""
-    if container is None:
-        return None
-    if isinstance(container, jostle.Torus):
-        return 0.0, 0.0, container.width, container.height
-    if isinstance(container, jostle.Circle):
-        (x, y), radius = container.center, container.radius
-        return x - radius, y - radius, x + radius, y + radius
-    return container.min_x, container.min_y, container.max_x, container.max_y
 
 
 def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:

@@ -101,5 +101,5 @@ def _jumped(ends: Floats, container: Container) -> NDArray[np.bool_]:
     if not isinstance(container, jostle.Torus):
         return np.zeros(len(ends), np.bool_)
     sides = np.array([container.width, container.height])
-    over: NDArray[np.bool_] = (np.abs(ends[:, 2:] - ends[:, :2]) > sides / 2).any(axis=1)
-    return over
+    over = np.abs(ends[:, 2:] - ends[:, :2]) > sides / 2
+    return np.logical_or(over[:, 0], over[:, 1])

@@ -14,6 +14,7 @@ from jostle.app.camera import Camera, Size
 from jostle.app.gui import Gui
 from jostle.app.helping import draw_help
 from jostle.app.input import Input
+from jostle.app.layout import arrange
 from jostle.app.notices import draw_hint, draw_notice
 from jostle.app.painter import Painter
 from jostle.app.readout import SPACE, Readout
@@ -64,7 +65,9 @@ class Window:
         pygame.display.set_caption(f"jostle · {simulation.scene}")
         self.session = Session(simulation, self.painter.size, left=SPACE)
         self.readout = Readout()
-        self.builders: list[Builder] = []
+        self.builders = _builders()
+        if self.builders:
+            arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter) if gui.available() else None
         self._backdrop = Backdrop()
         self._steps_left = steps
@@ -159,8 +162,11 @@ class Window:
         start = time.perf_counter()
         self._draw_scene()
         self._draw_words()
-        self.readout.measure(draw=(time.perf_counter() - start) * 1e3)
+        drawn = time.perf_counter()
+        self.readout.measure(draw=(drawn - start) * 1e3)
         self._draw_panels(elapsed)
+        panels = time.perf_counter() - drawn
+        self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
         self.screen.show()
 
     def _draw_scene(self) -> None:
@@ -211,3 +217,12 @@ def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:
         if hasattr(event, name)
     }
     return pygame.event.Event(event.type, {**event.dict, **moved})
+
+
+def _builders() -> list[Builder]:
+    """Return what builds panels and menus, where ImGui is there."""
+    if not gui.available():
+        return []
+    from jostle.app import menus, panels  # they cannot do without it
+
+    return [panels.build, menus.build]

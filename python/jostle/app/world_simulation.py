@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
+from jostle.app.emitters import Emitters
 from jostle.app.packing import blob, pack, unpack
+from jostle.app.room import free_places
 from jostle.app.settings import Settings, settings_of
 from jostle.app.simulation import (
     Container,
@@ -26,6 +28,7 @@ from jostle.app.simulation import (
     TreeBoxes,
     Wants,
 )
+from jostle.app.walls import Home, bounds, brought_in, center_of
 
 TIME_STEP = 1 / 60
 BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the picture for seconds
@@ -36,8 +39,9 @@ SPEED_LIMIT = 4.0  # a held particle's speed, in diagonals of the view a second
 # Settings that are attributes of a world, by the same name.
 RULES = (
     *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
-    "threads",
+    *("threads", "on_touch"),
 )
+MOST_AT_ONCE = 100_000  # particles that a slider adds to a running scene
 
 
 class WorldSimulation:
@@ -70,13 +74,20 @@ class WorldSimulation:
             value = getattr(settings, name)
             if value is not None:
                 setattr(self.world, name, value)
+        self._home = Home.of(self.world.container, view, settings.n)
+        self.emitters: Emitters | None = None
+        if settings.world_size != 1.0 or settings.container is not None:
+            self._fit_walls()
 
     @classmethod
     def of_scene(cls, settings: Settings) -> WorldSimulation:
         """Return a scene of `jostle.scenes`."""
         scene, n, seed = settings.scene, settings.n, settings.seed
         view = jostle.scenes.view(scene, n)
-        return cls(settings, view, lambda: jostle.scenes.create(scene, n=n, seed=seed))
+        simulation = cls(settings, view, lambda: jostle.scenes.create(scene, n=n, seed=seed))
+        if scene == "emitters":
+            simulation.emitters = Emitters(n, seed)
+        return simulation
 
     def __len__(self) -> int:
         return len(self.world)
@@ -94,7 +105,7 @@ class WorldSimulation:
     @property
     def adjustable(self) -> frozenset[str]:
         """Return what can change while it runs."""
-        return frozenset({*RULES, "time_scale"})
+        return frozenset({*RULES, "time_scale", "n", "world_size", "container"})
 
     @property
     def rules(self) -> Settings:
@@ -121,6 +132,8 @@ class WorldSimulation:
             touching=self._touching() if wants.contacts else None,
             springs=self._springs(),
             attractors=self._pulls,
+            scene=self.scene,
+            begun_with=self._home.n,
         )
 
     def _facts(self) -> Facts:
@@ -180,6 +193,27 @@ class WorldSimulation:
         renumbered = self.world.renumbered
         if renumbered is not None:
             self._follow_merging(renumbered)
+        if self.emitters is not None:
+            self._emit(self.emitters)
+
+    def _emit(self, emitters: Emitters) -> None:
+        """Let drops come out; the oldest go where there are too many."""
+        gone = emitters.step(self.world, self.time_step)
+        if gone is not None:
+            self._tags, self._born = np.delete(self._tags, gone), np.delete(self._born, gone)
+        new = len(self.world) - len(self._tags)
+        self._tag_last(new)
+        if new or gone is not None:
+            self._note_columns()
+            self._renew_pulls()
+
+    def _tag_last(self, count: int) -> Tags:
+        """Give tags to particles that have just been added."""
+        tags = np.arange(self._next_tag, self._next_tag + count, dtype=np.int64)
+        self._next_tag += count
+        self._tags = np.concatenate([self._tags, tags])
+        self._born = np.concatenate([self._born, np.full(count, self.world.time)])
+        return tags
 
     def _follow_merging(self, renumbered: NDArray[np.uint32]) -> None:
         """Give what has become of several particles the tag of the oldest of them."""
@@ -189,13 +223,73 @@ class WorldSimulation:
         self._renew_pulls()
 
     def adjust(self, name: str, value: Any) -> str | None:
-        """Change a rule; brute force is refused where it would freeze the picture."""
-        if name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
-            return f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
-        if name in RULES:
-            setattr(self.world, name, value)
-        self.settings = replace(self.settings, **{name: value})
+        """Change a setting; a sentence says why where that cannot be, or not wholly."""
+        before = self.settings
+        self.settings = replace(before, **{name: value})
+        try:
+            if name == "n":
+                return self._take_number(value)
+            if name in ("world_size", "container"):
+                self._fit_walls()
+            elif name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
+                raise ValueError(
+                    f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
+                )
+            elif name in RULES:
+                setattr(self.world, name, value)
+        except (ValueError, TypeError, OverflowError) as error:
+            self.settings = before
+            return str(error)
         return None
+
+    def _fit_walls(self) -> None:
+        """Give the world the walls of the settings, and bring inside what is out."""
+        world, settings = self.world, self.settings
+        before = center_of(bounds(world.container) or self._home.rect)
+        world.container, self.view = self._home.fitted(settings.container, settings.world_size)
+        shift = np.array(center_of(bounds(world.container) or self._home.rect)) - np.array(before)
+        places = world.positions.astype(np.float64) + shift
+        inside = brought_in(places, self._radii.astype(np.float64), world.container)
+        world.positions = np.where(self._movable[:, None], inside, places)
+
+    def _take_number(self, n: int) -> str | None:
+        """Add copies of particles where there is room, or remove the last ones.
+
+        `n` counts what can move; of a scene with emitters it is the cap.
+        """
+        if self.emitters is not None:
+            self.emitters.cap = n
+            return None
+        moving = np.flatnonzero(self._movable)
+        if n <= len(moving):
+            self.remove(self._tags[moving[n:]])
+            return None
+        more = n - len(moving)
+        reason = None
+        if more > MOST_AT_ONCE:
+            reason = f"{more:,} more are too many to add to a running scene: restart with them."
+        elif len(moving) == 0:
+            reason = "There is no particle to copy: restart with them."
+        elif self.method == "brute" and len(self) + more > BRUTE_LIMIT:
+            reason = f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
+        else:
+            added = self._add_copies(moving, more)
+            if added < more:
+                reason = f"There was room for {added:,} of {more:,} more particles."
+        return reason
+
+    def _add_copies(self, rows: NDArray[np.intp], count: int) -> int:
+        """Add copies of some of the rows at free random places; return how many found one."""
+        world = self.world
+        chance = np.random.default_rng([self.settings.seed, self._next_tag])
+        rows = chance.choice(rows, count)
+        places, found = free_places(
+            world.positions, self._radii, self._radii[rows], world.container, self.view,
+            int(chance.integers(2**31)),
+        )  # fmt: skip
+        rows = rows[found]
+        self.add(places, world.velocities[rows], self._radii[rows], self._densities[rows])
+        return len(rows)
 
     def add(
         self,
@@ -214,10 +308,7 @@ class WorldSimulation:
             densities=densities,
             movable=np.asarray(movable),
         )
-        tags = np.arange(self._next_tag, self._next_tag + len(ids), dtype=np.int64)
-        self._next_tag += len(ids)
-        self._tags = np.concatenate([self._tags, tags])
-        self._born = np.concatenate([self._born, np.full(len(ids), self.world.time)])
+        tags = self._tag_last(len(ids))
         self._note_columns()
         return tags
 
@@ -316,6 +407,8 @@ class WorldSimulation:
             "next_tag": self._next_tag,
             "own_forces": self._own_forces,
             "pulls": [asdict(pull) for pull in self._pulls],
+            "home": asdict(self._home),
+            "emitters": self._emitted(),
         }
         columns = {"tags": self._tags, "born": self._born, "world": blob(self.world.snapshot())}
         return pack("world", facts, columns)
@@ -330,7 +423,16 @@ class WorldSimulation:
         self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
         self._tags, self._born = columns["tags"], columns["born"]
         self._next_tag = facts["next_tag"]
+        self._home = Home.read(facts["home"])
+        if facts["emitters"] is not None:
+            self.emitters = emitters = Emitters(self.settings.n, self.settings.seed)
+            emitters.cap, emitters.emitted, emitters.debt = facts["emitters"]
         self._note_columns()
+
+    def _emitted(self) -> tuple[int, int, float] | None:
+        """Return the state of the emitters, if there are any."""
+        emitters = self.emitters
+        return (emitters.cap, emitters.emitted, emitters.debt) if emitters else None
 
     def _find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of the tags that are there, in their order, and which those are."""

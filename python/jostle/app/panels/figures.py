@@ -1,0 +1,200 @@
+"""The statistics: where the time goes, how many pairs are tested, what energy and momentum do."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from jostle.app.gui import Gui
+from jostle.app.layout import layout
+from jostle.app.palette import Colour
+from jostle.app.panels import plots
+from jostle.app.panels.ink import (
+    ACROSS,
+    DOWN,
+    KINETIC,
+    POTENTIAL,
+    RAISED,
+    STAGES,
+    TEXT,
+    TEXT_SOFT,
+    TOTAL,
+    ink,
+    vec,
+)  # fmt: skip
+from jostle.app.panels.widgets import (
+    at_right,
+    button,
+    colours,
+    hint,
+    part,
+    row,
+    section,
+    signed,
+    width,
+)
+from jostle.app.session import Session
+from jostle.app.traces import SPAN, Floats
+from jostle.app.words import pairs_of, scientific, share
+
+TAB = 34.0  # height of the panel when it is folded
+COLUMN_GAP = 18.0
+LONG = 1e5  # numbers from here on have a power of ten
+WORDS = 16.0  # points that the words in a plot's corners are high
+MARGIN = 0.08  # of the span of a plot, left free above and below
+LEAST_PLOT, MOST_PLOT = 56.0, 150.0
+TEXT_LINES = 540.0  # what everything but the three plots needs, in points
+
+FLAGS = (
+    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+)  # fmt: skip
+
+
+def build(session: Session, gui: Gui) -> None:
+    """Build the panel at the right, folded or not, if there is room for it."""
+    room = layout(session, *imgui.get_io().display_size)
+    if not room.figures:
+        return
+    height = room.height if session.shown.statistics else TAB
+    imgui.set_next_window_pos((room.width - room.figures, 0.0))
+    imgui.set_next_window_size((room.figures, height))
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
+    imgui.begin("statistics", None, FLAGS)
+    imgui.pop_style_var(2)
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
+    _head(session, gui)
+    if session.shown.statistics:
+        build_sections(session, gui, (room.height - TEXT_LINES) / 3)
+    imgui.pop_style_var()
+    imgui.end()
+
+
+def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
+    """Build the sections alone, with plots of a height as far as they can be read."""
+    session.traces.refresh(session.frame, session.now)
+    height = min(max(height, LEAST_PLOT), MOST_PLOT)
+    for title, contents in SECTIONS.items():
+        if section(gui, title):
+            with part(title):
+                contents(session, gui, height)
+
+
+def _head(session: Session, gui: Gui) -> None:
+    """Build the line that folds the panel."""
+    mean = session.traces.frame_mean
+    words = f"{1e3 / mean:,.0f} pictures a second" if mean > 0 else "\u2013"
+    with colours(header=vec(RAISED, 0.0), header_hovered=vec(RAISED, 0.5)):
+        if imgui.selectable("##fold", False, imgui.SelectableFlags_.allow_overlap)[0]:
+            session.toggle("statistics")
+    gui.mark("statistics")
+    imgui.same_line(imgui.get_style().window_padding.x)
+    imgui.text_unformatted("Statistics")
+    at_right(words, quiet=True)
+
+
+def _swatch(name: str, colour: Colour, value: str, across: float = 0.0) -> None:
+    """Write an entry of a legend: a dot, a name, a number; as wide as the panel, or less."""
+    across = across or width()
+    at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
+    middle = at.y + size / 2 + 1
+    draw = imgui.get_window_draw_list()
+    draw.add_rect_filled((at.x, middle - 4), (at.x + 8, middle + 4), ink(colour), 2.0)
+    draw.add_text((at.x + 16, at.y), ink(TEXT_SOFT), name)
+    draw.add_text((at.x + across - imgui.calc_text_size(value).x, at.y), ink(TEXT), value)
+    imgui.dummy((across, size))
+
+
+def _times(session: Session, gui: Gui, height: float) -> None:
+    traces, stages = session.traces, session.statistics.stages
+    tints = [STAGES.get(stage, TEXT_SOFT) for stage in stages]
+    corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
+    with plots.plot("times", height, (-SPAN, 0.0), (0.0, traces.top), corner) as seen:
+        if seen:
+            plots.stack(traces.ages, traces.stacked, tints)
+            plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
+    gui.mark("plot times")
+    legend = [
+        *(
+            (stage, tint, traces.means.get(stage, 0.0))
+            for stage, tint in zip(stages, tints, strict=True)
+        ),
+        ("a picture", TOTAL, traces.frame_mean),
+    ]
+    half = -(-len(legend) // 2)  # two columns, read downwards
+    across = (width() - COLUMN_GAP) / 2
+    for k in range(half):
+        _swatch(*_in_ms(legend[k]), across)
+        if half + k < len(legend):
+            imgui.same_line(0.0, COLUMN_GAP)
+            _swatch(*_in_ms(legend[half + k]), across)
+
+
+def _in_ms(entry: tuple[str, Colour, float]) -> tuple[str, Colour, str]:
+    name, tint, milliseconds = entry
+    return name, tint, f"{milliseconds:.2f}"
+
+
+def _pairs(session: Session, gui: Gui, height: float) -> None:
+    facts, every = session.traces.facts, pairs_of(session.traces.count)
+    row("tested", f"{facts.pairs_tested:,}")
+    row("of n(n\u22121)/2", f"{every:,}")
+    row("share", share(facts.pairs_tested, every))
+    row("touching", f"{facts.touching:,}")
+    row("tree", f"{facts.nodes:,} nodes, {facts.depth:,} deep" if facts.nodes else "\u2013")
+
+
+def _energy(session: Session, gui: Gui, height: float) -> None:
+    time, *columns, drift = session.traces.energies
+    names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
+    _lines(gui, "energy", height, time, names, tints, columns)
+    row("drift since the start", signed(drift[-1] if len(drift) else 0.0, "+.2f") + " %")
+    hint(
+        "How far the total energy is from where it began, compared with the energy in play. "
+        "Right physics loses energy to restitution and drag alone; the article's rules lose and "
+        "invent it. The potential energy counts from the start."
+    )
+
+
+def _momentum(session: Session, gui: Gui, height: float) -> None:
+    time, *columns = session.traces.momenta
+    _lines(gui, "momentum", height, time, ("to the right", "down"), (ACROSS, DOWN), columns)
+    row("drift since the start", f"{100 * session.traces.momentum_drift:.2f} %")
+    hint("How much momentum has come or gone, compared with all of it flying one way.")
+    if button(gui, "measure drift", "Measure drift from now on"):
+        session.statistics.begin_again()
+
+
+def _lines(
+    gui: Gui,
+    name: str,
+    height: float,
+    time: Floats,
+    names: tuple[str, ...],
+    tints: tuple[Colour, ...],
+    columns: list[Floats],
+) -> None:
+    """Plot columns over simulated time, with a legend that tells their last values."""
+    if not len(time):
+        return
+    low = min(float(values.min()) for values in columns)
+    high = max(float(values.max()) for values in columns)
+    room = MARGIN * (high - low) or abs(high) or 1.0
+    across = float(time[0]), max(float(time[-1]), float(time[0]) + 1.0)
+    corners = _sum(high), f"{across[1] - across[0]:,.0f} s"
+    above = (high - low) * WORDS / (height - WORDS)  # no line crosses the words in the corners
+    with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
+        if seen:
+            for word, tint, values in zip(names, tints, columns, strict=True):
+                plots.line(word, time, values, tint)
+    gui.mark(f"plot {name}")
+    for word, tint, values in zip(names, tints, columns, strict=True):
+        _swatch(word, tint, _sum(float(values[-1])))
+
+
+def _sum(value: float) -> str:
+    return signed(value, ",.1f") if abs(value) < LONG else scientific(value).replace("-", "\u2212")
+
+
+SECTIONS = {"Time": _times, "Pairs": _pairs, "Energy": _energy, "Momentum": _momentum}

@@ -1,0 +1,46 @@
+"""The colours of the panels, in ImGui's numbers."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from imgui_bundle import imgui
+
+from jostle.app.gui_style import FIELD, RAISED
+from jostle.app.palette import ACCENT, PANEL, TEXT, TEXT_SOFT, Colour, blend
+
+__all__ = ["ACCENT", "CHOSEN", "FIELD", "FILLED", "RAISED", "TEXT", "TEXT_SOFT", "ink", "vec"]
+
+CHOSEN: Colour = blend(PANEL[:3], ACCENT, 0.34)  # what is switched on
+FILLED: Colour = blend(PANEL[:3], ACCENT, 0.7)  # the part of a slider that is used
+
+# Stages from the cool to the warm end, in the order of work; then what the window does itself.
+STAGES: dict[str, Colour] = {
+    "integrate": (79, 109, 158),
+    "build": (85, 144, 168),
+    "pairs": (111, 176, 162),
+    "contacts": (167, 197, 140),
+    "resolve": (226, 198, 124),
+    "frame": (111, 176, 162),
+    "draw": (224, 155, 106),
+    "panels": (201, 104, 106),
+}
+KINETIC: Colour = (226, 198, 124)
+POTENTIAL: Colour = (85, 144, 168)
+TOTAL: Colour = (220, 227, 236)
+ACROSS: Colour = (111, 176, 162)
+DOWN: Colour = (224, 155, 106)
+
+
+@lru_cache(maxsize=256)
+def ink(colour: Colour, alpha: float = 1.0) -> int:
+    """Return a colour as a number for draw lists."""
+    red, green, blue = colour
+    return round(255 * alpha) << 24 | blue << 16 | green << 8 | red
+
+
+@lru_cache(maxsize=256)
+def vec(colour: Colour, alpha: float = 1.0) -> imgui.ImVec4:
+    """Return a colour as a vector for styles."""
+    red, green, blue = (channel / 255 for channel in colour)
+    return imgui.ImVec4(red, green, blue, alpha)

@@ -1,0 +1,71 @@
+"""Plots without ornament: lines and areas, and the ends of their axis in the corners."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+from imgui_bundle import imgui, implot
+from numpy.typing import NDArray
+
+from jostle.app.palette import Colour
+from jostle.app.panels.ink import TEXT_SOFT, ink, vec
+
+Floats = NDArray[np.float64]
+
+BARE = (
+    implot.Flags_.no_title | implot.Flags_.no_legend | implot.Flags_.no_menus
+    | implot.Flags_.no_box_select | implot.Flags_.no_mouse_text | implot.Flags_.no_inputs
+)  # fmt: skip
+AXIS = implot.AxisFlags_.no_decorations
+SMALL = 12.0
+
+
+@contextmanager
+def plot(
+    name: str,
+    height: float,
+    across: tuple[float, float],
+    up: tuple[float, float],
+    corners: tuple[str, str],
+) -> Iterator[bool]:
+    """Make a plot with the limits of its axes; `corners` are words for the upper two."""
+    implot.push_style_var(implot.StyleVar_.plot_padding, (0.0, 3.0))
+    seen = implot.begin_plot(f"##{name}", (-1.0, height), BARE)
+    if seen:
+        grid = AXIS & ~implot.AxisFlags_.no_grid_lines
+        implot.setup_axes("", "", AXIS, grid)
+        implot.setup_axes_limits(*across, *up, imgui.Cond_.always)
+        implot.setup_finish()
+    yield seen
+    if seen:
+        low, size = implot.get_plot_pos(), implot.get_plot_size()
+        implot.end_plot()
+        imgui.push_font(None, SMALL)
+        draw, y = imgui.get_window_draw_list(), low.y + 3.0
+        right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
+        draw.add_text((low.x + 6.0, y), ink(TEXT_SOFT), corners[0])
+        draw.add_text((right, y), ink(TEXT_SOFT), corners[1])
+        imgui.pop_font()
+    implot.pop_style_var()
+
+
+def stack(at: Floats, stacked: Floats, colours: Sequence[Colour]) -> None:
+    """Draw a stack as bars side by side: the highest first, each covered by those below it.
+
+    Upright boxes are what a processor without a graphics card fills fastest.
+    """
+    width = float(at[1] - at[0])
+    for k in reversed(range(len(colours))):
+        spec = implot.Spec()
+        spec.fill_color, spec.line_weight = vec(colours[k]), 0.0
+        spec.line_color = spec.fill_color
+        implot.plot_bars(f"##bars {k}", at, stacked[k + 1], width, spec)
+
+
+def line(name: str, at: Floats, values: Floats, colour: Colour, weight: float = 1.5) -> None:
+    """Draw a line."""
+    spec = implot.Spec()
+    spec.line_color, spec.line_weight = vec(colour), weight
+    implot.plot_line(f"##{name}", at, values, spec)

@@ -1,0 +1,163 @@
+"""The sliders: how many particles, what acts on them, and how time goes."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import jostle
+from jostle.app.gui import Gui
+from jostle.app.panels.sliders import Moved, Range, slider
+from jostle.app.panels.widgets import combo, signed
+from jostle.app.session import Session
+from jostle.app.simulation import Frame
+from jostle.app.walls import bounds
+
+ANY_TIME = {"n", "time_scale"}  # what the article's rules leave open
+FIXED = "The article's rules leave no choice here."
+ROOM = 0.45  # of the area covered, up to which more particles find places
+MOST_GROWTH = 2.0  # times as many as there are; a scene for more has other measures
+STRONGEST = 2000.0  # gravity, world units a second squared
+
+CONTAINERS = {"box": "box", "circle": "circle", "torus": "torus", "none": "no walls"}
+ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "pass through"}
+
+
+def _whole(value: float) -> str:
+    return f"{value:,.0f}"
+
+
+def _short(value: float) -> str:
+    return signed(value, ".2f")
+
+
+def _signed(value: float) -> str:
+    return signed(value, ",.0f")
+
+
+def _times(value: float) -> str:
+    return f"{value:.2f} ×"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A slider on one field of the settings."""
+
+    name: str
+    field: str
+    span: Range
+    write: Callable[[float], str] = _whole
+    usual: float = 0.0  # where the settings and the world leave it open
+
+
+CORES = os.cpu_count() or 1
+COUNT = Line("particles", "n", Range(0, 1_000_000, log=True, whole=True))
+TREE = (
+    Line("leaf capacity", "leaf_capacity", Range(1, 1024, log=True, whole=True)),
+    Line("max. depth", "max_depth", Range(1, 4096, log=True, whole=True)),
+    Line("threads", "threads", Range(1, max(CORES, 2), whole=True), usual=CORES),
+)
+WORLD = (
+    Line("world size", "world_size", Range(0.25, 4.0, log=True), _times, 1.0),
+    Line("drag", "drag", Range(0.0, 5.0), _short),
+    Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
+)
+TIME = (
+    Line("time scale", "time_scale", Range(0.05, 4.0, log=True), _times, 1.0),
+    Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), usual=1),
+)
+
+
+def build_tree(session: Session, gui: Gui) -> None:
+    """Build the number of particles and the settings of the tree."""
+    count = int(np.count_nonzero(session.frame.movable))  # beads of walls come in addition
+    moved, value = slider(gui, COUNT.name, COUNT.span, count, _whole)
+    if moved is Moved.DONE and value != count:
+        _take_number(session, int(value))
+    _lines(session, gui, TREE)
+
+
+def _take_number(session: Session, n: int) -> None:
+    """Change the number while the scene runs if they have room in it; else begin a larger one."""
+    frame = session.frame
+    if n < len(frame) or (n < MOST_GROWTH * len(frame) and _crowded(frame) * n < ROOM * len(frame)):
+        session.adjust("n", n)
+    else:
+        session.begin(replace(session.settings, n=n))
+
+
+def _crowded(frame: Frame) -> float:
+    """Return the share of the area inside the walls that is covered."""
+    walls = bounds(frame.container)
+    if walls is None:
+        return 0.0
+    area = (walls[2] - walls[0]) * (walls[3] - walls[1])
+    return math.pi * float((frame.radii.astype(float) ** 2).sum()) / area
+
+
+def build_world(session: Session, gui: Gui) -> None:
+    """Build what acts on the particles."""
+    reason = _reason(session, "container")
+    kind = combo(gui, "container", CONTAINERS, kind_of(session.frame.container), reason=reason)
+    if kind is not None:
+        session.adjust("container", kind)
+    touch = session.engine.rules.on_touch or "bounce"
+    reason = _reason(session, "on_touch")
+    chosen = combo(gui, "on touch", ON_TOUCH, touch, reason=reason)
+    if chosen is not None:
+        session.adjust("on_touch", chosen)
+    _lines(session, gui, WORLD[:1])
+    _gravity(session, gui)
+    _lines(session, gui, WORLD[1:])
+
+
+def build_time(session: Session, gui: Gui) -> None:
+    """Build how time goes."""
+    _lines(session, gui, TIME)
+
+
+def kind_of(container: object) -> str:
+    """Return the name of a container's kind."""
+    kinds = {jostle.Box: "box", jostle.Circle: "circle", jostle.Torus: "torus"}
+    return kinds.get(type(container), "none")
+
+
+def _reason(session: Session, field: str) -> str:
+    by_article = session.settings.by_article and field not in ANY_TIME
+    return FIXED if by_article and field not in session.engine.adjustable else ""
+
+
+def _lines(session: Session, gui: Gui, lines: tuple[Line, ...]) -> None:
+    for line in lines:
+        held = getattr(session.engine.rules, line.field)
+        value = line.usual if held is None else float(held)
+        reason = _reason(session, line.field)
+        moved, value = slider(gui, line.name, line.span, value, line.write, reason=reason)
+        _apply(session, line.field, moved, int(value) if line.span.whole else value)
+
+
+def _apply(session: Session, field: str, moved: Moved, value: Any) -> None:
+    """Change a setting: at once where that is possible, else when the hand lets go."""
+    live = field in session.engine.adjustable
+    if moved is Moved.DONE or (moved is Moved.MOVING and live):
+        session.adjust(field, value)
+
+
+def _gravity(session: Session, gui: Gui) -> None:
+    """Build gravity: its two components, and its strength in the direction it has."""
+    x, y = session.engine.rules.gravity or (0.0, 0.0)
+    strength, reason = math.hypot(x, y), _reason(session, "gravity")
+    moved, new = slider(gui, "gravity", Range(0.0, STRONGEST), strength, _signed, reason=reason)
+    if moved is not Moved.NOT:
+        way = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
+        _apply(session, "gravity", moved, (way[0] * new, way[1] * new))
+    span = Range(-STRONGEST, STRONGEST)
+    moved, new = slider(gui, "\u2013 to the right", span, x, _signed, reason=reason)
+    _apply(session, "gravity", moved, (new, y))
+    moved, new = slider(gui, "\u2013 down", span, y, _signed, reason=reason)
+    _apply(session, "gravity", moved, (x, new))

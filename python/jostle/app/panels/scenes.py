@@ -1,0 +1,58 @@
+"""The list of scenes, and what to look at in the present one."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from imgui_bundle import imgui
+
+import jostle
+from jostle.app.gui import Gui
+from jostle.app.panels.ink import ACCENT, CHOSEN, TEXT_SOFT, vec
+from jostle.app.panels.widgets import at_right, colours
+from jostle.app.session import Session
+
+ROWS = 6.5  # that are seen at once: half a row says that there are more
+LINE = 22.0
+
+
+@cache
+def usual_number(name: str) -> int:
+    """Return how many particles a scene has if nobody says otherwise."""
+    return len(jostle.scenes.create(name))
+
+
+def build(session: Session, gui: Gui) -> None:
+    """Build the list and the two sentences."""
+    names, present = jostle.scenes.names(), session.engine.scene
+    with colours(child_bg=vec((255, 255, 255), 0.025)):
+        imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, 5.0))
+        imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0))
+        imgui.begin_child(
+            "scenes", (0.0, LINE * min(ROWS, len(names)) + 10.0),
+            imgui.ChildFlags_.always_use_window_padding,
+        )  # fmt: skip
+        for name in names:
+            _line(session, gui, name, present=name == present)
+        imgui.end_child()
+        imgui.pop_style_var(2)
+    if present in names:
+        imgui.push_text_wrap_pos(0.0)
+        with colours(text=vec(TEXT_SOFT)):
+            imgui.text_unformatted(jostle.scenes.describe(present))
+        imgui.pop_text_wrap_pos()
+
+
+def _line(session: Session, gui: Gui, name: str, *, present: bool) -> None:
+    with colours(
+        header=vec(CHOSEN), header_hovered=vec(CHOSEN if present else ACCENT, 1 if present else 0.2)
+    ):
+        flags = imgui.SelectableFlags_.allow_overlap
+        clicked, _ = imgui.selectable(f"{name}##scene", present, flags, (0.0, LINE - 3.0))
+    gui.mark(f"scene {name}")
+    if present and imgui.is_window_appearing():
+        imgui.set_scroll_here_y()
+    number = len(session.frame) if present else usual_number(name)
+    at_right(f"{number:,}", quiet=not present)
+    if clicked:
+        session.choose_scene(name)

@@ -1,0 +1,182 @@
+"""A slider with its label and its number, which can be typed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+from imgui_bundle import imgui
+
+from jostle.app.gui import Gui
+from jostle.app.panels.ink import ACCENT, FILLED, RAISED, TEXT, TEXT_SOFT, ink, vec
+from jostle.app.panels.widgets import CLEAR, GAP, NUMBER, colours, hint, label, width
+
+KNOB = 6.0  # radius
+PADDING = 2.0  # ImGui's own, between the edge of a slider and its grab
+HIDDEN = (
+    *(imgui.Col_.frame_bg, imgui.Col_.frame_bg_hovered, imgui.Col_.frame_bg_active),
+    *(imgui.Col_.slider_grab, imgui.Col_.slider_grab_active),
+)
+DIGITS = 2  # of a number that is set by a logarithmic slider
+
+
+class Moved(Enum):
+    """How far a hand is with a slider."""
+
+    NOT = 0
+    MOVING = 1  # a new value, and the hand still holds it
+    DONE = 2  # let go, or typed
+
+
+@dataclass(frozen=True)
+class Range:
+    """What a slider goes through, from its left end to its right.
+
+    A logarithmic one may begin at 0: then 1 is added to everything.
+    """
+
+    low: float
+    high: float
+    log: bool = False
+    whole: bool = False
+
+    def position(self, value: float) -> float:
+        """Return where a value is, 0 at the left and 1 at the right."""
+        low, high, value = self._bend(self.low), self._bend(self.high), self._bend(value)
+        return min(max((value - low) / (high - low), 0.0), 1.0)
+
+    def value(self, position: float) -> float:
+        """Return the value at a position, in numbers that people would choose."""
+        low, high = self._bend(self.low), self._bend(self.high)
+        value = low + (high - low) * position
+        if self.log:
+            value = round_to(math.exp(value) - (self.low <= 0), DIGITS)
+        else:
+            value = round_to(value, 3, of=self.high - self.low)
+        value = min(max(value, self.low), self.high)
+        return round(value) if self.whole else value
+
+    def _bend(self, value: float) -> float:
+        if not self.log:
+            return value
+        return math.log(max(value, self.low) + (self.low <= 0))
+
+
+def round_to(value: float, digits: int, of: float | None = None) -> float:
+    """Round to so many digits, of the value itself or of the size of another."""
+    size = abs(value if of is None else of)
+    return round(value, digits - 1 - math.floor(math.log10(size))) if size > 0 else 0.0
+
+
+def slider(
+    gui: Gui,
+    name: str,
+    span: Range,
+    value: float,
+    write: Callable[[float], str],
+    *,
+    reason: str = "",
+) -> tuple[Moved, float]:
+    """Build one line: label, slider, number; return whether it moved, and to what.
+
+    Parameters
+    ----------
+    write
+        Turns a value into the words at the right.
+    reason
+        Why it cannot be moved; empty where it can.
+    """
+    imgui.push_id(name)
+    label(name)
+    imgui.begin_disabled(bool(reason))
+    moved, value = _track(gui, name, span, value)
+    imgui.end_disabled()
+    hint(reason)
+    imgui.same_line(0.0, GAP)
+    imgui.begin_disabled(bool(reason))
+    typed = _number(gui, name, write(value), soft=bool(reason))
+    imgui.end_disabled()
+    imgui.pop_id()
+    if typed is not None:
+        kept = min(max(typed, span.low), span.high)
+        return Moved.DONE, round(kept) if span.whole else kept
+    return moved, value
+
+
+def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float]:
+    """Build the slider: ImGui's hands, our looks."""
+    storage, kept = imgui.get_state_storage(), imgui.get_id("position")
+    position = span.position(value)
+    imgui.set_next_item_width(width() - NUMBER - GAP)
+    imgui.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB)
+    for hidden in HIDDEN:
+        imgui.push_style_color(hidden, CLEAR)
+    changed, new = imgui.slider_float(
+        "##track", position, 0.0, 1.0, "", imgui.SliderFlags_.no_input
+    )
+    imgui.pop_style_color(len(HIDDEN))
+    imgui.pop_style_var()
+    gui.mark(name)
+    moved, active = Moved.NOT, imgui.is_item_active()
+    if imgui.is_item_deactivated_after_edit():
+        moved, position = Moved.DONE, storage.get_float(kept)
+    elif active:
+        moved, position = (Moved.MOVING if changed else Moved.NOT), new
+        storage.set_float(kept, new)
+    _draw(position, active=active)
+    return moved, span.value(position) if active or moved is Moved.DONE else value
+
+
+def _draw(position: float, *, active: bool) -> None:
+    """Draw a thin line, the part that is used, and a round knob, where the last item is."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    off = imgui.get_style().alpha < 0.9  # switched off
+    draw, y = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
+    first, last = low.x + PADDING + KNOB, high.x - PADDING - KNOB
+    x = first + (last - first) * position
+    draw.add_line((first, y), (last, y), ink(RAISED), 3.0)
+    draw.add_line((first, y), (x, y), ink(RAISED if off else FILLED), 3.0)
+    lit = active or imgui.is_item_hovered()
+    colour = RAISED if off else TEXT if active else ACCENT
+    draw.add_circle_filled((x, y), KNOB + (1.0 if lit and not off else 0.0), ink(colour))
+
+
+def _number(gui: Gui, name: str, text: str, *, soft: bool) -> float | None:
+    """Write the number at the right; a click lets it be typed. Return what was typed."""
+    storage, kept = imgui.get_state_storage(), imgui.get_id("typing")
+    typing = storage.get_int(kept)
+    if typing:
+        return _typed(text, first=typing == 1)
+    size = imgui.ImVec2(max(width(), 8.0), imgui.get_frame_height())
+    if imgui.invisible_button("##number", size):
+        storage.set_int(kept, 1)
+    gui.mark(f"{name} number")
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    at = high.x - imgui.calc_text_size(text).x, low.y + imgui.get_style().frame_padding.y
+    lit = imgui.is_item_hovered() and not soft
+    colour = TEXT_SOFT if soft else ACCENT if lit else TEXT
+    imgui.get_window_draw_list().add_text(at, ink(colour, 0.6 if soft else 1.0), text)
+    return None
+
+
+def _typed(text: str, *, first: bool) -> float | None:
+    """Build the field that a number is typed in."""
+    storage, kept = imgui.get_state_storage(), imgui.get_id("typing")
+    if first:
+        imgui.set_keyboard_focus_here()
+        storage.set_int(kept, 2)
+    flags = imgui.InputTextFlags_
+    imgui.set_next_item_width(width())
+    with colours(frame_bg=vec(RAISED)):
+        entered, words = imgui.input_text(
+            "##typed", text, flags.enter_returns_true | flags.auto_select_all
+        )
+    if entered or (not first and imgui.is_item_deactivated()):
+        storage.set_int(kept, 0)
+    try:
+        number = float(words.replace(",", "").replace("\u2212", "-"))
+    except ValueError:
+        return None
+    return number if entered and math.isfinite(number) else None

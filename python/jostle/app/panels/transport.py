@@ -1,0 +1,117 @@
+"""Pause, step, restart, and the scenes before and after: buttons with drawn signs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from imgui_bundle import imgui
+
+from jostle.app.controls import CONTROLS, Action
+from jostle.app.gui import Gui
+from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
+from jostle.app.panels.widgets import beside, colours, hint, share_out
+from jostle.app.session import Session
+
+HEIGHT = 30.0
+SIGN = 5.0  # half the height of a sign
+
+Draw = Callable[[imgui.ImDrawList, float, float, int], None]
+
+
+def build(session: Session, gui: Gui) -> None:
+    """Build the row of buttons."""
+    across = share_out(6)
+    can_go_back = session.history.at > 0
+    buttons: list[tuple[str, Draw, Callable[[], object] | None, Action | None]] = [
+        ("previous scene", _previous, session.previous_scene, Action.PREVIOUS_SCENE),
+        ("step back", _back, session.step_back if can_go_back else None, None),
+        ("pause", _play if session.paused else _pause, session.toggle_pause, Action.PAUSE),
+        ("step", _forward, session.single_step, Action.STEP),
+        ("next scene", _next, session.next_scene, Action.NEXT_SCENE),
+        ("restart", _restart, session.restart, Action.RESTART),
+    ]
+    for k, (name, draw, act, action) in enumerate(buttons):
+        if k:
+            beside()
+        held = name == "pause" and session.paused
+        if _sign_button(gui, name, draw, across, chosen=held, off=act is None) and act:
+            act()
+        words = "go on" if held else name
+        hint(words.capitalize() + (f"  ({_key_of(action)})" if action else ""))
+
+
+def _key_of(action: Action) -> str:
+    return next(control.label for control in CONTROLS if action in control.keys.values())
+
+
+def _sign_button(
+    gui: Gui, name: str, draw: Draw, across: float, *, chosen: bool, off: bool
+) -> bool:
+    imgui.begin_disabled(off)
+    back = CHOSEN if chosen else RAISED
+    with colours(
+        button=vec(back, 0.7), button_hovered=vec(ACCENT, 0.25), button_active=vec(CHOSEN)
+    ):
+        clicked = imgui.button(f"##{name}", (across, HEIGHT))
+    imgui.end_disabled()
+    gui.mark(name)
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    x, y = round((low.x + high.x) / 2), round((low.y + high.y) / 2)
+    draw(imgui.get_window_draw_list(), x, y, ink(TEXT_SOFT, 0.4) if off else ink(TEXT))
+    return clicked
+
+
+def _triangle(draw: imgui.ImDrawList, x: float, y: float, way: float, colour: int) -> None:
+    """Draw a triangle that points along `way`, its middle at a place."""
+    draw.add_triangle_filled(
+        (x - way * SIGN * 0.7, y - SIGN), (x - way * SIGN * 0.7, y + SIGN), (x + way * SIGN, y),
+        colour,
+    )  # fmt: skip
+
+
+def _bar(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    draw.add_rect_filled((x - 1, y - SIGN), (x + 1, y + SIGN), colour)
+
+
+def _play(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    _triangle(draw, x, y, 1.2, colour)
+
+
+def _pause(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    for side in (-3, 3):
+        draw.add_rect_filled((x + side - 1.5, y - SIGN), (x + side + 1.5, y + SIGN), colour)
+
+
+def _forward(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    _bar(draw, x - 6, y, colour)
+    _triangle(draw, x + 2, y, 1.0, colour)
+
+
+def _back(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    _bar(draw, x + 6, y, colour)
+    _triangle(draw, x - 2, y, -1.0, colour)
+
+
+def _next(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    _triangle(draw, x - 5, y, 0.8, colour)
+    _triangle(draw, x + 2, y, 0.8, colour)
+    _bar(draw, x + 8, y, colour)
+
+
+def _previous(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    _bar(draw, x - 8, y, colour)
+    _triangle(draw, x - 2, y, -0.8, colour)
+    _triangle(draw, x + 5, y, -0.8, colour)
+
+
+def _restart(draw: imgui.ImDrawList, x: float, y: float, colour: int) -> None:
+    """Draw three quarters of a ring with the head of an arrow."""
+    radius = SIGN + 0.5
+    draw.path_arc_to((x, y), radius, -0.35 * math.pi, 1.2 * math.pi, 20)
+    draw.path_stroke(colour, 1.8)
+    tip_x = x + radius * math.cos(-0.35 * math.pi)
+    tip_y = y + radius * math.sin(-0.35 * math.pi)
+    draw.add_triangle_filled(
+        (tip_x - 4.5, tip_y - 1.5), (tip_x + 1.5, tip_y - 3.5), (tip_x + 1.0, tip_y + 3.0), colour
+    )

@@ -1,0 +1,174 @@
+"""The few widgets that all panels are made of, in one look: label, control, number at the right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from imgui_bundle import imgui
+
+from jostle.app.gui import Gui
+from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
+
+LABEL = 92.0  # points: where controls begin, the same in every section
+NUMBER = 62.0  # the room for numbers at the right
+GAP = 6.0
+BUTTON = 25.0  # height
+ABOVE, HEAD = 4.0, 21.0  # of a heading
+CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
+
+Col = imgui.Col_
+STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
+
+
+def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
+    """Head a section that can be folded; return whether it is open."""
+    imgui.dummy((0.0, ABOVE))
+    storage, kept = imgui.get_state_storage(), imgui.get_id(f"{title} is open")
+    is_open = storage.get_bool(kept, open_at_first)
+    if imgui.invisible_button(f"##{title}", (max(width(), 1.0), HEAD)):
+        storage.set_bool(kept, not is_open)
+    gui.mark(f"section {title}")
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    draw, middle = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
+    draw.add_text((low.x, middle - imgui.get_font_size() / 2), ink(TEXT), title)
+    after = low.x + imgui.calc_text_size(title).x + 10
+    draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), ink(RAISED))
+    _chevron(high.x - 5, down=is_open)
+    return is_open
+
+
+def _chevron(x: float, *, down: bool) -> None:
+    """Draw the sign of what opens, in the middle of the last widget's height."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    tint, y = ink(ACCENT if imgui.is_item_hovered() else TEXT_SOFT), round((low.y + high.y) / 2)
+    draw, rise = imgui.get_window_draw_list(), 2.0 if down else -2.0
+    for side in (-4.0, 4.0):
+        draw.add_line((x + side, y - rise), (x, y + rise), tint, 1.5)
+
+
+@contextmanager
+def part(title: str) -> Iterator[None]:
+    """Put what is built inside into a window of its own, so that only it is drawn anew."""
+    imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
+    yield
+    imgui.end_child()
+
+
+@contextmanager
+def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
+    """Colour what is built inside."""
+    for name, colour in by_name.items():
+        imgui.push_style_color(getattr(Col, name), colour)
+    yield
+    imgui.pop_style_color(len(by_name))
+
+
+def width() -> float:
+    """Return the room from here to the right edge."""
+    return imgui.get_content_region_avail().x
+
+
+def label(text: str) -> None:
+    """Write a label at the left, and go on where controls begin."""
+    imgui.align_text_to_frame_padding()
+    soft(text)
+    imgui.same_line(LABEL)
+
+
+def soft(text: str) -> None:
+    """Write in the softer colour."""
+    imgui.text_disabled(text)
+
+
+def at_right(text: str, *, quiet: bool = False) -> None:
+    """Write up to the right edge, on the line of the last widget."""
+    imgui.same_line()
+    room = width() - imgui.calc_text_size(text).x
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
+    (soft if quiet else imgui.text)(text)
+
+
+def row(name: str, value: str) -> None:
+    """Write a line of a name and its number."""
+    soft(name)
+    at_right(value)
+
+
+def signed(value: float, form: str) -> str:
+    """Return a number with a true minus sign, and none before zeros."""
+    words = format(value, form)
+    if not any(digit in words for digit in "123456789"):
+        words = words.lstrip("+-")
+    return words.replace("-", "\u2212")
+
+
+def hint(text: str) -> None:
+    """Explain the last widget where the mouse rests on it, switched off or not."""
+    flags = imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled
+    if text and imgui.is_item_hovered(flags):
+        imgui.set_next_window_size_constraints((0, 0), (320, 400))
+        if imgui.begin_tooltip():
+            imgui.push_text_wrap_pos(290.0)
+            imgui.text_unformatted(text)
+            imgui.pop_text_wrap_pos()
+            imgui.end_tooltip()
+
+
+def choice(
+    gui: Gui, name: str, text: str, across: float, *, chosen: bool, reason: str = ""
+) -> bool:
+    """Build a button that stays down while it is chosen; `reason` says why it cannot be."""
+    back, ahead = (CHOSEN, TEXT) if chosen else (RAISED, TEXT_SOFT)
+    over = CHOSEN if chosen else ACCENT
+    imgui.begin_disabled(bool(reason))
+    with colours(
+        button=vec(back, 1.0 if chosen else 0.7),
+        button_hovered=vec(over, 1.0 if chosen else 0.25),
+        button_active=vec(CHOSEN),
+        text=vec(ahead),
+    ):
+        clicked = imgui.button(f"{text}##{name}", (across, BUTTON))
+    imgui.end_disabled()
+    gui.mark(name)
+    hint(reason)
+    return clicked and not reason
+
+
+def button(gui: Gui, name: str, text: str) -> bool:
+    """Build a button as wide as the panel."""
+    return choice(gui, name, text, width(), chosen=False)
+
+
+def share_out(count: int) -> float:
+    """Return the width of each of `count` buttons that fill the rest of the line."""
+    return (width() - GAP * (count - 1)) / count
+
+
+def beside() -> None:
+    """Go on at the right of the last button."""
+    imgui.same_line(0.0, GAP)
+
+
+def combo(
+    gui: Gui, name: str, options: dict[str, str], chosen: str, *, reason: str = ""
+) -> str | None:
+    """Build a labelled list to choose from, {value: words}; return what was chosen now."""
+    label(name)
+    picked = None
+    imgui.begin_disabled(bool(reason))
+    imgui.set_next_item_width(width())
+    flags = imgui.ComboFlags_.no_arrow_button
+    is_open = imgui.begin_combo(f"##{name}", options.get(chosen, chosen), flags)
+    gui.mark(name)
+    _chevron(imgui.get_item_rect_max().x - 13, down=True)
+    if is_open:
+        for value, words in options.items():
+            if imgui.selectable(words, value == chosen)[0]:
+                picked = value
+            gui.mark(f"{name}: {value}")
+        imgui.end_combo()
+    imgui.end_disabled()
+    if not is_open:
+        hint(reason)
+    return picked

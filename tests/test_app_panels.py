@@ -1,0 +1,365 @@
+"""The panels, driven by the mouse: each widget is found by its mark, and does what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+pygame = pytest.importorskip("pygame")
+pytest.importorskip("imgui_bundle")
+
+import jostle  # noqa: E402
+from jostle.app import panels  # noqa: E402
+from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.gui import Gui  # noqa: E402
+from jostle.app.panels.sliders import Range  # noqa: E402
+from jostle.app.session import Session  # noqa: E402
+from jostle.app.settings import Settings  # noqa: E402
+from jostle.app.shown import ColourBy, TreeView  # noqa: E402
+from jostle.app.software import SoftwarePainter  # noqa: E402
+from jostle.app.start import start  # noqa: E402
+
+FRAME = 1 / 60
+BESIDE, MIDDLE = 2, 0.5
+
+
+class Desk:
+    """A session with its panels, and a mouse."""
+
+    def __init__(self, settings: Settings, size: tuple[int, int] = (1600, 1100)) -> None:
+        self.session = Session(start(settings), size)
+        self.painter = SoftwarePainter(size)
+        self.gui = Gui(self.painter)
+        self.taken: list[bool] = []
+        self.frame(3)
+
+    def frame(self, count: int = 1) -> None:
+        for _ in range(count):
+            self.session.now += FRAME
+            self.session.advance(FRAME)
+            self.gui.begin(FRAME, self.painter.size)
+            panels.build(self.session, self.gui)
+            self.gui.end()
+
+    def send(self, kind: int, place: tuple[float, float]) -> None:
+        extra = {} if kind == pygame.MOUSEMOTION else {"button": 1}
+        at = (round(place[0]), round(place[1]))
+        self.taken.append(self.gui.handle(pygame.event.Event(kind, pos=at, **extra)))
+        self.frame()
+
+    def place(self, mark: str, across: float = MIDDLE) -> tuple[float, float]:
+        rect = self.gui.marks[mark]
+        return rect.left + across * rect.width, rect.centery
+
+    def click(self, mark: str) -> None:
+        for kind in (pygame.MOUSEMOTION, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP):
+            self.send(kind, self.place(mark))
+        self.frame(2)
+
+    def press(self, mark: str, *ways: float) -> None:
+        """Press on the middle of a slider and go to places along it, without letting go."""
+        self.send(pygame.MOUSEMOTION, self.place(mark))
+        self.send(pygame.MOUSEBUTTONDOWN, self.place(mark))
+        for way in ways:
+            self.send(pygame.MOUSEMOTION, self.place(mark, way))
+
+    def let_go(self, mark: str, way: float) -> None:
+        self.send(pygame.MOUSEBUTTONUP, self.place(mark, way))
+        self.frame(2)
+
+    def type(self, text: str) -> None:
+        self.gui.handle(pygame.event.Event(pygame.TEXTINPUT, text=text))
+        self.frame()
+        for kind in (pygame.KEYDOWN, pygame.KEYUP):
+            self.gui.handle(pygame.event.Event(kind, key=pygame.K_RETURN, mod=0))
+            self.frame()
+
+    @property
+    def world(self) -> jostle.World:
+        return self.session.engine.simulation.world
+
+
+@pytest.fixture
+def desk() -> Iterator:
+    made = []
+
+    def make(scene: str = "gas", n: int | None = 200, *args: object, **settings: object) -> Desk:
+        made.append(Desk(Settings(scene, n, **settings), *args))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.session.close()
+        each.gui.close()
+
+
+# ---- sliders -------------------------------------------------------------------------------------
+
+
+def test_gravity_follows_the_slider_while_it_is_held(desk) -> None:
+    here = desk()
+    assert here.world.gravity == (0.0, 0.0)
+    here.press("gravity", 0.7)
+    x, y = here.world.gravity
+    assert x == 0.0 and 1000 < y < 2000
+    here.press("gravity", 0.2)
+    assert 0 < here.world.gravity[1] < 1000
+    here.let_go("gravity", 0.2)
+    assert 0 < here.world.gravity[1] < 1000
+
+
+def test_gravity_can_point_anywhere(desk) -> None:
+    here = desk("pile")
+    here.press("\u2013 to the right", 0.1)
+    here.let_go("\u2013 to the right", 0.1)
+    x, y = here.world.gravity
+    assert x < -1000 and y == 900.0
+    here.press("gravity", 0.5)
+    here.let_go("gravity", 0.5)
+    new_x, new_y = here.world.gravity
+    assert np.hypot(new_x, new_y) == pytest.approx(1000, abs=30)
+    assert new_x / new_y == pytest.approx(x / y)
+
+
+@pytest.mark.parametrize(
+    ("mark", "attribute"),
+    [("leaf capacity", "leaf_capacity"), ("max. depth", "max_depth"), ("drag", "drag"),
+     ("restitution", "restitution"), ("sub-steps", "substeps")],
+)  # fmt: skip
+def test_each_slider_changes_its_rule_of_the_world(desk, mark, attribute) -> None:
+    here = desk()
+    values = []
+    for way in (0.3, 0.8):
+        here.press(mark, way)
+        here.let_go(mark, way)
+        values.append(getattr(here.world, attribute))
+    assert values[0] < values[1]
+    assert getattr(here.session.settings, attribute) == pytest.approx(values[1])
+
+
+def test_the_number_of_particles_waits_until_the_hand_lets_go(desk) -> None:
+    here = desk()
+    here.press("particles", 0.3, 0.6)
+    assert len(here.session.frame) == 200
+    here.let_go("particles", 0.6)
+    assert 1_000 < len(here.session.frame) < 10_000
+    assert here.session.settings.n == len(here.session.frame)
+
+
+@pytest.mark.parametrize(("way", "count"), [(0.0, 0), (0.5, 1000)])
+def test_particles_go_from_nothing_in_even_powers(way, count) -> None:
+    assert Range(0, 1_000_000, log=True, whole=True).value(way) == count
+
+
+def test_a_range_comes_back_to_the_value_it_shows() -> None:
+    for span in (Range(0, 1_000_000, log=True, whole=True), Range(0.25, 4, log=True), Range(-9, 9)):
+        for way in np.linspace(0, 1, 23):
+            value = span.value(way)
+            assert span.low <= value <= span.high
+            assert span.value(span.position(value)) == pytest.approx(value)
+
+
+def test_a_million_can_be_asked_for() -> None:
+    assert Range(0, 1_000_000, log=True, whole=True).value(1.0) == 1_000_000
+
+
+def test_a_number_can_be_typed(desk) -> None:
+    here = desk()
+    here.click("particles number")
+    here.type("321")
+    assert len(here.session.frame) == 321
+    here.click("drag number")
+    here.type("nonsense")
+    assert here.world.drag == 0.0
+    here.click("drag number")
+    here.type("99")
+    assert here.world.drag == 5.0, "what is too much becomes the most"
+
+
+def test_time_scale_and_threads_reach_the_settings(desk) -> None:
+    here = desk()
+    here.press("time scale", 0.2)
+    here.let_go("time scale", 0.2)
+    assert here.session.settings.time_scale < 0.5
+    here.press("threads", 0.0)
+    here.let_go("threads", 0.0)
+    assert here.world.threads == 1
+
+
+def test_the_rules_of_the_article_cannot_be_moved(desk) -> None:
+    here = desk("article", 50, method="article-quadtree")
+    before = here.session.settings
+    for mark in ("gravity", "restitution", "sub-steps"):
+        here.press(mark, 0.9)
+        here.let_go(mark, 0.9)
+    assert here.session.settings == before
+    here.press("particles", 0.2)
+    here.let_go("particles", 0.2)
+    assert len(here.session.frame) < 50
+
+
+# ---- scenes, transport, method -------------------------------------------------------------------
+
+
+def test_a_click_on_a_scene_begins_it(desk) -> None:
+    here = desk()
+    here.click("scene pile")
+    assert here.session.engine.scene == "pile"
+    assert len(here.session.frame) == 1000
+
+
+def test_the_buttons_do_what_the_keys_do(desk) -> None:
+    here = desk()
+    here.click("pause")
+    assert here.session.paused
+    steps = here.session.engine.steps
+    here.click("step")
+    assert here.session.engine.steps == steps + 1 and here.session.paused
+    here.click("restart")
+    assert here.session.frame.facts.time == 0.0
+    here.click("pause")
+    assert not here.session.paused
+
+
+def test_previous_and_next_scene_undo_each_other(desk) -> None:
+    here = desk()
+    here.click("next scene")
+    names = jostle.scenes.names()
+    assert here.session.engine.scene == names[names.index("gas") + 1]
+    here.click("previous scene")
+    assert here.session.engine.scene == "gas"
+
+
+def test_method_and_rules_change_under_the_same_particles(desk) -> None:
+    here = desk("orbit")
+    here.session.paused = True
+    here.click("brute")
+    assert here.world.method == "brute"
+    before = here.session.frame.positions - np.array(here.session.engine.view[:2])
+    here.click("article-quadtree")
+    assert isinstance(here.session.engine.simulation, ArticleSimulation)
+    assert here.session.frame.positions == pytest.approx(before, abs=1e-2)
+    here.click("article-brute")
+    assert here.session.settings.method == "article-brute"
+    here.click("quadtree")
+    assert here.world.method == "quadtree"
+
+
+def test_what_would_take_too_long_cannot_be_clicked(desk) -> None:
+    here = desk("gas", 40_000)
+    for mark in ("brute", "article-brute"):
+        here.click(mark)
+        assert here.session.settings.method == "quadtree"
+
+
+# ---- looks and statistics ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("switch", ["contacts", "velocities", "trails", "labels"])
+def test_each_switch_of_what_is_shown(desk, switch) -> None:
+    here = desk()
+    assert not getattr(here.session.shown, switch)
+    here.click(switch)
+    assert getattr(here.session.shown, switch)
+    here.click(switch)
+    assert not getattr(here.session.shown, switch)
+
+
+def test_lists_to_choose_from(desk) -> None:
+    here = desk()
+    here.click("tree")
+    here.click(f"tree: {TreeView.HEAT.value}")
+    assert here.session.shown.tree is TreeView.HEAT
+    here.click("colour by")
+    here.click(f"colour by: {ColourBy.MASS.value}")
+    assert here.session.shown.colour_by is ColourBy.MASS
+
+
+def test_drift_can_be_measured_from_now_on(desk) -> None:
+    here = desk("pile")
+    here.frame(40)
+    statistics = here.session.statistics
+    first = statistics.beginning
+    here.click("measure drift")
+    assert statistics.beginning is not first and statistics.beginning is not None
+
+
+def test_statistics_fold_and_the_camera_takes_their_room(desk) -> None:
+    here = desk()
+    small = here.session.camera.scale
+    right = here.session.camera.right
+    here.click("statistics")
+    assert not here.session.shown.statistics
+    assert here.session.camera.right == 0 < right
+    assert here.session.camera.scale >= small
+    here.click("statistics")
+    assert here.session.camera.right == right
+
+
+def test_sections_fold(desk) -> None:
+    here = desk()
+    here.click("section Method")
+    here.gui.marks.clear()
+    here.frame()
+    assert "brute" not in here.gui.marks and "tree" in here.gui.marks
+
+
+# ---- room ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [(640, 360), (960, 540), (1280, 720), (1920, 1080), (3840, 2160)])
+def test_panels_leave_the_scene_half_of_every_window(desk, size) -> None:
+    here = desk("gas", 50, size)
+    clear = [here.gui.covers((x, size[1] / 2)) for x in range(0, size[0], 5)]
+    assert np.mean(clear) <= 0.5
+    assert here.session.camera.left > 0
+
+
+def test_there_is_no_column_where_nothing_would_be_left(desk) -> None:
+    here = desk("gas", 50, (400, 300))
+    assert not here.gui.covers((10, 150))
+    assert here.session.camera.left == 0
+
+
+def test_a_narrow_window_has_the_statistics_in_its_column(desk) -> None:
+    here = desk("gas", 50, (800, 3000))
+    assert here.session.camera.right == 0
+    assert here.gui.marks["plot times"].right < 400
+
+
+def test_hidden_panels_give_all_room_to_the_scene(desk) -> None:
+    here = desk()
+    assert here.gui.covers((10, 500))
+    here.session.toggle("panels")
+    here.frame(2)
+    assert not here.gui.covers((10, 500))
+    assert here.session.camera.left == here.session.camera.right == 0
+
+
+def test_no_click_on_a_panel_reaches_the_scene(desk) -> None:
+    here = desk()
+    here.click("pause")
+    assert here.taken == [True, True, False]  # letting go is told to both
+    here.taken.clear()
+    here.send(pygame.MOUSEMOTION, (800, 500))
+    here.send(pygame.MOUSEBUTTONDOWN, (800, 500))
+    assert not any(here.taken)
+
+
+@pytest.mark.parametrize("settings", [("gas", 0), ("gas", 1), ("pile", 5000)])
+def test_all_sizes_of_scenes_are_shown(desk, settings) -> None:
+    here = desk(*settings)
+    here.frame(30)
+    picture = pygame.surfarray.array3d(here.painter.canvas())
+    assert picture[:290].std() > 10 and picture[-296:].std() > 10
+
+
+def test_a_still_session_has_still_panels(desk) -> None:
+    here = desk()
+    here.session.paused = True
+    here.frame(40)
+    first = pygame.surfarray.array3d(here.painter.canvas())[:290]
+    here.frame(5)
+    assert (pygame.surfarray.array3d(here.painter.canvas())[:290] == first).mean() > 0.999
