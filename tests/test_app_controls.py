@@ -137,10 +137,11 @@ def test_e_cycles_what_the_colours_tell() -> None:
 
 def test_x_clears_the_trails() -> None:
     hands = Hands(world_of([(100, 100)]))
-    cleared = []
-    hands.session.picture.trails.clear = lambda: cleared.append(True)
+    hands.session.shown.trails = True
+    hands.frames(3)
+    kept = hands.session.picture.trails
     hands.key(pygame.K_x)
-    assert cleared
+    assert hands.session.picture.trails is not kept
 
 
 def test_u_undoes_and_goes_a_step_back() -> None:
