@@ -14,6 +14,7 @@ Size = tuple[int, int]
 ZOOM_OUT_LIMIT = 1e-3  # of the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
 MARGIN = 24  # pixels left free around the scene
+HEADING = 76  # pixels left free above it where there are several columns
 
 
 class Camera:
@@ -59,11 +60,15 @@ class Camera:
         min_x, min_y, max_x, max_y = self._view
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
         left, column = self._clear, self.column_width
-        free = max(column - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN, 16)
+        top = HEADING if self.columns > 1 else 0
+        free = max(column - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN - top, 16)
         self.scale = min(free[0] / width, free[1] / height)
         self._fit_scale = self.scale
         aside = left + column / 2 - self.size[0] / 2  # pixels from the middle of the screen
-        self.center = (min_x + max_x) / 2 - aside / self.scale, (min_y + max_y) / 2
+        self.center = (
+            (min_x + max_x) / 2 - aside / self.scale,
+            (min_y + max_y) / 2 - top / 2 / self.scale,
+        )
         self._at_home = True
 
     def keep_clear(self, left: int, right: int) -> None:

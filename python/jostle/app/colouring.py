@@ -128,16 +128,17 @@ class Colouring:
             oldest = max(float(ages[frame.movable].max(initial=0.0)), YOUNG)
             self.range = oldest, 0.0  # the young glow, the old are calm
             return _buckets(1 - ages / oldest)
-        squares = (frame.velocities.astype(np.float64) ** 2).sum(axis=1)
+        x, y = frame.velocities[:, 0], frame.velocities[:, 1]
+        squares = x * x + y * y
         if self.shows == "speed":
             values = np.sqrt(squares)
-            top = float(np.sqrt(squares.mean())) * FAST if len(squares) else 0.0
+            top = float(np.sqrt(squares.mean(dtype=np.float64))) * FAST if len(squares) else 0.0
         else:
             values = 0.5 * frame.masses * squares
-            top = float(values.mean()) * ENERGETIC if len(values) else 0.0
+            top = float(values.mean(dtype=np.float64)) * ENERGETIC if len(values) else 0.0
         self._reference = max(top, self._reference * FORGET, 1e-9)
         self.range = 0.0, self._reference
-        return _buckets(values / self._reference)
+        return _buckets(values / np.float32(self._reference))
 
 
 def _spread(values: Values) -> float:

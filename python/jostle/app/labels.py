@@ -6,7 +6,7 @@ import numpy as np
 import pygame
 
 from jostle.app.camera import Camera
-from jostle.app.choosing import few
+from jostle.app.choosing import few, in_view
 from jostle.app.painter import Painter
 from jostle.app.palette import TEXT
 from jostle.app.simulation import Frame
@@ -20,18 +20,18 @@ SHADE = (8, 10, 14)  # below the words, so that they can be read on any disc
 
 def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Write tag and speed at discs that are large enough; say so when some are left out."""
-    x, y = camera.to_screen(frame.positions)
-    width, height = camera.size
-    radii = frame.radii.astype(np.float64) * camera.scale
-    seen = (x > 0) & (y > 0) & (x < width) & (y < height) & frame.movable
-    if seen.any() and not (seen & (radii >= SMALLEST)).any():
+    seen = in_view(frame.positions, camera)
+    seen = seen[frame.movable[seen]]
+    sizes = frame.radii[seen].astype(np.float64) * camera.scale
+    places = seen[sizes >= SMALLEST]
+    if len(seen) and not len(places):
         return "labels: zoom in to read them"
-    seen &= radii >= SMALLEST
-    places = np.flatnonzero(seen)
     drawn = places[few(frame.tags[places], MOST)]
+    x, y = camera.to_screen(frame.positions[drawn])
+    radii = frame.radii[drawn] * camera.scale
     speeds = np.hypot(frame.velocities[drawn, 0], frame.velocities[drawn, 1])
     line = font(SMALL).get_linesize()
-    columns = x[drawn], y[drawn], radii[drawn], frame.tags[drawn], speeds
+    columns = x, y, radii, frame.tags[drawn], speeds
     for at_x, at_y, radius, tag, speed in zip(*(c.tolist() for c in columns), strict=True):
         texts = [f"{tag}", _speed(speed)] if radius >= INSIDE else [f"{tag}"]
         top = at_y - line * len(texts) / 2

@@ -32,16 +32,20 @@ class Legend:
 Card = Legend | str
 
 
-def draw_cards(painter: Painter, cards: Sequence[Card]) -> None:
-    """Draw legends and sentences, one above the other, the first at the bottom."""
+def draw_cards(painter: Painter, cards: Sequence[Card], right: float | None = None) -> None:
+    """Draw legends and sentences, one above the other, the first at the bottom.
+
+    They end at the right edge, or where the part of the picture ends that they belong to.
+    """
     width, height = painter.size
+    right = width if right is None else right
     if width < 3 * WIDTH:
         return  # they would hide the scene
     y = float(height - FOOT)
     for card in cards:
         sheet = _legend(card, tuple(card.ramp)) if isinstance(card, Legend) else _sentence(card)
         y -= sheet.get_height()
-        painter.sheet(sheet, (width - EDGE - sheet.get_width(), y))
+        painter.sheet(sheet, (right - EDGE - sheet.get_width(), y))
         y -= 8
 
 

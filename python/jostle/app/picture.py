@@ -46,7 +46,7 @@ class Picture:
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
-        self.trails.clear()
+        self.trails = Trails()  # a new one: the old may be drawn at this moment, in a thread
 
     @staticmethod
     def wants(shown: Shown) -> Wants:
@@ -89,7 +89,7 @@ class Picture:
             cards.append(draw_labels(painter, frame, camera))
         cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
-        draw_cards(painter, [card for card in cards if card])
+        draw_cards(painter, [card for card in cards if card], part.right if part else None)
 
 
 def _draw_tree(
