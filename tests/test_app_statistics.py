@@ -154,6 +154,30 @@ def test_sums_are_asked_for_ten_times_a_second_at_most() -> None:
     session.close()
 
 
+def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
+    session = Session(start(Settings("gas", 100)), (640, 360))
+    run(session, 0.2)
+    looks = []
+    monkeypatch.setattr(session.engine, "look", lambda: looks.append(1))
+    for k in range(5):
+        session.adjust("gravity", (0.0, 10.0 * k))
+        run(session, FRAME)
+    assert not looks
+    assert session.statistics.beginning is not None
+    session.close()
+
+
+def test_drift_begins_again_also_in_a_pause() -> None:
+    session = Session(start(Settings("pile", 100)), (640, 360))
+    run(session, 0.5)
+    session.paused = True
+    assert session.statistics.energy_drift != 0
+    session.statistics.begin_again()
+    run(session, FRAME)
+    assert session.statistics.energy_drift == 0
+    session.close()
+
+
 def test_slow_steps_are_summed_up_less_often() -> None:
     statistics = Statistics()
     statistics.follow(state(0, 1.0), 0.0, 0.3, at_work=True, step_seconds=0.3)
@@ -222,9 +246,9 @@ def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     session = Session(start(Settings("gas", 200)), (640, 360))
     run(session, 0.5)
     session.choose_scene("pile")
-    assert len(session.statistics.sums) == 0
-    run(session, FRAME)
-    assert session.statistics.sums["time"][0] == 0.0
+    assert session.statistics.sums["time"].tolist() == [0.0]
+    run(session, 0.3)
+    assert session.statistics.sums["time"][0] == 0.0 and len(session.statistics.sums) > 1
     session.close()
 
 

@@ -95,7 +95,8 @@ class Session(Hands):
         changed = replace(engine.wants, energies=wants.energies) != wants
         energies = wants.energies or statistics.wants_energies(self.now)
         engine.wants = replace(wants, energies=energies)
-        if statistics.beginning is None:  # drift begins with the very first state
+        if statistics.beginning is None and (self.paused or not len(statistics.sums)):
+            # Drift begins with this state, not with the next one.
             engine.look()
             statistics.sum_up(self.frame)
         steps = 0
@@ -200,11 +201,13 @@ class Session(Hands):
         self._end_race()
         self.let_go()
         self.statistics.remember(self._run_name())
+        self.engine.wants = replace(self.engine.wants, energies=True)  # drift begins here
         self.engine.take(simulation)
         self.history.restart(simulation)
         self.pulls.take_over(self.frame)
         self.picture.restart()
         self.statistics.restart()
+        self.statistics.sum_up(self.frame)
 
     def _run_name(self, *, other: bool = False) -> str:
         return f"{self.engine.scene} {self.settings.by_article != other}"

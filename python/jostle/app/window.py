@@ -164,9 +164,9 @@ class Window:
         self._draw_scene()
         self._draw_words()
         drawn = time.perf_counter()
+        self.readout.measure(draw=(drawn - start) * 1e3)
         self._draw_panels(elapsed)
         panels = time.perf_counter() - drawn
-        self.readout.measure(draw=(drawn - start) * 1e3)
         self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
         self.screen.show()
 

@@ -207,4 +207,4 @@ def _sum(value: float) -> str:
     return signed(value, ",.1f") if abs(value) < LONG else scientific(value).replace("-", "\u2212")
 
 
-SECTIONS = {"Time": _times, "Pairs": _pairs, "Energy": _energy, "Momentum": _momentum}
+SECTIONS = {"Frame time": _times, "Pairs": _pairs, "Energy": _energy, "Momentum": _momentum}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,9 @@ from jostle.app.gui import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import combo, signed
 from jostle.app.session import Session
-from jostle.app.simulation import Frame
-from jostle.app.walls import bounds
 
 ANY_TIME = {"n", "time_scale"}  # what the article's rules leave open
 FIXED = "The article's rules leave no choice here."
-ROOM = 0.45  # of the area covered, up to which more particles find places
-MOST_GROWTH = 2.0  # times as many as there are; a scene for more has other measures
 STRONGEST = 2000.0  # gravity, world units a second squared
 
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "torus", "none": "no walls"}
@@ -78,26 +74,8 @@ def build_tree(session: Session, gui: Gui) -> None:
     count = int(np.count_nonzero(session.frame.movable))  # beads of walls come in addition
     moved, value = slider(gui, COUNT.name, COUNT.span, count, _whole)
     if moved is Moved.DONE and value != count:
-        _take_number(session, int(value))
+        session.adjust("n", int(value))
     _lines(session, gui, TREE)
-
-
-def _take_number(session: Session, n: int) -> None:
-    """Change the number while the scene runs if they have room in it; else begin a larger one."""
-    frame = session.frame
-    if n < len(frame) or (n < MOST_GROWTH * len(frame) and _crowded(frame) * n < ROOM * len(frame)):
-        session.adjust("n", n)
-    else:
-        session.begin(replace(session.settings, n=n))
-
-
-def _crowded(frame: Frame) -> float:
-    """Return the share of the area inside the walls that is covered."""
-    walls = bounds(frame.container)
-    if walls is None:
-        return 0.0
-    area = (walls[2] - walls[0]) * (walls[3] - walls[1])
-    return math.pi * float((frame.radii.astype(float) ** 2).sum()) / area
 
 
 def build_world(session: Session, gui: Gui) -> None:
