@@ -222,8 +222,10 @@ def test_an_encoder_that_dies_becomes_a_notice(session: Session) -> None:
 def test_a_full_disk_becomes_a_notice(session: Session, tmp_path: Path) -> None:
     (tmp_path / "film.mp4").symlink_to("/dev/full")
     session.files.record(tmp_path / "film.mp4")
+    film = session.files.recording
     run(session, 1.0)
-    film = finish(session)
+    film.close()
+    session.advance(0.0)
     assert "No space left" in film.error
     assert "No space left" in session.notice
 
