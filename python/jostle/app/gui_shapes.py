@@ -184,7 +184,8 @@ def _kinds(vertices: Vertices, outlines: Outlines) -> Indices:
     low, high = at.min(axis=1, keepdims=True), at.max(axis=1, keepdims=True)
     upright = ((np.abs(at - low) < 0.01) | (np.abs(at - high) < 0.01)).all(axis=(1, 2))
     kinds = np.full(len(outlines), POLYGON)
-    kinds[four & upright] = BOX
+    whole = np.abs(at - np.rint(at)).max(axis=(1, 2)) < 0.05
+    kinds[four & upright & (whole | (np.ptp(at, axis=1).min(axis=1) > THIN))] = BOX
     kinds[four & (uv[:, 0] != uv[:, 2]).all(axis=1)] = GLYPH
     return kinds
 
@@ -208,26 +209,27 @@ def _fill_boxes(target: pygame.Surface, quads: Vertices) -> None:
 def _fill_at_once(
     target: pygame.Surface, quads: Floats, others: list[Floats], colour: Shade
 ) -> None:
-    """Fill polygons of one colour as one shape: lines smoothed, areas not."""
+    """Fill polygons of one colour as one shape, drawn at twice the size for smooth edges."""
     points = np.concatenate([quads.reshape(-1, 2), *others])
     low, high = np.floor(points.min(axis=0)) - 1, np.ceil(points.max(axis=0)) + 1
     low, high = np.maximum(low, -LARGEST), np.minimum(high, LARGEST)
     box = pygame.Rect(*low.tolist(), *(high - low).tolist()).clip(target.get_clip())
     if box.size == (0, 0):
         return
-    mask = pygame.Surface(box.size, 0, 32)
-    corner = np.array(box.topleft, np.float32) + 0.5  # pygame counts from the middles of pixels
+    mask = pygame.Surface((2 * box.width, 2 * box.height), 0, 32)
+    corner = np.array(box.topleft, np.float32) + 0.25  # pygame counts from the middles of pixels
     for shape in others:
-        pygame.draw.polygon(mask, WHITE, (shape - corner).tolist())
-    quads = quads - corner
+        pygame.draw.polygon(mask, WHITE, (2 * (shape - corner)).tolist())
+    quads = 2 * (quads - corner)
     width = np.hypot(*(quads[:, 3] - quads[:, 0]).T)
-    line = width <= THIN
-    for shape in quads[~line].tolist():
-        pygame.draw.polygon(mask, WHITE, shape)
+    line = width <= 2 * THIN
+    for quad in quads[~line].tolist():
+        pygame.draw.polygon(mask, WHITE, quad)
     starts, ends = (quads[line, 0] + quads[line, 3]) / 2, (quads[line, 1] + quads[line, 2]) / 2
     widths = np.maximum(np.rint(width[line]), 1).astype(int).tolist()
     for start, end, thick in zip(starts.tolist(), ends.tolist(), widths, strict=True):
         pygame.draw.aaline(mask, WHITE, start, end, thick)
+    mask = pygame.transform.smoothscale(mask, box.size)
     picture = _tinted(pygame.surfarray.pixels_red(mask), colour)
     target.blit(picture, box, special_flags=pygame.BLEND_PREMULTIPLIED)
 
