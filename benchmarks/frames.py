@@ -21,7 +21,16 @@ from jostle.app.start import start
 from jostle.app.window import Window
 
 FRAME = 1 / 60
-COLUMNS = ("renderer", "n", "frames/s", "median ms", "longest ms", "step ms", "scene ms", "panels ms")
+COLUMNS = (
+    "renderer",
+    "n",
+    "frames/s",
+    "median ms",
+    "longest ms",
+    "step ms",
+    "scene ms",
+    "panels ms",
+)
 
 
 def measure(scene: str, n: int, renderer: str, seconds: float) -> list[str]:

@@ -47,10 +47,10 @@ def halves(window: Window) -> tuple[np.ndarray, np.ndarray]:
     """What the two columns show, without headings and the readout."""
     picture = pygame.surfarray.array3d(window.painter.canvas())
     camera = window.session.camera
-    edge, width = round(camera.column_edge(1)), round(camera.column_width)
-    return picture[edge - width + 2 : edge - 2, 120:660], picture[
-        edge + 2 : edge + width - 2, 120:660
-    ]
+    edge, end, width = (
+        round(at) for at in (camera.column_edge(1), camera.column_edge(2), camera.column_width)
+    )
+    return picture[edge - width + 2 : edge - 2, 120:600], picture[edge + 2 : end - 2, 120:600]
 
 
 def test_both_have_the_same_scene_and_stay_together_where_answers_are_the_same(open_window) -> None:

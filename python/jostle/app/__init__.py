@@ -7,15 +7,21 @@ palette                 every colour, in one place
 rules, settings         what to simulate: the command, a file and the sliders have it in common
 packing                 facts and arrays in one piece of bytes, for states and scene files
 simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
+walls, room             the walls of a world, of any kind and size; free places in it
+emitters                nozzles that add drops
 world_simulation        `jostle.World` behind that protocol
 article_simulation      `jostle.article.Simulation` behind that protocol
 start, carry            from settings to a simulation; from one set of rules to the other
 camera                  world to screen and back, pan and zoom
 painter                 what can be drawn, whoever draws it
-stamps, dust, software  the painter that needs no graphics card
+stamps, dust, strips, software  the painter that needs no graphics card
 shaders, opengl         the painter on a graphics card
 renderers               which of the two, and its window
+words, text, legend     words on the screen; small cards that say what colours mean
 stage, overlays         ground, walls and discs; the boxes of the tree
+choosing                which few of many to draw
+marks, trails, labels   contacts, velocities, springs, attractors; past ways; words at discs
+extras                  what single scenes show beyond their particles
 shown                   the switches of what is shown
 colouring               which particle gets which colour
 picture                 all layers in their order: the one picture of window and film

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import jostle
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating]
 
 GOLDEN = 0.6180339887498949  # multiples of it, less their whole parts, spread evenly over 0..1
 STREAMS = 4  # random numbers that one drop takes

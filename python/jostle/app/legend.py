@@ -32,13 +32,12 @@ class Legend:
 Card = Legend | str
 
 
-def draw_cards(painter: Painter, cards: Sequence[Card], right: float | None = None) -> None:
+def draw_cards(painter: Painter, cards: Sequence[Card], right: float) -> None:
     """Draw legends and sentences, one above the other, the first at the bottom.
 
-    They end at the right edge, or where the part of the picture ends that they belong to.
+    They end at `right`, the edge of what they belong to.
     """
     width, height = painter.size
-    right = width if right is None else right
     if width < 3 * WIDTH:
         return  # they would hide the scene
     y = float(height - FOOT)

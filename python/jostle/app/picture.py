@@ -46,7 +46,7 @@ class Picture:
 
     def clear_trails(self) -> None:
         """Forget where particles have been."""
-        self.trails = Trails()  # a new one: the old may be drawn at this moment, in a thread
+        self.trails.clear()
 
     @staticmethod
     def wants(shown: Shown) -> Wants:
@@ -89,7 +89,10 @@ class Picture:
             cards.append(draw_labels(painter, frame, camera))
         cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
-        draw_cards(painter, [card for card in cards if card], part.right if part else None)
+        right = camera.column_edge(camera.columns)
+        if part is not None:
+            right = min(right, part.right)
+        draw_cards(painter, [card for card in cards if card], right)
 
 
 def _draw_tree(

@@ -23,8 +23,8 @@ def free_places(
     container: Container,
     view: Rect,
     seed: int,
-) -> Floats | None:
-    """Return random places for discs where nothing is; None if not all of them find one."""
+) -> tuple[Floats, NDArray[np.intp]]:
+    """Return random places for discs where nothing is, and which of the discs found one."""
     chance = np.random.default_rng([seed, len(taken), len(radii)])
     rect = np.array(_common(bounds(container), view)).reshape(2, 2)
     places = np.zeros((len(radii), 2))
@@ -46,7 +46,7 @@ def free_places(
         places[chosen], found[chosen] = tries[taken_now], True
         there = np.concatenate([there, tries[taken_now]])
         sizes = np.concatenate([sizes, radii[chosen]])
-    return places if found.all() else None
+    return places[found], np.flatnonzero(found)
 
 
 def _clear_of(tries: Floats, radii: Floats, there: Floats, sizes: Floats) -> NDArray[np.bool_]:

@@ -28,10 +28,14 @@ class Trails:
     """A ring of past places for a lasting choice of particles."""
 
     def __init__(self) -> None:
-        self.clear()
+        self._forget()
 
     def clear(self) -> None:
-        """Forget every path."""
+        """Forget every path, with the next picture: one may be under way in another thread."""
+        self._cleared = True
+
+    def _forget(self) -> None:
+        self._cleared = False
         self._tags = np.empty(0, np.int64)
         self._ring = np.full((POINTS, 0, 2), np.nan)
         self._times = np.full(POINTS, -np.inf)
@@ -41,8 +45,8 @@ class Trails:
     def note(self, frame: Frame) -> None:
         """Take in the places of a frame, if enough time has gone by since the last."""
         now = frame.facts.time
-        if now < self._last:
-            self.clear()  # back in time: a restart, or a rewind
+        if now < self._last or self._cleared:
+            self._forget()  # back in time is a restart, or a rewind
         if now - self._last < SECONDS / POINTS * 0.999:
             return
         self._follow(frame)

@@ -275,11 +275,11 @@ class WorldSimulation:
         world = self.world
         chance = np.random.default_rng([self.settings.seed, self._next_tag])
         rows = chance.choice(rows, count)
-        places = free_places(
+        places, found = free_places(
             world.positions, self._radii, self._radii[rows], world.container, self.view,
             int(chance.integers(2**31)),
         )  # fmt: skip
-        if places is None:
+        if len(found) < count:
             return False
         self.add(places, world.velocities[rows], self._radii[rows], self._densities[rows])
         return True
