@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pygame = pytest.importorskip("pygame")
@@ -136,12 +137,20 @@ def test_e_cycles_what_the_colours_tell() -> None:
 
 
 def test_x_clears_the_trails() -> None:
-    hands = Hands(world_of([(100, 100)]))
+    hands = Hands(world_of([(100, 100)], gravity=(900.0, 0.0)))
     hands.session.shown.trails = True
-    hands.frames(3)
-    kept = hands.session.picture.trails
+    hands.frames(20)
+    hands.session.paused = True
+    behind = hands.pixel((105, 100))  # where the disc has been
+
+    def ink() -> int:
+        picture = pygame.surfarray.array3d(hands.window.painter.canvas()).astype(int)
+        around = picture[behind[0] - 3 : behind[0] + 4, behind[1] - 3 : behind[1] + 4]
+        return int(np.ptp(around))
+
+    assert ink() > 10
     hands.key(pygame.K_x)
-    assert hands.session.picture.trails is not kept
+    assert ink() == 0
 
 
 def test_u_undoes_and_goes_a_step_back() -> None:

@@ -37,11 +37,11 @@ def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) 
     count, frame = group.count, simulation.frame()
     region = group.region or simulation.view
     radii = chance.uniform(*group.radius, count)
-    places = free_places(
+    free, found = free_places(
         frame.positions, frame.radii, radii, frame.container, region, int(chance.integers(2**31))
     )
-    if places is None:  # then they lie where they may, and the first steps part them
-        places = chance.uniform(region[:2], region[2:], (count, 2))
+    places = chance.uniform(region[:2], region[2:], (count, 2))
+    places[found] = free  # the others lie where they may, and the first steps part them
     angles = chance.uniform(0, 2 * np.pi, count)
     speeds = chance.uniform(*group.speed, count)
     spread = speeds[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
