@@ -21,7 +21,10 @@ from jostle.app.controls import (  # noqa: E402
     key_of,
 )
 from jostle.app.helping import draw_help  # noqa: E402
-from jostle.app.shown import ColourBy  # noqa: E402
+from jostle.app.shown import (
+    ColourBy,
+    TreeView,
+)
 from jostle.app.software import SoftwarePainter  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
@@ -138,7 +141,7 @@ def test_e_cycles_what_the_colours_tell() -> None:
 
 def test_x_clears_the_trails() -> None:
     hands = Hands(world_of([(100, 100)], gravity=(900.0, 0.0)))
-    hands.session.shown.trails = True
+    hands.session.shown.trails, hands.session.shown.tree = True, TreeView.OFF
     hands.frames(20)
     hands.session.paused = True
     behind = hands.pixel((105, 100))  # where the disc has been
