@@ -21,10 +21,7 @@ from jostle.app.controls import (  # noqa: E402
     key_of,
 )
 from jostle.app.helping import draw_help  # noqa: E402
-from jostle.app.shown import (
-    ColourBy,
-    TreeView,
-)
+from jostle.app.shown import ColourBy, TreeView  # noqa: E402
 from jostle.app.software import SoftwarePainter  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
@@ -149,7 +146,7 @@ def test_x_clears_the_trails() -> None:
     def ink() -> int:
         picture = pygame.surfarray.array3d(hands.window.painter.canvas()).astype(int)
         around = picture[behind[0] - 3 : behind[0] + 4, behind[1] - 3 : behind[1] + 4]
-        return int(np.ptp(around))
+        return int(np.ptp(around, axis=(0, 1)).max())
 
     assert ink() > 10
     hands.key(pygame.K_x)
