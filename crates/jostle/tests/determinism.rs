@@ -24,7 +24,7 @@ const PINNED: [(&str, u64); 16] = [
     ("billiards", 0x0fd8_5078_8a52_bced),
     ("orbit", 0x28f3_4569_9721_6a13),
     ("springs", 0x4cd9_a2a4_c07e_3229),
-    ("stars", 0x84d351fa9e533243_bcc4_63c8_9756),
+    ("stars", 0x84d3_51fa_9e53_3243),
     ("thermostat", 0x6a93_6479_066a_4ee0),
     ("sand", 0xc621_052f_06c2_0a97),
     ("galton", 0x94b1_232d_bc10_c9fa),
