@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
-from jostle.app.pace import Pace
+from jostle.app.pace import MOST_OWED, Pace
 from jostle.app.simulation import Frame, Simulation, Wants
 
 Edit = Callable[[Simulation], None]
@@ -37,6 +37,8 @@ class Engine:
         The last state, for everybody to look at.
     wants
         What the next frames shall hold.
+    last_step
+        `advance` makes no more than so many steps; None to go on.
     last_seconds
         What the last step took, alone.
     before, after
@@ -52,6 +54,7 @@ class Engine:
         self.after: list[Edit] = []
         self.touched: list[Edit] = []
         self.steps = 0
+        self.last_step: int | None = None
         self.last_seconds = 0.0
         self._worker: ThreadPoolExecutor | None = None
         self._job: Future[Frame] | None = None
@@ -102,11 +105,18 @@ class Engine:
             self._collect()
             self._settle_edits()
 
-    def look(self) -> None:
-        """Renew the frame, where `wants` has changed and no step does it."""
-        if not self.busy:
-            self._collect()
+    def look(self, *, at_once: bool = True) -> None:
+        """Renew the frame, where `wants` has changed and no step does it.
+
+        Where that need not be `at_once`, very many particles are looked at beside the window.
+        """
+        if self.busy:
+            return
+        self._collect()
+        if at_once or len(self.simulation) <= FEW:
             self.frame = self.simulation.frame(self.wants)
+        else:
+            self._beside(lambda: None)
 
     def advance(self, elapsed: float) -> int:
         """Take `elapsed` simulated seconds; return the steps that were done since the last call."""
@@ -119,11 +129,15 @@ class Engine:
         if self._job is not None:  # edits are under way
             self._pace.advance(elapsed, lambda: None, most=0)
         elif self._in_the_window():
-            if self._pace.advance(elapsed, self._step):
+            if self._pace.advance(elapsed, self._step, most=min(MOST_OWED, self._left())):
                 self.frame = self.simulation.frame(self.wants)
         else:
-            self._pace.advance(elapsed, self._start, most=1)
+            self._pace.advance(elapsed, self._start, most=min(1, self._left()))
         return self.steps - before
+
+    def _left(self) -> int:
+        """Return how many steps may still be made."""
+        return MOST_OWED if self.last_step is None else max(self.last_step - self.steps, 0)
 
     def _in_the_window(self) -> bool:
         """Tell whether steps are made at once; the first of many particles is not even tried."""

@@ -100,7 +100,8 @@ class Session(Hands):
         engine.wants = replace(wants, energies=energies)
         if statistics.beginning is None and (self.paused or not len(statistics.sums)):
             # Drift begins with this state, not with the next one.
-            engine.look()
+            if self.frame.energies is None:
+                engine.look(at_once=False)
             statistics.sum_up(self.frame)
         steps = 0
         if self.paused:
@@ -111,7 +112,7 @@ class Session(Hands):
             if self.race:
                 self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
-            engine.look()
+            engine.look(at_once=False)
         self.camera.follow(engine.view)
         self.keep_up()
         statistics.follow(

@@ -63,7 +63,6 @@ class Window:
         renderer: str = "auto",
     ) -> None:
         self.screen = Screen(size, renderer)
-        pygame.display.set_caption(f"jostle · {simulation.scene}")
         self.session = Session(simulation, self.painter.size, left=SPACE)
         self.readout = Readout()
         self.builders = _builders()
@@ -71,7 +70,7 @@ class Window:
             arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter) if gui.available() else None
         self._backdrop = Backdrop()
-        self._steps_left = steps
+        self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
         self._rate: float | None = None
         self._seen = True
@@ -112,8 +111,11 @@ class Window:
         steps = self.session.advance(elapsed)
         if steps:
             self.readout.measure(**self.session.frame.facts.stage_times)
-        if self._steps_left is not None and self.session.engine.steps >= self._steps_left:
+        if self._last_step is not None and self.session.engine.steps >= self._last_step:
             self.session.quit()
+        caption = f"jostle · {self.session.engine.scene}"
+        if pygame.display.get_caption()[0] != caption:
+            pygame.display.set_caption(caption)
         if self._seen:
             self._draw(elapsed)
 
