@@ -6,6 +6,8 @@ for by name.
 
 from __future__ import annotations
 
+import os
+
 import pygame
 
 from jostle.app.camera import Size
@@ -106,6 +108,9 @@ def _open(size: Size, renderer: str) -> Painter:
 
 
 def _open_software(size: Size) -> Painter:
+    # Else SDL carries each picture through OpenGL, which takes longer than to draw it where
+    # the processor has to play the graphics card.
+    os.environ.setdefault("SDL_FRAMEBUFFER_ACCELERATION", "0")
     return SoftwarePainter(pygame.display.set_mode(size, pygame.RESIZABLE).get_size())
 
 

@@ -41,7 +41,7 @@ class Stamps:
 
     def _clear(self) -> None:
         not_yet = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
-        self._table = [not_yet] * (_BUCKETS * _SHADES * _CELLS)
+        self._table = np.full(_BUCKETS * _SHADES * _CELLS, not_yet, object)
         self._have = np.zeros(len(self._table), np.bool_)
         self._masks: dict[tuple[int, int], pygame.Surface] = {}
         self._bytes = 0
@@ -67,9 +67,10 @@ class Stamps:
         left, top = column - half, row - half
         for start in range(0, len(keys), AT_ONCE):
             part = slice(start, start + AT_ONCE)
-            stamps = map(self._table.__getitem__, keys[part].tolist())
+            stamps = self._table[keys[part]].tolist()
             corners = zip(left[part].tolist(), top[part].tolist(), strict=True)
-            target.fblits(list(zip(stamps, corners, strict=True)), pygame.BLEND_PREMULTIPLIED)
+            # Handed over one by one: a list of tuples would take as long as the blits.
+            target.fblits(zip(stamps, corners, strict=True), pygame.BLEND_PREMULTIPLIED)
 
     def _fill(self, keys: NDArray[np.intp]) -> None:
         """Make the stamps that are still missing."""
