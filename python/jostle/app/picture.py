@@ -89,7 +89,10 @@ class Picture:
             cards.append(draw_labels(painter, frame, camera))
         cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
-        draw_cards(painter, [card for card in cards if card], part.right if part else None)
+        right = painter.size[0] - camera.right  # no panel lies over them
+        if part is not None:
+            right = min(right, part.right)
+        draw_cards(painter, [card for card in cards if card], right)
 
 
 def _draw_tree(

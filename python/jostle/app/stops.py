@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 
+from jostle.app.input import ZOOM_STEP
 from jostle.app.settings import Settings
 from jostle.app.shown import ColourBy, TreeView
 from jostle.app.simulation import Frame, Point
@@ -64,25 +65,23 @@ def springs(visitor: Visitor) -> None:
     """Pick up a soft body, swing it, and throw it at the others."""
     visitor.session.shown.tree = TreeView.OFF
     visitor.wait(2.5)
-    frame = visitor.session.frame
-    body = nearest(frame, (250.0, 570.0))
-    start, throw = visitor.pixel(body), visitor.pixel((200, 220)), 
     visitor.start_filming()
-    visitor.move(start, 0.8)
+    visitor.move(visitor.pixel((260, 480)), 0.6)
+    visitor.move(visitor.pixel(nearest(visitor.session.frame, (260, 540))), 0.2)
     visitor.press()
-    visitor.move(visitor.pixel((200, 250)), 1.0)
-    visitor.move(visitor.pixel((130, 300)), 0.5)
+    visitor.move(visitor.pixel((200, 250)), 0.9)
+    visitor.move(visitor.pixel((130, 300)), 0.4)
     visitor.move(visitor.pixel((460, 180)), 0.35)
     visitor.release()
-    visitor.wait(0.3)
-    visitor.wait(4)
+    visitor.wait(3.5)
 
 
 def stars(visitor: Visitor) -> None:
     """Dust that pulls itself together."""
     visitor.session.shown.tree = TreeView.OFF
+    zoom(visitor, (0.0, 0.0), 2)
     visitor.start_filming()
-    visitor.wait(9)
+    visitor.wait(8)
 
 
 def sand(visitor: Visitor) -> None:
@@ -125,9 +124,11 @@ def menu(visitor: Visitor) -> None:
     """A right click on a particle."""
     visitor.session.shown.tree = TreeView.OFF
     visitor.wait(6)
-    place = visitor.pixel(nearest(visitor.session.frame, (330.0, 330.0)))
     visitor.session.paused = True
-    visitor.click(place, RIGHT)
+    frame = visitor.session.frame
+    third = np.argsort(frame.radii)[-3]  # the third largest
+    x, y = frame.positions[third].tolist()
+    visitor.click(visitor.pixel((x, y)), RIGHT)
     visitor.look()
 
 
@@ -139,8 +140,7 @@ def why(visitor: Visitor) -> None:
     session.paused = True
     one = nearest(session.frame, (400.0, 450.0))
     other = nearest(session.frame, (one[0] + 20, one[1] - 4))
-    for _ in range(9):
-        session.camera.zoom_at(visitor.pixel(one), 1.15)
+    zoom(visitor, one, 9)
     visitor.click(visitor.pixel(one))
     visitor.click(visitor.pixel(other), LEFT, SHIFT)
     visitor.key(pygame.K_w)
@@ -162,20 +162,18 @@ def walls(visitor: Visitor) -> None:
     min_x, min_y, max_x, max_y = session.engine.view
 
     def at(across: float, down: float) -> tuple[float, float]:
-        return visitor.pixel(
-            (min_x + across * (max_x - min_x), min_y + down * (max_y - min_y))
-        )
+        return visitor.pixel((min_x + across * (max_x - min_x), min_y + down * (max_y - min_y)))
 
-    visitor.wait(0.5)
     visitor.start_filming()
     visitor.key(pygame.K_2)
-    visitor.drag(at(0.08, 0.35), at(0.42, 0.5))
-    visitor.drag(at(0.92, 0.5), at(0.55, 0.65))
+    visitor.drag(at(0.06, 0.45), at(0.42, 0.62))
+    visitor.drag(at(0.94, 0.6), at(0.58, 0.77))
+    visitor.wait(1)
     visitor.key(pygame.K_3)
-    visitor.click(at(0.75, 0.85), seconds=0.5)
+    visitor.click(at(0.72, 0.4), seconds=0.5)
     visitor.key(pygame.K_1)
     visitor.put_pointer_away()
-    visitor.wait(6)
+    visitor.wait(4)
 
 
 def trails(visitor: Visitor) -> None:
@@ -190,10 +188,10 @@ def trails(visitor: Visitor) -> None:
 def rewind(visitor: Visitor) -> None:
     """Back in time with the slider."""
     visitor.session.shown.tree = TreeView.OFF
-    visitor.session.toggle("trails")
-    visitor.wait(6, every=2)
-    fold(visitor, "Scenes", "Method", "Particles and tree")
-    visitor.session.scrub(4.5)
+    visitor.session.toggle("velocities")
+    visitor.wait(4)
+    fold(visitor, "Method", "Particles and tree", "World")
+    visitor.session.scrub(3.2)
     visitor.put_pointer_away()
     visitor.look()
 
@@ -202,7 +200,7 @@ def settings(visitor: Visitor) -> None:
     """Another container and another gravity while it runs."""
     visitor.session.shown.tree = TreeView.OFF
     visitor.wait(3)
-    fold(visitor, "Scenes", "Particles and tree", "Shown")
+    fold(visitor, "Scenes", "Method", "Particles and tree", "Shown")
     visitor.session.adjust("container", "circle")
     visitor.session.adjust("gravity", (300.0, 300.0))
     visitor.put_pointer_away()
@@ -216,6 +214,12 @@ def fold(visitor: Visitor, *titles: str) -> None:
         visitor.click_on(f"section {title}")
 
 
+def zoom(visitor: Visitor, point: Point, notches: int) -> None:
+    """Turn the wheel over a point."""
+    for _ in range(notches):
+        visitor.session.camera.zoom_at(visitor.pixel(point), ZOOM_STEP)
+
+
 def nearest(frame: Frame, point: Point) -> Point:
     """Return the centre of the particle that is nearest to a point and can move."""
     centres = frame.positions[frame.movable]
@@ -227,8 +231,8 @@ STOPS = (
     Stop("first-look", "The window as it opens: discs of all sizes, and the tree.",
          Settings("mixed"), first_look),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
-    Stop("rules", "The article's rules: the energy that they invent, beside right physics.",
-         Settings("article"), rules),
+    Stop("rules", "By the article's rules a gas loses the energy that right physics keeps.",
+         Settings("gas", 500), rules),
     Stop("race", "Brute force and quadtree side by side.", Settings("gas"), race),
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
     Stop("springs", "A soft body is picked up and thrown.", Settings("springs"), springs, True),
@@ -243,7 +247,7 @@ STOPS = (
     Stop("menu", "A right click on a particle.", Settings("mixed", 600), menu),
     Stop("why", "Why do these two touch?", Settings("pile"), why),
     Stop("help", "The list of mouse and keys.", Settings("pile"), controls),
-    Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain"), walls, True),
+    Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900), walls, True),
     Stop("trails", "Colours by velocity, and trails.", Settings("orbit", 600), trails),
     Stop("rewind", "Back in time.", Settings("billiards"), rewind),
     Stop("settings", "Another container and gravity, while it runs.",

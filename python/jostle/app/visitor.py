@@ -49,6 +49,7 @@ class Visitor:
         self._film, self._filming = film, False
         self._frames = 0
         self._pointing = self._pressing = False
+        self._mouse: Pixel = self.session.cursor
         pygame.event.clear()
 
     # Time
@@ -81,7 +82,7 @@ class Visitor:
         """Return what the visitor sees, with the pointer where it has been used."""
         canvas = self.window.painter.canvas().copy()
         if self._pointing:
-            x, y = self.session.cursor
+            x, y = self._mouse
             if self._pressing:
                 pygame.draw.aacircle(canvas, ACCENT, (x, y), 11, 2)
             canvas.blit(_pointer(), (x, y))
@@ -112,7 +113,7 @@ class Visitor:
 
     def move(self, to: Pixel, seconds: float = 0.5) -> None:
         """Move the mouse, gently at both ends."""
-        start, count = self.session.cursor, max(round(seconds / FRAME), 1)
+        start, count = self._mouse, max(round(seconds / FRAME), 1)
         for k in range(1, count + 1):
             share = k / count
             share *= share * (3 - 2 * share)
@@ -161,13 +162,13 @@ class Visitor:
         self._pointing = False
 
     def _point(self, to: Pixel) -> None:
-        self._pointing = True
+        self._pointing, self._mouse = True, to
         _post(pygame.MOUSEMOTION, pos=to, rel=(0, 0), buttons=(0, 0, 0))
         self.window.take_events()
 
     def _button(self, kind: int, button: int, mod: int) -> None:
         self._pressing = kind == pygame.MOUSEBUTTONDOWN
-        _post(kind, pos=self.session.cursor, button=button, mod=mod)
+        _post(kind, pos=self._mouse, button=button, mod=mod)
         self.window.frame(0.0)
 
 
