@@ -204,7 +204,7 @@ def settings(visitor: Visitor) -> None:
     visitor.session.adjust("container", "circle")
     visitor.session.adjust("gravity", (300.0, 300.0))
     visitor.put_pointer_away()
-    visitor.wait(3)
+    visitor.wait(7)
 
 
 def fold(visitor: Visitor, *titles: str) -> None:
@@ -231,7 +231,7 @@ STOPS = (
     Stop("first-look", "The window as it opens: discs of all sizes, and the tree.",
          Settings("mixed"), first_look),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
-    Stop("rules", "By the article's rules a gas loses the energy that right physics keeps.",
+    Stop("rules", "A gas by the article's rules: its drift, and the one with right physics.",
          Settings("gas", 500), rules),
     Stop("race", "Brute force and quadtree side by side.", Settings("gas"), race),
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
@@ -247,7 +247,8 @@ STOPS = (
     Stop("menu", "A right click on a particle.", Settings("mixed", 600), menu),
     Stop("why", "Why do these two touch?", Settings("pile"), why),
     Stop("help", "The list of mouse and keys.", Settings("pile"), controls),
-    Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900), walls, True),
+    Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900),
+         walls, True),
     Stop("trails", "Colours by velocity, and trails.", Settings("orbit", 600), trails),
     Stop("rewind", "Back in time.", Settings("billiards"), rewind),
     Stop("settings", "Another container and gravity, while it runs.",

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pygame
@@ -160,6 +161,8 @@ class Visitor:
     def put_pointer_away(self) -> None:
         """Take the hand from the mouse: it is in no further picture."""
         self._pointing = False
+        _post(pygame.WINDOWLEAVE)
+        self.window.take_events()
 
     def _point(self, to: Pixel) -> None:
         self._pointing, self._mouse = True, to
@@ -172,7 +175,7 @@ class Visitor:
         self.window.frame(0.0)
 
 
-def _post(kind: int, **facts: object) -> None:
+def _post(kind: int, **facts: Any) -> None:
     pygame.event.post(pygame.event.Event(kind, **facts))
 
 

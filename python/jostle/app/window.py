@@ -206,7 +206,8 @@ class Window:
             draw_notice(painter, session.notice, middle)
         if session.shown.help:
             draw_help(painter)
-        draw_hint(painter, session.camera.right)
+        else:
+            draw_hint(painter, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
         if self.gui is not None and self.builders:
