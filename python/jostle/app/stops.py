@@ -29,8 +29,8 @@ class Stop:
 
 
 def first_look(visitor: Visitor) -> None:
-    """The window as it opens."""
-    visitor.wait(3)
+    """The window as it opens, with the speed that it has here."""
+    visitor.live(6)
 
 
 def pile(visitor: Visitor) -> None:
@@ -95,8 +95,8 @@ def sand(visitor: Visitor) -> None:
 def galton(visitor: Visitor) -> None:
     """The board, when its balls have come down."""
     visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(45, every=30)
-    visitor.wait(1)
+    visitor.wait(58, every=30)
+    visitor.wait(5)
 
 
 def thermostat(visitor: Visitor) -> None:
