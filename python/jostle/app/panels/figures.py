@@ -40,6 +40,8 @@ TAB = 34.0  # height of the panel when it is folded
 UNSEEN = 0.5  # points; thinner layers are not drawn
 COLUMN_GAP = 18.0
 LONG = 1e5  # numbers from here on have a power of ten
+# Points. In fractions of a pixel the parts of a line come out now thicker, now thinner.
+THICK, THIN = 3.0, 2.0
 WORDS = 18.0  # points that the words in a plot's corners are high
 MARGIN = 0.08  # of the span of a plot, left free above and below
 LEAST_PLOT, MOST_PLOT = 56.0, 150.0
@@ -200,7 +202,7 @@ def _lines(
     with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint, 2.5 if word == "total" else 1.5)
+                plots.line(word, time, values, tint, THICK if word == "total" else THIN)
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))
