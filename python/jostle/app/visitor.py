@@ -71,9 +71,9 @@ class Visitor:
             last = now
 
     def look(self, pictures: int = 3) -> None:
-        """Draw without letting time go on: panels need two pictures to settle."""
+        """Draw a few pictures, which nobody films: panels need two to settle."""
         for _ in range(pictures):
-            self.window.frame(0.0)
+            self.window.frame(FRAME)
 
     def start_filming(self) -> None:
         """From here on everything is in the film, if there is to be one."""
@@ -156,7 +156,7 @@ class Visitor:
         """Press a key and let go."""
         for kind in (pygame.KEYDOWN, pygame.KEYUP):
             _post(kind, key=key, mod=0)
-        self.window.frame(0.0)
+        self.look(1)
 
     def put_pointer_away(self) -> None:
         """Take the hand from the mouse: it is in no further picture."""
@@ -172,7 +172,7 @@ class Visitor:
     def _button(self, kind: int, button: int, mod: int) -> None:
         self._pressing = kind == pygame.MOUSEBUTTONDOWN
         _post(kind, pos=self._mouse, button=button, mod=mod)
-        self.window.frame(0.0)
+        self.look(1)
 
 
 def _post(kind: int, **facts: Any) -> None:
