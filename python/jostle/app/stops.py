@@ -115,9 +115,9 @@ def brownian(visitor: Visitor) -> None:
 def emitters(visitor: Visitor) -> None:
     """Three jets and a fountain."""
     visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(2)
+    visitor.wait(3)
     visitor.start_filming()
-    visitor.wait(8)
+    visitor.wait(6.5)
 
 
 def menu(visitor: Visitor) -> None:
@@ -233,7 +233,7 @@ STOPS = (
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
     Stop("rules", "A gas by the article's rules: its drift, and the one with right physics.",
          Settings("gas", 500), rules),
-    Stop("race", "Brute force and quadtree side by side.", Settings("gas"), race),
+    Stop("race", "Brute force and quadtree side by side.", Settings("gas", 8_000, threads=1), race),
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
     Stop("springs", "A soft body is picked up and thrown.", Settings("springs"), springs, True),
     Stop("stars", "A cloud of dust becomes stars.", Settings("stars"), stars, True),
