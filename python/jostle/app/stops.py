@@ -233,7 +233,7 @@ STOPS = (
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
     Stop("rules", "A gas by the article's rules: its drift, and the one with right physics.",
          Settings("gas", 500), rules),
-    Stop("race", "Brute force and quadtree side by side.", Settings("gas", 8_000, threads=1), race),
+    Stop("race", "Brute force and quadtree side by side.", Settings("gas", 6_000, threads=1), race),
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
     Stop("springs", "A soft body is picked up and thrown.", Settings("springs"), springs, True),
     Stop("stars", "A cloud of dust becomes stars.", Settings("stars"), stars, True),
