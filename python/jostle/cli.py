@@ -1,4 +1,4 @@
-"""The command: `jostle run`, `jostle tune`, `jostle scenes`, `jostle bench`."""
+"""The command: `jostle run`, `jostle tour`, `jostle tune`, `jostle scenes`, `jostle bench`."""
 
 from __future__ import annotations
 
@@ -137,6 +137,29 @@ def run(
     if why_no_window is not None:
         console.print(f"No window here ({why_no_window}), so this run becomes a film.")
     _film(settings, steps, out, wishes)
+
+
+@app.command()
+def tour(
+    out: Annotated[Path, typer.Option(help="Folder for the pictures and films.")] = Path("out"),
+    only: Annotated[
+        list[str] | None, typer.Option(help="A stop to visit alone; may be given repeatedly.")
+    ] = None,
+    stills: Annotated[bool, typer.Option("--stills", help="Make no films.")] = False,
+) -> None:
+    """Make pictures and short films of the simulator; no display is needed."""
+    _check_extra()
+    from jostle.app.tour import names
+    from jostle.app.tour_report import show_tour
+
+    for name in only or []:
+        if name not in names():
+            _refuse(f"there is no stop {name!r}; the stops are {', '.join(names())}")
+    _check_folder(out)
+    try:
+        show_tour(out, only or [], films=not stills, console=console)
+    except OSError as error:
+        _refuse(f"the tour could not be written: {str(error).splitlines()[0]}")
 
 
 @app.command()

@@ -52,6 +52,8 @@ window                  the interactive loop
 recorder                films and pictures of the run without a screen
 config                  a scene described in TOML
 headless, report        the run without a screen, and its table
+visitor, stops          a person who always does the same, and what there is to see
+tour, tour_report       pictures and films of it, and their table
 ======================= ========================================================================
 
 Drawing reads a frame, copies of a simulation's columns, and never the simulation. What a person

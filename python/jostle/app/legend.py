@@ -68,7 +68,22 @@ def _legend(card: Legend, ramp: tuple[Colour, ...]) -> pygame.Surface:
 
 @lru_cache(maxsize=16)
 def _sentence(text: str) -> pygame.Surface:
-    width, height = font(SMALL).size(text)
-    sheet = panel((width + 2 * PAD, height + PAD))
-    write(sheet, (PAD, PAD // 2), text, TEXT_SOFT, SMALL)
+    lines, line = _wrapped(text), font(SMALL).get_linesize()
+    width = max(font(SMALL).size(words)[0] for words in lines)
+    sheet = panel((width + 2 * PAD, len(lines) * line + PAD))
+    for k, words in enumerate(lines):
+        write(sheet, (PAD, PAD // 2 + k * line), words, TEXT_SOFT, SMALL)
     return sheet
+
+
+def _wrapped(text: str) -> list[str]:
+    """Return lines that are no wider than a legend, as far as words allow."""
+    first, *words = text.split(" ")
+    lines = [first]
+    for word in words:
+        longer = f"{lines[-1]} {word}"
+        if font(SMALL).size(longer)[0] <= WIDTH - 2 * PAD:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines

@@ -105,8 +105,7 @@ class Window:
         """Do everything that belongs to one frame, `elapsed` seconds after the last."""
         elapsed = min(elapsed, LONGEST_FRAME)
         self.session.now += elapsed
-        for event in pygame.event.get():
-            self._handle(event)
+        self.take_events()
         self.input.hold(elapsed)
         steps = self.session.advance(elapsed)
         if steps:
@@ -120,6 +119,11 @@ class Window:
             self._draw(elapsed)
 
     # Events
+
+    def take_events(self) -> None:
+        """Act on everything that has happened to the window."""
+        for event in pygame.event.get():
+            self._handle(event)
 
     def _handle(self, event: pygame.event.Event) -> None:
         if self.gui is not None and self.gui.handle(event):
@@ -204,7 +208,8 @@ class Window:
             draw_notice(painter, session.notice, middle)
         if session.shown.help:
             draw_help(painter)
-        draw_hint(painter, session.camera.right)
+        else:
+            draw_hint(painter, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
         if self.gui is not None and self.builders:

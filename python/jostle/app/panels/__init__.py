@@ -31,10 +31,10 @@ BUILDERS: list[Builder] = [column.build, figures.build]
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build all panels; call it between `gui.begin` and `gui.end`."""
+    """Build all panels, unless help lies over all; call it between `gui.begin` and `gui.end`."""
     io = imgui.get_io()
     size, scale = io.display_size, io.display_framebuffer_scale.x
     arrange(session, size.x, size.y, scale)
-    if session.shown.panels:
+    if session.shown.panels and not session.shown.help:
         for builder in BUILDERS:
             builder(session, gui)

@@ -40,7 +40,9 @@ TAB = 34.0  # height of the panel when it is folded
 UNSEEN = 0.5  # points; thinner layers are not drawn
 COLUMN_GAP = 18.0
 LONG = 1e5  # numbers from here on have a power of ten
-WORDS = 16.0  # points that the words in a plot's corners are high
+# Points. In fractions of a pixel the parts of a line come out now thicker, now thinner.
+THICK, THIN = 3.0, 2.0
+WORDS = 18.0  # points that the words in a plot's corners are high
 MARGIN = 0.08  # of the span of a plot, left free above and below
 LEAST_PLOT, MOST_PLOT = 56.0, 150.0
 TEXT_LINES = 540.0  # what everything but the three plots needs, in points
@@ -111,7 +113,8 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     traces, stages = session.traces, session.statistics.stages
     tints = [STAGES.get(stage, TEXT_SOFT) for stage in stages]
     corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
-    with plots.plot("times", height, (-SPAN, 0.0), (0.0, traces.top), corner) as seen:
+    top = traces.top * height / (height - WORDS)  # no bar stands behind the words
+    with plots.plot("times", height, (-SPAN, 0.0), (0.0, top), corner) as seen:
         if seen:
             plots.stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
             plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
@@ -143,7 +146,13 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
     row("of n(n\u22121)/2", f"{every:,}")
     row("share", share(facts.pairs_tested, every))
     row("touching", f"{facts.touching:,}")
-    row("tree", f"{facts.nodes:,} nodes, {facts.depth:,} deep" if facts.nodes else "\u2013")
+    row("tree", _tree(facts.nodes, facts.depth))
+
+
+def _tree(nodes: int, depth: int) -> str:
+    if not nodes:
+        return "\u2013"
+    return f"{nodes:,} node{'s' if nodes != 1 else ''}, {depth:,} deep"
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
@@ -193,7 +202,7 @@ def _lines(
     with plots.plot(name, height, across, (low - room, high + room + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint, 2.5 if word == "total" else 1.5)
+                plots.line(word, time, values, tint, THICK if word == "total" else THIN)
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))

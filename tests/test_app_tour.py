@@ -1,0 +1,171 @@
+"""The tour: its stops lead somewhere, and leave pictures and films behind."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import replace
+
+import imageio_ffmpeg
+import pygame
+import pytest
+from typer.testing import CliRunner
+
+import jostle
+from jostle.app import gui
+from jostle.app.session import Session
+from jostle.app.settings import Settings
+from jostle.app.start import start
+from jostle.app.stops import STOPS, Stop, fold, nearest
+from jostle.app.tour import RATE, names, tour, visit
+from jostle.app.visitor import FRAME, RIGHT, Visitor
+from jostle.app.window import Window
+from jostle.cli import app
+
+SMALL = (640, 360)
+
+
+def stop(name: str) -> Stop:
+    return next(stop for stop in STOPS if stop.name == name)
+
+
+@pytest.fixture
+def visitor():
+    window = Window(start(Settings("billiards")), (1280, 720), renderer="software")
+    yield Visitor(window)
+    window.close()
+
+
+def test_stops_have_names_of_their_own_and_scenes_that_exist() -> None:
+    assert len(set(names())) == len(STOPS)
+    assert {stop.settings.scene for stop in STOPS} <= set(jostle.scenes.names())
+    assert all(stop.sentence.endswith((".", "?")) for stop in STOPS)
+
+
+@pytest.mark.parametrize("name", ["help", "trails"])
+def test_a_stop_leaves_a_picture_of_its_size(name: str, tmp_path) -> None:
+    made = visit(stop(name), tmp_path, SMALL, film=False)
+    picture = pygame.image.load(str(made.still))
+    assert picture.get_size() == SMALL
+    assert len({tuple(picture.get_at((x, 180))) for x in range(0, 640, 3)}) > 3
+    assert made.film is None and sorted(tmp_path.iterdir()) == [made.still]
+
+
+def test_a_film_has_a_picture_for_every_thirtieth_of_a_second(tmp_path) -> None:
+    def look(visitor: Visitor) -> None:
+        visitor.wait(0.5)
+        visitor.start_filming()
+        visitor.wait(1)
+
+    short = replace(stop("sand"), visit=look, settings=Settings("sand", 200))
+    made = visit(short, tmp_path, SMALL, film=True)
+    assert made.film is not None and made.pictures == RATE
+    reader = imageio_ffmpeg.read_frames(str(made.film))
+    facts = next(reader)
+    assert facts["size"] == SMALL and facts["fps"] == RATE
+    assert len(list(reader)) == RATE
+
+
+def test_a_still_of_a_stop_is_the_same_each_time(tmp_path) -> None:
+    """The scene is: how long things took is measured, and stands in the panels."""
+
+    def look(visitor: Visitor) -> None:
+        visitor.session.shown.panels = False
+        visitor.window.readout.draw = lambda *args, **facts: None
+        visitor.wait(1)
+
+    pictures = []
+    for _ in range(2):
+        made = visit(replace(stop("pile"), visit=look), tmp_path, SMALL, film=False)
+        pictures.append(pygame.image.load(str(made.still)).get_buffer().raw)
+    assert pictures[0] == pictures[1]
+
+
+def test_the_environment_is_left_as_it_was(tmp_path) -> None:
+    before = dict(os.environ)
+    seen = []
+    for made in tour(tmp_path, ["help"], films=False, size=SMALL, coming=seen.append):
+        assert made.still.exists()
+    assert [stop.name for stop in seen] == ["help"]
+    assert dict(os.environ) == before
+
+
+def test_a_visitor_picks_up_and_throws(visitor: Visitor) -> None:
+    session = visitor.session
+    session.paused = True  # until it is picked up
+    visitor.move(visitor.pixel(nearest(session.frame, (0.0, 0.0))))
+    visitor.press()
+    tag = session.hand.held
+    assert tag is not None
+    session.paused = False
+    x, y = session.cursor
+    visitor.move((x - 5, y - 90), 0.2)
+    visitor.release()
+    assert session.hand.held is None
+    assert session.frame.velocities[session.frame.rows(tag)[0], 1] < -50
+
+
+def test_a_pointer_is_in_the_picture_until_it_is_put_away(visitor: Visitor) -> None:
+    def at_pointer() -> bytes:
+        picture = visitor.picture().subsurface((601, 201, 12, 16))
+        return pygame.image.tobytes(picture, "RGB")
+
+    visitor.session.paused = True
+    visitor.look()
+    without = at_pointer()
+    visitor.move((600.0, 200.0), FRAME)
+    assert at_pointer() != without
+    visitor.put_pointer_away()
+    visitor.look()
+    assert at_pointer() == without
+
+
+@pytest.mark.skipif(not gui.available(), reason="panels need imgui-bundle")
+def test_a_visitor_folds_sections_and_opens_menus(visitor: Visitor) -> None:
+    visitor.look()
+    before = visitor.mark("section Method")
+    fold(visitor, "Scenes")
+    after = visitor.mark("section Method")
+    assert before and after and after[1] < before[1]
+    visitor.session.paused = True
+    visitor.click(visitor.pixel(nearest(visitor.session.frame, (0.0, 0.0))), RIGHT)
+    assert visitor.session.menu is not None and visitor.session.menu.tag is not None
+
+
+def test_the_command_makes_a_table_and_refuses_what_it_cannot_do(tmp_path) -> None:
+    run = CliRunner().invoke(app, ["tour", "--out", str(tmp_path), "--only", "help", "--stills"])
+    assert run.exit_code == 0, run.output
+    assert "help" in run.output and (tmp_path / "help.png").exists()
+    run = CliRunner().invoke(app, ["tour", "--out", str(tmp_path), "--only", "pyle"])
+    assert run.exit_code == 2 and "'pyle'" in run.output and "first-look" in run.output
+    (tmp_path / "file").write_text("")
+    run = CliRunner().invoke(app, ["tour", "--out", str(tmp_path / "file" / "out")])
+    assert run.exit_code == 2 and "no file can be written" in run.output
+
+
+# What must hold when the visitor has done everything that they do at a stop.
+ENDS: dict[str, Callable[[Session], bool]] = {
+    "rules": lambda session: session.settings.by_article and session.other_drift is not None,
+    "springs": lambda session: session.hand.held is None and session.camera.at_home,
+    "menu": lambda session: session.menu is not None and session.menu.tag is not None,
+    "why": lambda session: len(session.selection) == 2 and session.why is not None,
+    "help": lambda session: session.shown.help,
+    "walls": lambda session: len(session.deeds.walls) == 2 and len(session.pulls.placed) == 1,
+    "rewind": lambda session: session.paused and abs(session.history.back - 3.2) < 0.05,
+    "settings": lambda session: isinstance(session.frame.container, jostle.Circle),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ENDS)
+def test_a_visitor_gets_where_they_want(name: str) -> None:
+    if name == "menu" and not gui.available():
+        pytest.skip("menus need imgui-bundle")
+    window = Window(start(stop(name).settings), (1280, 720), renderer="software")
+    window.session.engine.short = math.inf
+    try:
+        stop(name).visit(Visitor(window))
+        assert ENDS[name](window.session)
+    finally:
+        window.close()
