@@ -14,7 +14,7 @@ from pathlib import Path
 import imageio_ffmpeg
 from PIL import Image
 
-from jostle.app.layout import COLUMN, FIGURES
+from jostle.app.gui.layout import COLUMN, FIGURES
 
 PICTURES = Path(__file__).parent / "pictures"
 

@@ -8,11 +8,11 @@ import numpy as np
 import pygame
 
 import jostle
-from jostle.app.article_simulation import ArticleSimulation
-from jostle.app.settings import Settings
-from jostle.app.simulation import Simulation
+from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Simulation
+from jostle.app.simulate.world_simulation import WorldSimulation
 from jostle.app.window import Window
-from jostle.app.world_simulation import WorldSimulation
 
 FRAME = 1 / 60
 VIEW = (0.0, 0.0, 800.0, 500.0)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jostle.app.camera import Camera
-from jostle.app.simulation import Facts, Frame, Touching
+from jostle.app.draw.camera import Camera
+from jostle.app.simulate.simulation import Facts, Frame, Touching
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)

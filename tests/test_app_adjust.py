@@ -8,12 +8,12 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.article_simulation import ArticleSimulation
 from jostle.app.session import Session
-from jostle.app.settings import Settings
-from jostle.app.start import start
-from jostle.app.walls import Home, bounds, brought_in
-from jostle.app.world_simulation import MOST_AT_ONCE, WorldSimulation
+from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
+from jostle.app.simulate.walls import Home, bounds, brought_in
+from jostle.app.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
 
 CONTAINERS = [
     jostle.Box(-10, 0, 90, 50),

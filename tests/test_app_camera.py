@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jostle.app.camera import MARGIN, Camera
+from jostle.app.draw.camera import MARGIN, Camera
 
 VIEW = (-50.0, 20.0, 750.0, 520.0)
 

@@ -10,16 +10,16 @@ import pytest
 
 pytest.importorskip("pygame")
 
-from jostle.app.config import (
+from jostle.app.draw.shown import ColourBy, Shown, TreeView
+from jostle.app.keep.config import (
     WINDOW_RULES,
     Config,
     ConfigError,
     lines_of,
     read_config,
 )
-from jostle.app.settings import GROUP_RULES, RULES, Group, Settings
-from jostle.app.shown import ColourBy, Shown, TreeView
-from jostle.app.start import start
+from jostle.app.simulate.settings import GROUP_RULES, RULES, Group, Settings
+from jostle.app.simulate.start import start
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
 

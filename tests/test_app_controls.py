@@ -9,8 +9,8 @@ pygame = pytest.importorskip("pygame")
 
 from app_hands import Hands, world_of  # noqa: E402
 
-from jostle.app.acts import ACTS  # noqa: E402
-from jostle.app.controls import (  # noqa: E402
+from jostle.app.act.acts import ACTS  # noqa: E402
+from jostle.app.act.controls import (  # noqa: E402
     CONTROLS,
     GROUPS,
     HELD,
@@ -20,9 +20,9 @@ from jostle.app.controls import (  # noqa: E402
     as_markdown,
     key_of,
 )
-from jostle.app.helping import draw_help  # noqa: E402
-from jostle.app.shown import ColourBy, TreeView  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.helping import draw_help  # noqa: E402
+from jostle.app.draw.shown import ColourBy, TreeView  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 PROMISED = {
@@ -105,7 +105,7 @@ def test_help_in_no_room_at_all_is_no_error() -> None:
 
 
 def test_help_is_not_shrunk_in_the_usual_window() -> None:
-    from jostle.app import helping
+    from jostle.app.draw import helping
 
     width, height = helping._sheet().get_size()
     assert width <= 1280 - 16 and height <= 720 - 16

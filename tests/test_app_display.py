@@ -9,14 +9,15 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
-from jostle.app import backdrop, gui, renderers  # noqa: E402
-from jostle.app.backdrop import Backdrop  # noqa: E402
-from jostle.app.camera import Camera  # noqa: E402
-from jostle.app.palette import GROUND  # noqa: E402
-from jostle.app.renderers import NoRendererError, Screen  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.draw import backdrop, renderers  # noqa: E402
+from jostle.app.draw.backdrop import Backdrop  # noqa: E402
+from jostle.app.draw.camera import Camera  # noqa: E402
+from jostle.app.draw.palette import GROUND  # noqa: E402
+from jostle.app.draw.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.gui import host as gui  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 FRAME = 1 / 60
@@ -50,7 +51,7 @@ def picture_of(painter) -> np.ndarray:
 def test_a_processor_that_plays_a_card_is_used_only_when_it_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    opengl = pytest.importorskip("jostle.app.opengl")
+    opengl = pytest.importorskip("jostle.app.draw.opengl")
     try:
         name = Screen(SIZE, "opengl").painter.renderer
     except NoRendererError as error:

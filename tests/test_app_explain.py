@@ -8,16 +8,16 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
-from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.camera import Camera  # noqa: E402
-from jostle.app.explain import Why, explain  # noqa: E402
+from jostle.app.act.explain import Why, explain  # noqa: E402
+from jostle.app.draw.camera import Camera  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.why_view import draw_why  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.simulation import Frame, Wants  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
-from jostle.app.start import start  # noqa: E402
-from jostle.app.why_view import draw_why  # noqa: E402
-from jostle.app.world_simulation import WorldSimulation  # noqa: E402
+from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.simulation import Frame, Wants  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
+from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
 
 VIEW = (0.0, 0.0, 100.0, 100.0)
 TREE = Wants(tree=True)

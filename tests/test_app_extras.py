@@ -12,10 +12,10 @@ pytest.importorskip("pygame")
 from app_overlays import Notes, camera_of_pixels, frame_of
 
 import jostle
-from jostle.app.camera import Camera
-from jostle.app.extras import Extras, binomial
-from jostle.app.settings import Settings
-from jostle.app.start import start
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.extras import Extras, binomial
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
 
 PATH_POINTS = 60  # in these tests
 
@@ -57,7 +57,7 @@ def test_the_path_of_the_heavy_particle_is_where_it_has_been() -> None:
 
 
 def test_a_long_path_keeps_its_beginning_and_stays_short(monkeypatch) -> None:
-    monkeypatch.setattr("jostle.app.extras.PATH_POINTS", PATH_POINTS)
+    monkeypatch.setattr("jostle.app.draw.extras.PATH_POINTS", PATH_POINTS)
     extras, notes = Extras(), Notes()
     for step in range(3 * PATH_POINTS):
         notes = Notes()

@@ -10,14 +10,14 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
-from jostle.app import exports, files  # noqa: E402
-from jostle.app.packing import pack, seal, unpack, unseal  # noqa: E402
-from jostle.app.paths import new_path, write_whole  # noqa: E402
+from jostle.app.draw.shown import ColourBy, TreeView  # noqa: E402
+from jostle.app.keep import exports, files  # noqa: E402
+from jostle.app.keep.paths import new_path, write_whole  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
-from jostle.app.settings import Group, Settings  # noqa: E402
-from jostle.app.shown import ColourBy, TreeView  # noqa: E402
-from jostle.app.simulation import Pull  # noqa: E402
-from jostle.app.start import resume, start  # noqa: E402
+from jostle.app.simulate.packing import pack, seal, unpack, unseal  # noqa: E402
+from jostle.app.simulate.settings import Group, Settings  # noqa: E402
+from jostle.app.simulate.simulation import Pull  # noqa: E402
+from jostle.app.simulate.start import resume, start  # noqa: E402
 
 SCENES = [
     Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),

@@ -12,11 +12,11 @@ pytest.importorskip("imgui_bundle")
 
 from imgui_bundle import imgui  # noqa: E402
 
-from jostle.app import palette  # noqa: E402
-from jostle.app.gui import Gui, available  # noqa: E402
-from jostle.app.gui_shapes import coverage, outlines_of  # noqa: E402
-from jostle.app.painter import Painter  # noqa: E402
-from jostle.app.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.draw import palette  # noqa: E402
+from jostle.app.draw.painter import Painter  # noqa: E402
+from jostle.app.draw.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.gui.host import Gui, available  # noqa: E402
+from jostle.app.gui.shapes import coverage, outlines_of  # noqa: E402
 
 SIZE = (400, 300)
 FRAME = 1 / 60

@@ -14,13 +14,13 @@ pygame = pytest.importorskip("pygame")
 from app_hands import FRAME, VIEW, Hands, article_with, tags, world_of  # noqa: E402
 
 import jostle  # noqa: E402
-from jostle.app import engine as engine_of_the_app  # noqa: E402
-from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.deeds import scatter, usual  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.simulation import Pull  # noqa: E402
-from jostle.app.start import start  # noqa: E402
-from jostle.app.world_simulation import WorldSimulation  # noqa: E402
+from jostle.app.act.deeds import scatter, usual  # noqa: E402
+from jostle.app.simulate import engine as engine_of_the_app  # noqa: E402
+from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.simulation import Pull  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
+from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
 
 BOTH = [world_of, article_with]
 

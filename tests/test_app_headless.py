@@ -13,11 +13,11 @@ imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
 rich_console = pytest.importorskip("rich.console")
 
 from jostle.app import report  # noqa: E402
+from jostle.app.draw.palette import GROUND  # noqa: E402
 from jostle.app.headless import default_steps, make_film  # noqa: E402
-from jostle.app.palette import GROUND  # noqa: E402
-from jostle.app.recorder import Recorder  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.keep.recorder import Recorder  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
 
 SIZE = (640, 360)
 

@@ -9,10 +9,10 @@ import pytest
 
 pytest.importorskip("pygame")
 
-from jostle.app.history import History
+from jostle.app.keep.history import History
 from jostle.app.session import Session
-from jostle.app.settings import Settings
-from jostle.app.start import start
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
 
 SCENES = [
     Settings("gas", 300),

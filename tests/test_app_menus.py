@@ -11,8 +11,8 @@ pygame = pytest.importorskip("pygame")
 
 from app_hands import RIGHT, Hands, article_with, post, tags, world_of  # noqa: E402
 
-from jostle.app import gui  # noqa: E402
-from jostle.app.menu import Item, Number  # noqa: E402
+from jostle.app.act.menu import Item, Number  # noqa: E402
+from jostle.app.gui import host as gui  # noqa: E402
 
 TWO = [(200, 100), (400, 300)]
 BOTH = [world_of, article_with]
@@ -194,7 +194,7 @@ def test_clear_walls_scramble_and_dance_are_offered() -> None:
 @pytest.fixture
 def hands() -> Hands:
     pytest.importorskip("imgui_bundle")
-    from jostle.app import menus
+    from jostle.app.panels import menus
 
     hands = Hands(world_of(TWO, gravity=(0.0, 90.0)))
     hands.window.builders = [menus.build]

@@ -16,16 +16,16 @@ from app_overlays import (  # noqa: E402
 )
 
 import jostle  # noqa: E402
-from jostle.app import labels, marks, trails  # noqa: E402
-from jostle.app.choosing import few  # noqa: E402
-from jostle.app.overlays import draw_heat, draw_outline  # noqa: E402
-from jostle.app.palette import FIXED, HEAT, PULL, STAGE  # noqa: E402
-from jostle.app.picture import Picture  # noqa: E402
-from jostle.app.shown import ColourBy, Shown  # noqa: E402
-from jostle.app.simulation import Pull, TreeBoxes  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
-from jostle.app.stage import Beads  # noqa: E402
-from jostle.app.trails import Trails  # noqa: E402
+from jostle.app.draw import labels, marks, trails  # noqa: E402
+from jostle.app.draw.choosing import few  # noqa: E402
+from jostle.app.draw.overlays import draw_heat, draw_outline  # noqa: E402
+from jostle.app.draw.palette import FIXED, HEAT, PULL, STAGE  # noqa: E402
+from jostle.app.draw.picture import Picture  # noqa: E402
+from jostle.app.draw.shown import ColourBy, Shown  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.stage import Beads  # noqa: E402
+from jostle.app.draw.trails import Trails  # noqa: E402
+from jostle.app.simulate.simulation import Pull, TreeBoxes  # noqa: E402
 
 
 def tree_of(boxes, levels, counts, leaves) -> TreeBoxes:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jostle.app.pace import MOST_OWED, Pace
+from jostle.app.simulate.pace import MOST_OWED, Pace
 
 STEP = 1 / 60
 

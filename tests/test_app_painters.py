@@ -10,11 +10,11 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
-from jostle.app.camera import Camera  # noqa: E402
-from jostle.app.colouring import Colouring  # noqa: E402
-from jostle.app.overlays import STRONGEST, draw_filled, draw_outline  # noqa: E402
-from jostle.app.painter import Painter  # noqa: E402
-from jostle.app.palette import (  # noqa: E402
+from jostle.app.draw.camera import Camera  # noqa: E402
+from jostle.app.draw.colouring import Colouring  # noqa: E402
+from jostle.app.draw.overlays import STRONGEST, draw_filled, draw_outline  # noqa: E402
+from jostle.app.draw.painter import Painter  # noqa: E402
+from jostle.app.draw.palette import (  # noqa: E402
     DISCS,
     FIXED_SHADE,
     SHADES,
@@ -23,10 +23,10 @@ from jostle.app.palette import (  # noqa: E402
     blend,
     level_colour,
 )
-from jostle.app.renderers import NoRendererError, Screen  # noqa: E402
-from jostle.app.simulation import Frame, TreeBoxes  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
-from jostle.app.stage import draw_discs, draw_stage  # noqa: E402
+from jostle.app.draw.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.stage import draw_discs, draw_stage  # noqa: E402
+from jostle.app.simulate.simulation import Frame, TreeBoxes  # noqa: E402
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)

@@ -12,14 +12,14 @@ pytest.importorskip("imgui_bundle")
 
 import jostle  # noqa: E402
 from jostle.app import panels  # noqa: E402
-from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.gui import Gui  # noqa: E402
+from jostle.app.draw.shown import ColourBy, TreeView  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.gui.host import Gui  # noqa: E402
 from jostle.app.panels.sliders import Range  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.shown import ColourBy, TreeView  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
 
 FRAME = 1 / 60
 BESIDE, MIDDLE = 2, 0.5

@@ -10,10 +10,10 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 from jostle.app import race as racing  # noqa: E402
-from jostle.app.engine import SHORT  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.shown import TreeView  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.draw.shown import TreeView  # noqa: E402
+from jostle.app.simulate.engine import SHORT  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 FRAME = 1 / 60

@@ -11,16 +11,16 @@ import pytest
 pygame = pytest.importorskip("pygame")
 imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
 
-from jostle.app import encoder, recording  # noqa: E402
-from jostle.app.camera import Camera  # noqa: E402
-from jostle.app.encoder import Encoder, gif_palette  # noqa: E402
-from jostle.app.palette import DISCS, GROUND  # noqa: E402
-from jostle.app.recorder import Recorder  # noqa: E402
-from jostle.app.recording import MOST_QUEUED, Recording  # noqa: E402
+from jostle.app.draw.camera import Camera  # noqa: E402
+from jostle.app.draw.palette import DISCS, GROUND  # noqa: E402
+from jostle.app.draw.shown import Shown  # noqa: E402
+from jostle.app.keep import encoder, recording  # noqa: E402
+from jostle.app.keep.encoder import Encoder, gif_palette  # noqa: E402
+from jostle.app.keep.recorder import Recorder  # noqa: E402
+from jostle.app.keep.recording import MOST_QUEUED, Recording  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.shown import Shown  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 SIZE = (320, 180)

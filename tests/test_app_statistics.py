@@ -10,15 +10,15 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.article_simulation import ArticleSimulation
-from jostle.app.series import Series
+from jostle.app.measure.series import Series
+from jostle.app.measure.statistics import EVERY, Statistics
+from jostle.app.measure.traces import Traces
 from jostle.app.session import Session
-from jostle.app.settings import Settings
-from jostle.app.simulation import Energies, Facts, Frame
-from jostle.app.start import start
-from jostle.app.statistics import EVERY, Statistics
-from jostle.app.traces import Traces
-from jostle.app.world_simulation import WorldSimulation
+from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Energies, Facts, Frame
+from jostle.app.simulate.start import start
+from jostle.app.simulate.world_simulation import WorldSimulation
 
 FRAME = 1 / 60
 

@@ -11,11 +11,11 @@ pygame = pytest.importorskip("pygame")
 
 from app_hands import FRAME, MIDDLE, RIGHT, Hands, article_with, post, tags, world_of  # noqa: E402
 
-from jostle.app import deeds  # noqa: E402
-from jostle.app.pulls import STRENGTH  # noqa: E402
-from jostle.app.software import SoftwarePainter  # noqa: E402
-from jostle.app.tools import Tool  # noqa: E402
-from jostle.app.tools_view import draw_preview, draw_selection  # noqa: E402
+from jostle.app.act import deeds  # noqa: E402
+from jostle.app.act.pulls import STRENGTH  # noqa: E402
+from jostle.app.act.tools import Tool  # noqa: E402
+from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.tools_view import draw_preview, draw_selection  # noqa: E402
 
 FOUR = [(100, 100), (200, 100), (100, 300), (600, 400)]
 

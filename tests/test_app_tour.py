@@ -13,13 +13,13 @@ import pytest
 from typer.testing import CliRunner
 
 import jostle
-from jostle.app import gui
+from jostle.app.gui import host as gui
 from jostle.app.session import Session
-from jostle.app.settings import Settings
-from jostle.app.start import start
-from jostle.app.stops import STOPS, Stop, fold, nearest
-from jostle.app.tour import RATE, names, tour, visit
-from jostle.app.visitor import FRAME, RIGHT, Visitor
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
+from jostle.app.tour.stops import STOPS, Stop, fold, nearest
+from jostle.app.tour.tour import RATE, names, tour, visit
+from jostle.app.tour.visitor import FRAME, RIGHT, Visitor
 from jostle.app.window import Window
 from jostle.cli import app
 

@@ -10,13 +10,13 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
-from jostle.app.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.settings import Settings  # noqa: E402
-from jostle.app.shown import TreeView  # noqa: E402
-from jostle.app.simulation import Simulation  # noqa: E402
-from jostle.app.start import start  # noqa: E402
+from jostle.app.draw.shown import TreeView  # noqa: E402
+from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.simulation import Simulation  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
+from jostle.app.simulate.world_simulation import BRUTE_LIMIT, WorldSimulation  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
-from jostle.app.world_simulation import BRUTE_LIMIT, WorldSimulation  # noqa: E402
 
 FRAME = 1 / 60
 VIEW = (0.0, 0.0, 1000.0, 1000.0)

@@ -99,7 +99,7 @@ def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> N
 
 
 def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
-    from jostle.app import renderers
+    from jostle.app.draw import renderers
 
     monkeypatch.setattr(renderers, "_MODERNGL", False)
     monkeypatch.setattr(cli, "_has_display", lambda: True)

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.emitters import Emitters
+from jostle.app.simulate.emitters import Emitters
 
 STEP = 1 / 60
 N = 300

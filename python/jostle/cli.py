@@ -21,12 +21,12 @@ except ImportError as missing:
     raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
 
 import jostle
-from jostle.app.settings import METHODS, RENDERERS, Settings
-from jostle.app.simulation import Simulation
-from jostle.app.start import start
+from jostle.app.simulate.settings import METHODS, RENDERERS, Settings
+from jostle.app.simulate.simulation import Simulation
+from jostle.app.simulate.start import start
 
 if TYPE_CHECKING:
-    from jostle.app.config import Config
+    from jostle.app.keep.config import Config
 
 DEFAULT_SCENE = "mixed"
 MOST_PARTICLES = 100_000_000
@@ -149,8 +149,8 @@ def tour(
 ) -> None:
     """Make pictures and short films of the simulator; no display is needed."""
     _check_extra()
-    from jostle.app.tour import names
-    from jostle.app.tour_report import show_tour
+    from jostle.app.tour.report import show_tour
+    from jostle.app.tour.tour import names
 
     for name in only or []:
         if name not in names():
@@ -242,7 +242,7 @@ def bench(
 
 def _config(path: Path | None) -> Config:
     """Return what a file wishes for; nothing where there is none."""
-    from jostle.app.config import Config, ConfigError, read_config
+    from jostle.app.keep.config import Config, ConfigError, read_config
 
     if path is None:
         return Config()
@@ -260,7 +260,7 @@ def _show(settings: Settings, steps: int | None, renderer: str, wishes: Config) 
     """Run in a window; return why not, where none can be opened."""
     import pygame
 
-    from jostle.app.renderers import NoRendererError
+    from jostle.app.draw.renderers import NoRendererError
     from jostle.app.window import SIZE, Window
 
     simulation = _start(settings)
@@ -277,9 +277,9 @@ def _show(settings: Settings, steps: int | None, renderer: str, wishes: Config) 
 
 def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> None:
     """Run without a window, and print what came of it."""
+    from jostle.app.draw.shown import Shown
     from jostle.app.headless import SIZE, default_steps, make_film
     from jostle.app.report import report
-    from jostle.app.shown import Shown
 
     shown = Shown() if wishes.shown else None
     if shown is not None:

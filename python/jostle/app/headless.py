@@ -10,15 +10,15 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from jostle.app.camera import Camera, Size
-from jostle.app.engine import Engine
-from jostle.app.picture import Picture
-from jostle.app.readout import SPACE, Readout
-from jostle.app.recorder import Recorder, save_png
-from jostle.app.shown import Shown, TreeView
-from jostle.app.simulation import Simulation
-from jostle.app.software import SoftwarePainter
-from jostle.app.words import film_name
+from jostle.app.draw.camera import Camera, Size
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.readout import SPACE, Readout
+from jostle.app.draw.shown import Shown, TreeView
+from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.words import film_name
+from jostle.app.keep.recorder import Recorder, save_png
+from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.simulation import Simulation
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 30

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import pygame
 
-from jostle.app.camera import Camera
-from jostle.app.engine import SHORT, Engine
-from jostle.app.painter import Painter
-from jostle.app.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
-from jostle.app.picture import Picture
-from jostle.app.shown import Shown
-from jostle.app.simulation import Facts, Frame, Wants
-from jostle.app.start import start
-from jostle.app.text import BODY, SMALL, font, panel, write
-from jostle.app.words import method_name, scientific
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.shown import Shown
+from jostle.app.draw.text import BODY, SMALL, font, panel, write
+from jostle.app.draw.words import method_name, scientific
+from jostle.app.simulate.engine import SHORT, Engine
+from jostle.app.simulate.simulation import Facts, Frame, Wants
+from jostle.app.simulate.start import start
 
 SHORT_IN_RACE = 0.004  # seconds: longer steps are made beside the window, for there are two
 # Particles that a method may have in a race: more, and a step would take longer than a second.

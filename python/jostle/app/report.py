@@ -11,12 +11,12 @@ from typing import Literal
 from rich.table import Table
 
 import jostle
-from jostle.app.article_simulation import article_of
+from jostle.app.draw.words import method_name, pairs_of, share
 from jostle.app.headless import Film
-from jostle.app.settings import Settings
-from jostle.app.simulation import Frame, Rect, Simulation
-from jostle.app.words import method_name, pairs_of, share
-from jostle.app.world_simulation import TIME_STEP, WorldSimulation
+from jostle.app.simulate.article_simulation import article_of
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Frame, Rect, Simulation
+from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
 
 Row = tuple[str, str, str]  # what, how much, remark
 

@@ -12,23 +12,23 @@ from pathlib import Path
 from typing import Any
 
 import jostle
-from jostle.app.camera import Camera, Size
-from jostle.app.carry import carry_over
-from jostle.app.engine import Engine
-from jostle.app.explain import Question, Why
-from jostle.app.files import Files
-from jostle.app.hands import Hands
-from jostle.app.history import History
-from jostle.app.painter import Painter
-from jostle.app.picture import Picture
+from jostle.app.act.explain import Question, Why
+from jostle.app.act.hands import Hands
+from jostle.app.draw.camera import Camera, Size
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.shown import Shown, TreeView
+from jostle.app.draw.words import method_name
+from jostle.app.keep.files import Files
+from jostle.app.keep.history import History
+from jostle.app.measure.statistics import Statistics
+from jostle.app.measure.traces import Traces
 from jostle.app.race import Race, refusal
-from jostle.app.settings import Settings
-from jostle.app.shown import Shown, TreeView
-from jostle.app.simulation import Frame, Simulation
-from jostle.app.start import start
-from jostle.app.statistics import Statistics
-from jostle.app.traces import Traces
-from jostle.app.words import method_name
+from jostle.app.simulate.carry import carry_over
+from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Frame, Simulation
+from jostle.app.simulate.start import start
 
 NOTICE_TIME = 3.0  # seconds
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time

@@ -8,21 +8,21 @@ from collections.abc import Callable
 
 import pygame
 
-from jostle.app import gui
-from jostle.app.backdrop import Backdrop
-from jostle.app.camera import Camera, Size
-from jostle.app.gui import Gui
-from jostle.app.helping import draw_help
-from jostle.app.input import Input
-from jostle.app.layout import arrange
-from jostle.app.notices import draw_hint, draw_notice
-from jostle.app.painter import Painter
-from jostle.app.readout import SPACE, Readout
-from jostle.app.renderers import FAILURES, Screen
+from jostle.app.act.input import Input
+from jostle.app.draw.backdrop import Backdrop
+from jostle.app.draw.camera import Camera, Size
+from jostle.app.draw.helping import draw_help
+from jostle.app.draw.notices import draw_hint, draw_notice
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.readout import SPACE, Readout
+from jostle.app.draw.renderers import FAILURES, Screen
+from jostle.app.draw.tools_view import draw_hands
+from jostle.app.draw.why_view import draw_why
+from jostle.app.gui import host as gui
+from jostle.app.gui.host import Gui
+from jostle.app.gui.layout import arrange
 from jostle.app.session import Session
-from jostle.app.simulation import Simulation
-from jostle.app.tools_view import draw_hands
-from jostle.app.why_view import draw_why
+from jostle.app.simulate.simulation import Simulation
 
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
@@ -235,6 +235,7 @@ def _builders() -> list[Builder]:
     """Return what builds panels and menus, where ImGui is there."""
     if not gui.available():
         return []
-    from jostle.app import menus, panels  # they cannot do without it
+    from jostle.app import panels  # they cannot do without it
+    from jostle.app.panels import menus
 
     return [panels.build, menus.build]

@@ -20,8 +20,8 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.gui import Gui
-from jostle.app.layout import arrange
+from jostle.app.gui.host import Gui
+from jostle.app.gui.layout import arrange
 from jostle.app.panels import column, figures
 from jostle.app.session import Session
 

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.gui import Gui
-from jostle.app.layout import layout
+from jostle.app.draw.words import method_name
+from jostle.app.gui.host import Gui
+from jostle.app.gui.layout import layout
 from jostle.app.panels import figures, files, looks, method, past, rules, scenes, transport
 from jostle.app.panels.ink import ACCENT, TEXT_SOFT, vec
 from jostle.app.panels.widgets import at_right, colours, part, section
 from jostle.app.session import Session
-from jostle.app.words import method_name
 
 TITLE = 21.0
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from jostle.app.gui import Gui
-from jostle.app.layout import layout
-from jostle.app.palette import Colour
+from jostle.app.draw.palette import Colour
+from jostle.app.draw.words import pairs_of, scientific, share
+from jostle.app.gui.host import Gui
+from jostle.app.gui.layout import layout
+from jostle.app.measure.traces import SPAN, Floats
 from jostle.app.panels import plots
 from jostle.app.panels.ink import (
     ACROSS,
@@ -33,8 +35,6 @@ from jostle.app.panels.widgets import (
     width,
 )
 from jostle.app.session import Session
-from jostle.app.traces import SPAN, Floats
-from jostle.app.words import pairs_of, scientific, share
 
 TAB = 34.0  # height of the panel when it is folded
 UNSEEN = 0.5  # points; thinner layers are not drawn

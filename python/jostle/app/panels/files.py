@@ -6,8 +6,9 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from jostle.app.encoder import FORMATS
-from jostle.app.gui import Gui
+from jostle.app.gui.host import Gui
+from jostle.app.keep.encoder import FORMATS
+from jostle.app.keep.recording import Recording
 from jostle.app.panels.ink import FILLED, vec
 from jostle.app.panels.widgets import (
     BUTTON,
@@ -21,7 +22,6 @@ from jostle.app.panels.widgets import (
     soft,
     width,
 )
-from jostle.app.recording import Recording
 from jostle.app.session import Session
 
 SIZES = {"window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),

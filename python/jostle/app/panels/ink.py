@@ -6,8 +6,8 @@ from functools import lru_cache
 
 from imgui_bundle import imgui
 
-from jostle.app.gui_style import FIELD, RAISED
-from jostle.app.palette import ACCENT, PANEL, TEXT, TEXT_SOFT, Colour, blend
+from jostle.app.draw.palette import ACCENT, PANEL, TEXT, TEXT_SOFT, Colour, blend
+from jostle.app.gui.style import FIELD, RAISED
 
 __all__ = ["ACCENT", "CHOSEN", "FIELD", "FILLED", "RAISED", "TEXT", "TEXT_SOFT", "ink", "vec"]
 

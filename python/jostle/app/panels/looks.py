@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from jostle.app.gui import Gui
+from jostle.app.draw.shown import ColourBy, TreeView
+from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import beside, choice, combo, share_out
 from jostle.app.session import Session
-from jostle.app.shown import ColourBy, TreeView
 
 SWITCHES = ("contacts", "velocities", "trails", "labels")
 

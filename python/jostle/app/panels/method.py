@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from jostle.app.carry import ARTICLE_LIMIT
-from jostle.app.gui import Gui
+from jostle.app.draw.words import method_name
+from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import beside, choice, combo, label, share_out
 from jostle.app.session import Session
-from jostle.app.settings import METHODS
-from jostle.app.words import method_name
-from jostle.app.world_simulation import BRUTE_LIMIT
+from jostle.app.simulate.carry import ARTICLE_LIMIT
+from jostle.app.simulate.settings import METHODS
+from jostle.app.simulate.world_simulation import BRUTE_LIMIT
 
 RULES = (
     ("physics", {"quadtree": "quadtree", "brute": "brute force"}),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jostle.app.gui import Gui
+from jostle.app.gui.host import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import hint, soft
 from jostle.app.session import Session

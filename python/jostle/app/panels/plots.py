@@ -9,7 +9,7 @@ import numpy as np
 from imgui_bundle import imgui, implot
 from numpy.typing import NDArray
 
-from jostle.app.palette import Colour
+from jostle.app.draw.palette import Colour
 from jostle.app.panels.ink import TEXT_SOFT, ink, vec
 
 Floats = NDArray[np.float64]

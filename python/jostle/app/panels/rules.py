@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import jostle
-from jostle.app.gui import Gui
+from jostle.app.gui.host import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import combo, signed
 from jostle.app.session import Session

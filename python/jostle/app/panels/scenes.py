@@ -5,7 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 import jostle
-from jostle.app.gui import Gui
+from jostle.app.gui.host import Gui
 from jostle.app.panels.ink import ACCENT, CHOSEN, vec
 from jostle.app.panels.widgets import at_right, colours, wrapped
 from jostle.app.session import Session

@@ -9,7 +9,7 @@ from enum import Enum
 
 from imgui_bundle import imgui
 
-from jostle.app.gui import Gui
+from jostle.app.gui.host import Gui
 from jostle.app.panels.ink import ACCENT, FILLED, RAISED, TEXT, TEXT_SOFT, ink, vec
 from jostle.app.panels.widgets import CLEAR, GAP, NUMBER, colours, hint, label, width
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.controls import Action, key_of
-from jostle.app.gui import Gui
+from jostle.app.act.controls import Action, key_of
+from jostle.app.gui.host import Gui
 from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
 from jostle.app.panels.widgets import beside, colours, hint, share_out
 from jostle.app.session import Session

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from imgui_bundle import imgui
 
-from jostle.app.gui import Gui
+from jostle.app.gui.host import Gui
 from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
 
 LABEL = 92.0  # points: where controls begin, the same in every section

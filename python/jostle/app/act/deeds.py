@@ -1,0 +1,206 @@
+"""What a person does to particles: make, copy, remove, stop, fix, scatter; and walls of beads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.simulate.engine import Edit, Engine
+from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
+from jostle.app.simulate.walls import bounds
+
+BEAD_SHARE = 0.5  # a wall is as thick as a usual particle's radius …
+THINNEST = 0.004  # … but at least this: radius of a bead in diagonals of the view
+MOST_BEADS = 2_000  # in one wall: a longer one gets thicker beads
+CLONE_GAP = 1.05  # diameters between a particle and its clone
+PARTY_SPEED = 0.4  # diagonals of the view a second, of the fastest guest
+DENSITIES = 1.0, 20.0  # the article's range, for colours that differ
+PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, where there is none to go by
+
+
+class Deeds:
+    """Acts on particles; what the simulation refuses becomes a sentence.
+
+    Attributes
+    ----------
+    walls
+        The beads of each wall that was drawn.
+    """
+
+    def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
+        self._engine = engine
+        self._say = say
+        self._chance = np.random.default_rng()
+        self.walls: list[Tags] = []
+        self._seen: Tags | None = None
+
+    def follow(self, frame: Frame) -> None:
+        """Forget walls that are gone; tags may be given anew after going back in time."""
+        if frame.tags is not self._seen:
+            self.walls[:] = [beads for beads in self.walls if len(frame.rows(beads))]
+            self._seen = frame.tags
+
+    # Some particles
+
+    def create(self, point: Point) -> None:
+        """Add a particle at rest, of the size and density that are usual here."""
+        radius, density = usual(self._engine.frame)
+        self._edit(lambda simulation: simulation.add([point], [(0, 0)], [radius], [density]))
+
+    def clone(self, tags: Tags) -> None:
+        """Add a copy of each beside it, all moved by the same way."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            rows = frame.rows(tags)
+            if len(rows):
+                simulation.add(
+                    frame.positions[rows] + _beside(frame, rows),
+                    frame.velocities[rows],
+                    frame.radii[rows],
+                    frame.densities[rows],
+                    frame.movable[rows],
+                )
+
+        self._edit(work)
+
+    def delete(self, tags: Tags) -> None:
+        """Take particles away."""
+        self._edit(lambda simulation: simulation.remove(tags))
+
+    def stop(self, tags: Tags) -> None:
+        """Take all speed from particles."""
+        self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0)))
+
+    def fix(self, tags: Tags, *, movable: bool) -> None:
+        """Make particles immovable, or movable again; the article knows only movable ones."""
+        if self._engine.settings.by_article:
+            self._say("By the article's rules everything can move.")
+            return
+        self._edit(lambda simulation: simulation.change(tags, movable=movable))
+
+    # All that can move
+
+    def scramble(self) -> None:
+        """Send every particle to a random place between the walls."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            tags = frame.tags[frame.movable]
+            simulation.change(tags, positions=self._places(frame, simulation.view))
+
+        self._edit(work)
+
+    def dance(self) -> None:
+        """Give every particle a random place, velocity and colour; colours are densities."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            tags = frame.tags[frame.movable]
+            n = len(tags)
+            angle, fastest = self._chance.uniform(0, 2 * math.pi, n), _party_speed(simulation.view)
+            speed = self._chance.uniform(0, fastest, n)
+            simulation.change(
+                tags,
+                positions=self._places(frame, simulation.view),
+                velocities=np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1),
+                densities=np.rint(self._chance.uniform(*DENSITIES, n)),
+            )
+
+        self._edit(work)
+
+    def _places(self, frame: Frame, view: Rect) -> NDArray[np.float64]:
+        """Return random places inside the walls, and in view, for what can move."""
+        return scatter(self._chance, frame.container, view, frame.radii[frame.movable])
+
+    # Walls
+
+    def wall(self, start: Point, end: Point) -> None:
+        """Draw a wall: a chain of immovable beads."""
+        if self._engine.settings.by_article:
+            self._say("By the article's rules everything can move: there are no walls to draw.")
+            return
+        radius = self.bead_radius(start, end)
+
+        def work(simulation: Simulation) -> None:
+            beads = jostle.scenes.wall(start, end, radius)
+            _, density = usual(simulation.frame())
+            self.walls.append(simulation.add(beads, (0, 0), radius, density, movable=False))
+
+        self._edit(work)
+
+    def clear_walls(self) -> None:
+        """Take every wall away that was drawn."""
+        if self.walls:
+            self.delete(np.concatenate(self.walls))
+            self.walls.clear()
+
+    def bead_radius(self, start: Point, end: Point) -> float:
+        """Return how thick a wall between two points is."""
+        spacing = 0.4  # radii between two beads, by `jostle.scenes.wall`
+        few_enough = math.dist(start, end) / (spacing * MOST_BEADS)
+        min_x, min_y, max_x, max_y = self._engine.view
+        seen = THINNEST * math.hypot(max_x - min_x, max_y - min_y)
+        return max(BEAD_SHARE * usual(self._engine.frame)[0], seen, few_enough)
+
+    def _edit(self, work: Callable[[Simulation], object]) -> None:
+        self._engine.edit(_or_say(work, self._say))
+
+
+def _or_say(work: Callable[[Simulation], object], say: Callable[[str | None], None]) -> Edit:
+    """Return an edit that turns a refusal into a sentence."""
+
+    def edit(simulation: Simulation) -> None:
+        try:
+            work(simulation)
+        except (ValueError, OverflowError, MemoryError) as error:
+            say(str(error) or "There is not enough memory for that.")
+
+    return edit
+
+
+def usual(frame: Frame) -> tuple[float, float]:
+    """Return the median radius and density of what can move."""
+    radii, densities = frame.radii[frame.movable], frame.densities[frame.movable]
+    if len(radii) == 0:
+        return PLAIN_RADIUS, PLAIN_DENSITY
+    return float(np.median(radii)), float(np.median(densities))
+
+
+def scatter(
+    chance: np.random.Generator, container: Container, view: Rect, radii: NDArray[np.floating]
+) -> NDArray[np.float64]:
+    """Return random places for discs: inside the container, and where it is larger, in view."""
+    n = len(radii)
+    if isinstance(container, jostle.Circle):
+        angle = chance.uniform(0, 2 * math.pi, n)
+        reach = np.maximum(container.radius - radii, 0) * np.sqrt(chance.uniform(0, 1, n))
+        around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        inside: NDArray[np.float64] = np.array(container.center) + around * reach[:, None]
+        return inside
+    low, high = np.array(view[:2]), np.array(view[2:])
+    walls = bounds(container)
+    if walls is not None:
+        low, high = np.clip(low, walls[:2], walls[2:]), np.clip(high, walls[:2], walls[2:])
+    room = np.maximum((high - low)[None, :] - 2 * radii[:, None], 0.0)
+    places: NDArray[np.float64] = (low + high) / 2 + room * chance.uniform(-0.5, 0.5, (n, 2))
+    return places
+
+
+def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the shift that puts copies beside their originals, on the side with more room."""
+    places, radii = frame.positions[rows].astype(np.float64), frame.radii[rows, None]
+    low, high = (places - radii).min(axis=0)[0], (places + radii).max(axis=0)[0]
+    walls = bounds(frame.container)
+    right = walls is None or low + high <= walls[0] + walls[2]
+    way = CLONE_GAP * (high - low)
+    return np.array([way if right else -way, 0.0])
+
+
+def _party_speed(view: Rect) -> float:
+    min_x, min_y, max_x, max_y = view
+    return PARTY_SPEED * math.hypot(max_x - min_x, max_y - min_y)

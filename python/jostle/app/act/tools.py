@@ -1,0 +1,169 @@
+"""What the left mouse button does: pick up and select, draw a wall, place an attractor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+from jostle.app.act.deeds import Deeds
+from jostle.app.act.hand import Hand
+from jostle.app.act.picking import inside
+from jostle.app.act.pulls import STRENGTH, Pulls
+from jostle.app.act.selection import Selection
+from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.simulation import Point
+
+STRETCH = 0.1  # diagonals of the view: dragging an attractor so far gives the usual strength
+LEAST, MOST = 0.1, 10.0  # of the usual strength
+
+
+class Tool(Enum):
+    """What the left mouse button is for."""
+
+    POINTER = "pointer"
+    WALL = "wall"
+    ATTRACTOR = "attractor"
+
+
+@dataclass(frozen=True)
+class Preview:
+    """A drag under way, in world units; `size` is a wall's radius or an attractor's strength."""
+
+    tool: Tool
+    start: Point
+    end: Point
+    size: float = 0.0
+
+
+@dataclass
+class _Drag:
+    tool: Tool
+    start: Point
+    end: Point
+    tag: int | None  # what lay under the cursor
+    slack: float  # world units within which it is still a click
+    add: bool
+
+    @property
+    def is_click(self) -> bool:
+        return math.dist(self.start, self.end) <= self.slack
+
+
+class Tools:
+    """One tool at a time, and the drag that is under way with it.
+
+    Attributes
+    ----------
+    tool
+        The one in use.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        hand: Hand,
+        selection: Selection,
+        deeds: Deeds,
+        pulls: Pulls,
+        say: Callable[[str | None], None],
+    ) -> None:
+        self.tool = Tool.POINTER
+        self._engine, self._hand, self._selection = engine, hand, selection
+        self._deeds, self._pulls, self._say = deeds, pulls, say
+        self._drag: _Drag | None = None
+        self._cursor: Point | None = None
+
+    def choose(self, tool: Tool) -> None:
+        """Take a tool; a drag with another is given up."""
+        self.cancel()
+        self.tool = tool
+        self._say(f"Tool: {tool.value}")
+
+    # A drag
+
+    def press(
+        self, point: Point, now: float, tag: int | None, slack: float, *, add: bool = False
+    ) -> None:
+        """Begin at a point, with the particle that lies there; `add` to the selection."""
+        self._drag = _Drag(self.tool, point, point, tag, slack, add)
+        if self.tool is Tool.POINTER:
+            frame = self._engine.frame
+            free = tag is not None and bool(frame.movable[frame.rows(tag)].all())
+            self._hand.grab(tag if free else None, point, now)
+
+    def move(self, point: Point) -> None:
+        """Go on to a point."""
+        self._cursor = point
+        if self._drag is not None:
+            self._drag.end = point
+
+    def release(self, point: Point) -> None:
+        """End at a point, and do what the tool does; the hand lets go elsewhere."""
+        drag, self._drag = self._drag, None
+        if drag is None:
+            return
+        drag.end = point
+        if drag.tool is Tool.WALL:
+            self._deeds.wall(drag.start, drag.start if drag.is_click else drag.end)
+        elif drag.tool is Tool.ATTRACTOR:
+            self._place(drag)
+        elif drag.is_click:
+            self._click(drag)
+        elif drag.tag is None:
+            box = _box(drag)
+            self._selection.take(inside(self._engine.frame, box), add=drag.add)
+
+    def cancel(self) -> bool:
+        """Give up the drag under way; return whether there was one."""
+        under_way, self._drag = self._drag is not None, None
+        self._hand.drop()
+        return under_way
+
+    @property
+    def preview(self) -> Preview | None:
+        """Return what to show of the tool: a drag under way, or what a click would do."""
+        drag = self._drag
+        if drag is None:
+            if self.tool is Tool.POINTER or self._cursor is None:
+                return None
+            drag = _Drag(self.tool, self._cursor, self._cursor, None, 0.0, add=False)
+        if drag.tool is Tool.POINTER and (drag.tag is not None or drag.is_click):
+            return None  # picking up shows itself
+        size = 0.0
+        if drag.tool is Tool.WALL:
+            size = self._deeds.bead_radius(drag.start, drag.end)
+        elif drag.tool is Tool.ATTRACTOR:
+            size = self._strength(drag)
+        return Preview(drag.tool, drag.start, drag.end, size)
+
+    def _click(self, drag: _Drag) -> None:
+        """Select the particle, or on empty ground nothing."""
+        if drag.tag is None:
+            if not drag.add:
+                self._selection.clear()
+        elif drag.add:
+            self._selection.toggle(drag.tag)
+        else:
+            self._selection.take([drag.tag])
+
+    def _place(self, drag: _Drag) -> None:
+        """Place an attractor; a click on one takes it away."""
+        there = self._pulls.near(drag.start, 2 * drag.slack) if drag.is_click else None
+        if there is not None:
+            self._pulls.lift(there)
+        else:
+            self._pulls.place(drag.start, self._strength(drag))
+
+    def _strength(self, drag: _Drag) -> float:
+        if drag.is_click:
+            return STRENGTH
+        min_x, min_y, max_x, max_y = self._engine.view
+        usual = STRETCH * math.hypot(max_x - min_x, max_y - min_y)
+        return STRENGTH * min(max(math.dist(drag.start, drag.end) / usual, LEAST), MOST)
+
+
+def _box(drag: _Drag) -> tuple[float, float, float, float]:
+    (x0, y0), (x1, y1) = drag.start, drag.end
+    return min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)

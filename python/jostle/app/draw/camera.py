@@ -1,0 +1,177 @@
+"""World to screen and back, pan and zoom."""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jostle.app.simulate.simulation import Point, Rect
+
+Size = tuple[int, int]
+
+ZOOM_OUT_LIMIT = 1e-3  # of the scale at which the scene fits
+ZOOM_IN_LIMIT = 1e5
+MARGIN = 24  # pixels left free around the scene
+HEADING = 76  # pixels left free above it where there are several columns
+
+
+class Camera:
+    """A centre in the world and a scale in pixels a world unit, over a screen.
+
+    Parameters
+    ----------
+    size
+        Width and height of the screen in pixels.
+    view
+        The part of the world to show, as min_x, min_y, max_x, max_y.
+    left, right
+        Pixels at the edges that the scene shall stay clear of (the panels).
+
+    Attributes
+    ----------
+    columns
+        Into how many equal parts the width between the panels is divided; the view is shown in
+        the first. `column` gives the others.
+    """
+
+    def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:
+        self.size = size
+        self.left, self.right = left, right
+        self.columns = 1
+        self._view = view
+        self.home()
+
+    def look_at(self, view: Rect) -> None:
+        """Show another part of the world."""
+        self._view = view
+        self.home()
+
+    def follow(self, view: Rect) -> None:
+        """Know that the view has changed its size; a camera at home shows all of it again."""
+        if view != self._view:
+            self._view = view
+            if self._at_home:
+                self.home()
+
+    def home(self) -> None:
+        """Show the whole view, as large as fits between the panels."""
+        min_x, min_y, max_x, max_y = self._view
+        width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
+        left, column = self._clear, self.column_width
+        top = HEADING if self.columns > 1 else 0
+        free = max(column - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN - top, 16)
+        self.scale = min(free[0] / width, free[1] / height)
+        self._fit_scale = self.scale
+        aside = left + column / 2 - self.size[0] / 2  # pixels from the middle of the screen
+        self.center = (
+            (min_x + max_x) / 2 - aside / self.scale,
+            (min_y + max_y) / 2 - top / 2 / self.scale,
+        )
+        self._at_home = True
+
+    def keep_clear(self, left: int, right: int) -> None:
+        """Leave other edges free from now on; a view at home stays at home."""
+        if (left, right) != (self.left, self.right):
+            self.left, self.right = left, right
+            if self._at_home:
+                self.home()
+
+    @property
+    def _clear(self) -> int:
+        """Return what the scene keeps clear of at the left, where there is room for that."""
+        return self.left if self.left < self.size[0] / 2 else 0
+
+    @property
+    def column_width(self) -> float:
+        """Return the width of one of the columns in pixels."""
+        left = self._clear
+        right = self.right if left + self.right < 0.7 * self.size[0] else 0
+        return (self.size[0] - left - right) / self.columns
+
+    def column_edge(self, column: int) -> float:
+        """Return the left edge of a column in pixels; the first has all that is left of it."""
+        return self._clear + column * self.column_width if column else 0.0
+
+    def divide(self, columns: int) -> None:
+        """Show the view in the first of so many columns."""
+        self.columns = columns
+        self.home()
+
+    def column(self, column: int, shift: Point = (0.0, 0.0)) -> Camera:
+        """Return a camera that shows in another column what this one shows in the first.
+
+        Its world may lie elsewhere: by `shift` from the point that this camera shows.
+        """
+        other = copy(self)
+        aside = column * self.column_width / self.scale
+        other.center = self.center[0] + shift[0] - aside, self.center[1] + shift[1]
+        return other
+
+    @property
+    def at_home(self) -> bool:
+        """Whether the whole view is shown, as large as fits."""
+        return self._at_home
+
+    def aim(self, center: Point, scale: float) -> None:
+        """Show the surroundings of a world point, at a scale."""
+        self._at_home = False
+        self.center, self.scale = center, scale
+
+    def on(self, size: Size) -> Camera:
+        """Return a camera that shows the same on a screen of another size, without a readout."""
+        other = Camera(size, self._view)
+        if not self._at_home:
+            zoom = min(size[0] / self.size[0], size[1] / self.size[1])
+            other.aim(self.center, self.scale * zoom)
+        return other
+
+    def resize(self, size: Size) -> None:
+        """Take a new screen size; a view at home stays at home."""
+        self.size = size
+        if self._at_home:
+            self.home()
+
+    def to_screen(
+        self, points: NDArray[np.floating]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the columns x and y, in pixels, of (n, 2) world points.
+
+        In float64: float32 would jitter in a view zoomed in far.
+        """
+        x = (points[:, 0].astype(np.float64) - self.center[0]) * self.scale + self.size[0] / 2
+        y = (points[:, 1].astype(np.float64) - self.center[1]) * self.scale + self.size[1] / 2
+        return x, y
+
+    def to_world(self, pixel: Point) -> Point:
+        """Return the world point under a pixel."""
+        return (
+            (pixel[0] - self.size[0] / 2) / self.scale + self.center[0],
+            (pixel[1] - self.size[1] / 2) / self.scale + self.center[1],
+        )
+
+    def pan(self, pixels: Point) -> None:
+        """Move the camera by pixels of the screen."""
+        self._at_home = False
+        self.center = (
+            self.center[0] + pixels[0] / self.scale,
+            self.center[1] + pixels[1] / self.scale,
+        )
+
+    def zoom_at(self, pixel: Point, factor: float) -> None:
+        """Scale by `factor`; the world point under `pixel` stays there."""
+        self._at_home = False
+        before = self.to_world(pixel)
+        low, high = self._fit_scale * ZOOM_OUT_LIMIT, self._fit_scale * ZOOM_IN_LIMIT
+        self.scale = min(max(self.scale * factor, low), high)
+        after = self.to_world(pixel)
+        self.center = (
+            self.center[0] + before[0] - after[0],
+            self.center[1] + before[1] - after[1],
+        )
+
+    def rect_to_screen(self, rect: Rect) -> Rect:
+        """Return a world rectangle in pixels."""
+        (x0, x1), (y0, y1) = self.to_screen(np.array([rect[:2], rect[2:]], np.float64))
+        return float(x0), float(y0), float(x1), float(y1)

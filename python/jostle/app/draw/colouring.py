@@ -1,0 +1,157 @@
+"""Which particle gets which colour of the ramp.
+
+Unless asked otherwise a scene is coloured by what tells its particles apart: density as in the
+article where it varies, else radius, else speed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jostle.app.draw.choosing import scattered
+from jostle.app.draw.legend import Legend
+from jostle.app.draw.palette import DISCS, FIXED_SHADE, SHADES
+from jostle.app.draw.shown import ColourBy
+from jostle.app.simulate.simulation import Frame
+
+FAST = 2.5  # the speed that gets the last colour, in root mean squares
+ENERGETIC = 4.0  # the energy that gets the last colour, in means
+FORGET = 0.995  # a frame: how slowly the ramp follows a world that comes to rest
+VARIES = 1.05  # largest over smallest, above which a column is worth showing
+DECADES = 30.0  # largest over smallest, above which a ramp is logarithmic
+YOUNG = 1.0  # seconds: the ramp of ages spans at least so much
+
+Shades = NDArray[np.uint8]
+Values = NDArray[np.floating]
+
+_NAMES = {
+    ColourBy.VELOCITY: "speed",
+    ColourBy.MASS: "mass",
+    ColourBy.DENSITY: "density",
+    ColourBy.AGE: "age",
+    ColourBy.ENERGY: "kinetic energy",
+    ColourBy.RANDOM: "each its own",
+}
+
+
+class Colouring:
+    """Shades for one scene; make a new one when the scene starts again.
+
+    Attributes
+    ----------
+    shows
+        What the colours tell, in words.
+    range
+        The values at both ends of the ramp; None where colours have no order.
+    """
+
+    def __init__(self) -> None:
+        self.shows = "speed"
+        self.range: tuple[float, float] | None = None
+        self._reference = 0.0
+        self._columns: tuple[Values, Values, str] | None = None  # what `_kept` was made of
+        self._told: tuple[Values, Values, str] | None = None  # the columns, and which tells most
+        self._kept: Shades = np.zeros(0, np.uint8)
+
+    def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
+        """Return a shade in 0..SHADES for each particle."""
+        shows = self._telling(frame) if by is ColourBy.AUTO else _NAMES[by]
+        if shows != self.shows:
+            self.shows, self._reference = shows, 0.0
+        if shows in ("density", "radius", "mass"):
+            return self._by_column(frame)
+        self._columns = None
+        if shows == "each its own":
+            self.range = None
+            return _with_fixed(_buckets(scattered(frame.tags)), frame)
+        return _with_fixed(self._by_motion(frame), frame)
+
+    def _telling(self, frame: Frame) -> str:
+        """Return the column that tells the particles apart."""
+        told = self._told
+        if told and told[0] is frame.densities and told[1] is frame.radii:
+            return told[2]
+        telling = "speed"
+        for name, values in (("radius", frame.radii), ("density", frame.densities)):
+            if _spread(values[frame.movable]) > VARIES:
+                telling = name
+        self._told = frame.densities, frame.radii, telling
+        return telling
+
+    @property
+    def legend(self) -> Legend | None:
+        """Return what the colours mean now; nothing where they have no order."""
+        if self.range is None:
+            return None
+        low, high = (f"{value:,.3g}" if abs(value) < 1e4 else f"{value:,.0f}"
+                     for value in self.range)  # fmt: skip
+        unit = {"speed": "a second", "age": "seconds"}.get(self.shows)
+        name = f"{self.shows}, {unit}" if unit else self.shows
+        return Legend(name, low, high, DISCS[:SHADES])
+
+    def _by_column(self, frame: Frame) -> Shades:
+        """Shade by what does not change while nobody edits; frames then share their columns."""
+        same = self._columns is not None and (
+            self._columns[0] is frame.densities
+            and self._columns[1] is frame.radii
+            and self._columns[2] == self.shows
+            and len(self._kept) == len(frame)
+        )
+        if not same:
+            self._columns = frame.densities, frame.radii, self.shows
+            values = {
+                "density": frame.densities, "radius": frame.radii, "mass": frame.masses
+            }[self.shows]  # fmt: skip
+            self._kept = _buckets(self._unit(values, frame.movable))
+        return _with_fixed(self._kept, frame)
+
+    def _unit(self, values: Values, movable: NDArray[np.bool_]) -> Values:
+        """Stretch over 0..1, on a logarithmic scale where values span decades."""
+        some = values[movable] if movable.any() else values
+        if len(some) == 0:
+            self.range = None
+            return values
+        low, high = float(some.min()), float(some.max())
+        self.range = low, high
+        if high <= low:
+            return np.full(len(values), 0.5)
+        if low > 0 and high > DECADES * low:
+            stretched: Values = np.log(np.maximum(values, low) / low) / np.log(high / low)
+            return stretched
+        return (values - low) / (high - low)
+
+    def _by_motion(self, frame: Frame) -> Shades:
+        """Shade by speed, energy or age: the ends of the ramp move slowly, if at all."""
+        if self.shows == "age":
+            ages = np.maximum(frame.facts.time - frame.born, 0.0)
+            oldest = max(float(ages[frame.movable].max(initial=0.0)), YOUNG)
+            self.range = oldest, 0.0  # the young glow, the old are calm
+            return _buckets(1 - ages / oldest)
+        x, y = frame.velocities[:, 0], frame.velocities[:, 1]
+        squares = x * x + y * y
+        if self.shows == "speed":
+            values = np.sqrt(squares)
+            top = float(np.sqrt(squares.mean(dtype=np.float64))) * FAST if len(squares) else 0.0
+        else:
+            values = 0.5 * frame.masses * squares
+            top = float(values.mean(dtype=np.float64)) * ENERGETIC if len(values) else 0.0
+        self._reference = max(top, self._reference * FORGET, 1e-9)
+        self.range = 0.0, self._reference
+        return _buckets(values / np.float32(self._reference))
+
+
+def _spread(values: Values) -> float:
+    if len(values) == 0:
+        return 1.0
+    low, high = float(values.min()), float(values.max())
+    return high / low if low > 0 else (2 * VARIES if high > 0 else 1.0)
+
+
+def _buckets(unit: Values) -> Shades:
+    shades: Shades = np.clip(unit * SHADES, 0, SHADES - 1).astype(np.uint8)
+    return shades
+
+
+def _with_fixed(shades: Shades, frame: Frame) -> Shades:
+    return np.where(frame.movable, shades, np.uint8(FIXED_SHADE))

@@ -1,0 +1,155 @@
+"""Marks over the discs: contacts, velocities; and what is tied or pulled: springs, attractors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.choosing import few, in_view
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import ARROW, CONTACT_STOPS, PULL, SPRING, STAGE, blend
+from jostle.app.simulate.simulation import Frame, Point
+
+MOST_CONTACTS = 1_600  # drawn; a line costs about 2 µs
+MOST_ARROWS = 500  # three lines each
+MOST_SPRINGS = 2_000
+SHORTEST_SPRING = 0.5  # pixels between two discs, below which they hide their spring
+DEEP = 0.25  # depth that gets the last colour, as a share of the smaller radius
+ARROW_TIME = 0.2  # seconds of its way that an arrow shows, shorter where that is too long
+SAMPLE = 5_000  # particles that the typical speed is taken from
+LONGEST_ARROW = 90.0
+HEAD = 0.32  # of an arrow, up to so many pixels:
+LONGEST_HEAD = 7.0
+RINGS = (5.0, 11.0, 18.0)  # pixels, around the point of an attractor
+
+Floats = NDArray[np.float64]
+
+
+def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
+    """Draw springs as lines where discs do not hide them, nor the seam of a torus parts them."""
+    if frame.springs is None or len(frame.springs) == 0:
+        return
+    i, j = frame.springs[:, 0], frame.springs[:, 1]
+    away = frame.positions[i] - frame.positions[j]
+    gaps = np.hypot(away[:, 0], away[:, 1]) - frame.radii[i] - frame.radii[j]
+    open_ones = frame.springs[gaps * camera.scale >= SHORTEST_SPRING]
+    pairs = open_ones[few(np.arange(len(open_ones)), MOST_SPRINGS)]
+    first, second = frame.positions[pairs[:, 0]], frame.positions[pairs[:, 1]]
+    if isinstance(frame.container, jostle.Torus):
+        sides = np.array([frame.container.width, frame.container.height])
+        near = (np.abs(second - first) < sides / 2).all(axis=1)
+        first, second = first[near], second[near]
+    ends = np.column_stack([*camera.to_screen(first), *camera.to_screen(second)])
+    ends = _seen(ends, camera)
+    painter.lines(ends, np.tile(np.array(SPRING, np.uint8), (len(ends), 1)), 1.0)
+
+
+def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
+    """Draw a bar along the normal where two particles touch; say so when some are left out."""
+    touching = frame.touching
+    if touching is None or len(touching.pairs) == 0:
+        return None
+    i, j = touching.pairs[:, 0], touching.pairs[:, 1]
+    radii = frame.radii.astype(np.float64)
+    touch = frame.positions[i] + touching.normals * (radii[i] - touching.depths / 2)[:, None]
+    seen = in_view(touch, camera)
+    drawn = seen[few(frame.tags[i[seen]] * 7919 + frame.tags[j[seen]], MOST_CONTACTS)]
+    x, y = camera.to_screen(touch[drawn])
+    smaller = np.minimum(radii[i[drawn]], radii[j[drawn]])
+    half = np.clip(0.45 * smaller * camera.scale, 1.5, 14.0)[:, None]
+    middle = np.column_stack([x, y])
+    along = touching.normals[drawn] * half
+    depth = touching.depths[drawn] / np.maximum(DEEP * smaller, 1e-12)
+    thick = 2.0 if len(drawn) and float(half.mean()) >= 3.0 else 1.0
+    painter.lines(np.column_stack([middle - along, middle + along]), _depth_colours(depth), thick)
+    return _left_out(len(drawn), len(seen), "contacts")
+
+
+def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | None:
+    """Draw velocities as arrows; say so when some are left out."""
+    seen = in_view(frame.positions, camera)
+    seen = seen[frame.movable[seen]]
+    drawn = seen[few(frame.tags[seen], MOST_ARROWS)]
+    x, y = camera.to_screen(frame.positions[drawn])
+    velocities = frame.velocities[drawn].astype(np.float64)
+    arrows = velocities * arrow_seconds(frame) * camera.scale
+    lengths = np.hypot(arrows[:, 0], arrows[:, 1])
+    arrows *= (np.minimum(lengths, LONGEST_ARROW) / np.maximum(lengths, 1e-9))[:, None]
+    long_enough = lengths >= 2.0
+    tails = np.column_stack([x, y])[long_enough]
+    ends = _with_heads(tails, arrows[long_enough])
+    painter.lines(ends, np.tile(np.array(ARROW, np.uint8), (len(ends), 1)), 1.0)
+    return _left_out(len(drawn), len(seen), "velocities")
+
+
+def arrow_seconds(frame: Frame) -> float:
+    """Return the seconds of its way that an arrow shows: fewer in a fast scene.
+
+    Taken from the typical speed and the typical size, so that arrows keep their length as a view
+    is zoomed, relative to the discs.
+    """
+    some = slice(None, None, max(len(frame) // SAMPLE, 1))
+    movable = frame.movable[some]
+    moving = frame.velocities[some][movable].astype(np.float64)
+    if len(moving) == 0:
+        return ARROW_TIME
+    rms = math.sqrt(float((moving**2).sum(axis=1).mean()))
+    size = float(np.median(frame.radii[some][movable]))
+    return min(ARROW_TIME, 3.5 * size / rms) if rms > 0 and size > 0 else ARROW_TIME
+
+
+def draw_attractors(painter: Painter, frame: Frame, camera: Camera) -> None:
+    """Draw rings around what attracts: a point, or a particle."""
+    for pull in frame.attractors:
+        place: Point | None = pull.point
+        inner = 0.0
+        if pull.tag is not None:
+            rows = frame.rows(pull.tag)
+            if len(rows):
+                x, y = frame.positions[rows[0]].tolist()
+                place, inner = (x, y), float(frame.radii[rows[0]]) * camera.scale
+        if place is None:
+            continue
+        (at_x,), (at_y,) = camera.to_screen(np.array([place], np.float64))
+        center = float(at_x), float(at_y)
+        for k, radius in enumerate(RINGS):
+            colour = blend(STAGE, PULL, 0.9 - 0.28 * k)
+            painter.circle(center, inner + radius, colour, 1.5)
+        if inner == 0.0:
+            painter.circle(center, 2.0, PULL)
+
+
+def _with_heads(tails: Floats, arrows: Floats) -> Floats:
+    """Return the lines of arrows: shafts, and two short strokes at each tip."""
+    tips = tails + arrows
+    lengths = np.maximum(np.hypot(arrows[:, 0], arrows[:, 1]), 1e-9)
+    back = -arrows * (np.minimum(HEAD, LONGEST_HEAD / lengths))[:, None]
+    aside = 0.5 * np.column_stack([-back[:, 1], back[:, 0]])
+    strokes = [(tails, tips), (tips, tips + back + aside), (tips, tips + back - aside)]
+    return np.concatenate([np.concatenate(ends, axis=1) for ends in strokes])
+
+
+def _depth_colours(depth: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Return calm colours for what just touches, warm ones for what overlaps."""
+    stops = np.array(CONTACT_STOPS, np.float64)
+    at = np.clip(depth, 0, 1) * (len(stops) - 1)
+    columns = [np.interp(at, np.arange(len(stops)), stops[:, c]) for c in range(3)]
+    colours: NDArray[np.uint8] = np.rint(np.column_stack(columns)).astype(np.uint8)
+    return colours
+
+
+def _seen(ends: Floats, camera: Camera) -> Floats:
+    """Return the lines that are near the screen; pygame walks the others pixel by pixel."""
+    size = np.array(camera.size, np.float64)
+    low, high = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
+    near = ((high >= 0) & (low <= size) & (high - low < 20_000)).all(axis=1)
+    found: Floats = ends[near]
+    return found
+
+
+def _left_out(drawn: int, there: int, name: str) -> str | None:
+    return f"{name}: {drawn:,} of {there:,} shown" if drawn < there else None

@@ -1,0 +1,26 @@
+"""Short sentences at the foot of the picture."""
+
+from __future__ import annotations
+
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import TEXT, TEXT_SOFT
+from jostle.app.draw.text import BODY, font, panel, word, write
+
+HINT = "H help"
+EDGE = 12  # pixels to the edge of the picture
+
+
+def draw_notice(painter: Painter, notice: str, middle: float | None = None) -> None:
+    """Show a sentence at the foot of the picture; its middle is at an x, or in the middle."""
+    width, height = font(BODY).size(notice)
+    sheet = panel((width + 32, height + 18))
+    write(sheet, (16, 9), notice, TEXT)
+    left = (painter.size[0] / 2 if middle is None else middle) - sheet.get_width() / 2
+    painter.sheet(sheet, (left, painter.size[1] - 2 * EDGE - sheet.get_height()))
+
+
+def draw_hint(painter: Painter, right: int = 0) -> None:
+    """Say in a corner that there is help, so many pixels from the edge."""
+    hint = word(HINT, TEXT_SOFT, BODY)
+    width, height = painter.size[0] - right, painter.size[1]
+    painter.sheet(hint, (width - EDGE - hint.get_width(), height - EDGE - hint.get_height()))

@@ -1,0 +1,219 @@
+"""The painter on a graphics card: every stroke is one call, however many discs it draws.
+
+It draws into a texture of its own, so that the picture can be read at any time, and `show` puts
+that on the window.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from jostle.app.draw import dust, shaders
+from jostle.app.draw.camera import Size
+from jostle.app.draw.painter import Colours, Floats, Shades
+from jostle.app.draw.palette import DISCS, Colour
+
+_MASKS = 0xFF0000, 0xFF00, 0xFF, 0  # as in `software`: the same bytes for a film
+_DISC = np.dtype([("x", "f4"), ("y", "f4"), ("radius", "f4"), ("shade", "u1"), ("", "V3")])
+_BOX = np.dtype([("box", "f4", 4), ("tint", "u1", 3), ("", "V1")])
+_LINE = np.dtype([("ends", "f4", 4), ("tint", "u1", 4)])
+# Names in GL_RENDERER under which a processor plays the card.
+_PLAYED = ("llvmpipe", "softpipe", "swiftshader", "swrast", "gdi generic", "basic render")
+_KEPT = 16  # textures for sheets
+
+
+class OpenGLPainter:
+    """A canvas in the memory of a graphics card.
+
+    Parameters
+    ----------
+    size
+        Of the canvas in pixels.
+    context
+        Of OpenGL 3.3 or later, present in this thread.
+
+    Attributes
+    ----------
+    renderer
+        The name of what draws.
+    played
+        Whether that is a processor in the part of a graphics card.
+    target
+        Where strokes go.
+    """
+
+    name = "opengl"
+
+    def __init__(self, size: Size, context: moderngl.Context) -> None:
+        self.context = context
+        self.renderer: str = context.info["GL_RENDERER"]
+        self.played = any(name in self.renderer.lower() for name in _PLAYED)
+        self._corners = context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], "f4"))
+        self._buffer = context.buffer(reserve=2**16, dynamic=True)
+        self._textures: dict[Size, moderngl.Texture] = {}
+        self._disc = self._instanced(shaders.DISC, "3f4 u1 3x1", "disc", "shade")
+        self._box = self._instanced(shaders.BOX, "4f4 3f1 1x1", "box", "tint")
+        self._line = self._instanced(shaders.LINE, "4f4 4f1", "ends", "tint")
+        self._circle, self._sheet = self._single(shaders.CIRCLE), self._single(shaders.SHEET)
+        _set(self._disc, ramp=[tuple(c / 255 for c in colour) for colour in DISCS])
+        self._picture = context.texture((1, 1), 4)
+        self.target = context.framebuffer([self._picture])
+        self.resize(size)
+
+    def resize(self, size: Size) -> None:
+        """Take a new size in pixels."""
+        self.size = max(size[0], 1), max(size[1], 1)
+        self.target.release()
+        self._picture.release()
+        self._picture = self.context.texture(self.size, 4)
+        self.target = self.context.framebuffer([self._picture])
+        self.target.clear()
+        for form in (self._disc, self._box, self._line, self._circle, self._sheet):
+            _set(form, size=self.size)
+        self._clip: tuple[int, int, int, int] | None = None
+
+    def canvas(self) -> pygame.Surface:
+        """Return a copy of the picture."""
+        width, height = self.size
+        pixels = np.frombuffer(self.target.read(components=4), np.uint8).reshape(height, width, 4)
+        wide = pixels[::-1].astype(np.uint32)
+        surface = pygame.Surface(self.size, 0, 32, _MASKS)
+        packed = wide[:, :, 0] << 16 | wide[:, :, 1] << 8 | wide[:, :, 2]
+        pygame.surfarray.pixels2d(surface)[:] = packed.T
+        return surface
+
+    def clip(self, rect: pygame.Rect | None) -> None:
+        """Draw only inside a rectangle from now on."""
+        if rect is None:
+            self._clip = None
+            return
+        inside = rect.clip(pygame.Rect((0, 0), self.size))
+        self._clip = inside.x, self.size[1] - inside.bottom, inside.width, inside.height
+
+    def fill(self, colour: Colour) -> None:
+        """Cover the canvas, or the clip, with a colour."""
+        red, green, blue = (channel / 255 for channel in colour)
+        if self._clip is None or min(self._clip[2:]) > 0:
+            self.target.clear(red, green, blue, 1.0, viewport=self._clip)
+
+    def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
+        """Draw every disc that the canvas shows: the large ones first, so that they hide none."""
+        (width, height), reach = self.size, radii + 1
+        seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
+        rows = np.empty(int(np.count_nonzero(seen)), _DISC)
+        if len(rows) == 0:
+            return
+        for name, column in (("x", x), ("y", y), ("radius", radii), ("shade", shades)):
+            rows[name] = column[seen]
+        fine = rows["radius"] <= dust.MAX_RADIUS
+        if fine.any() and not fine.all():
+            rows = np.concatenate([rows[~fine], rows[fine]])
+        least = dust.least_radius(int(fine.sum()), self.size)
+        _set(self._disc, least=least)
+        self._draw(self._disc, rows)
+        if self.played:
+            self.context.finish()  # it would be done later, and who counts the time be deceived
+
+    def circle(
+        self, center: tuple[float, float], radius: float, colour: Colour, width: float = 0.0
+    ) -> None:
+        """Draw one circle of any size: filled, or a ring of a width."""
+        if radius > 0:
+            shade = tuple(channel / 255 for channel in colour)
+            _set(self._circle, disc=(*center, radius), width=max(width, 0.0), colour=shade)
+            self._draw(self._circle)
+
+    def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
+        """Draw rectangles on whole pixels; filled ones a pixel short, so that they stay apart."""
+        if len(corners) == 0:
+            return
+        width, height = self.size
+        whole = np.floor(np.clip(corners, -2.0, [width + 2.0, height + 2.0] * 2))
+        x0, y0, x1, y1 = whole.T
+        if filled:
+            boxes = [(x0, y0, np.maximum(x1 - 1, x0 + 1), np.maximum(y1 - 1, y0 + 1))]
+        else:  # four sides, each a pixel wide
+            boxes = [(x0, y0, x1 + 1, y0 + 1), (x0, y1, x1 + 1, y1 + 1)]
+            boxes += [(x0, y0, x0 + 1, y1 + 1), (x1, y0, x1 + 1, y1 + 1)]
+        rows = np.empty((len(corners), len(boxes)), _BOX)
+        rows["box"] = np.stack([np.stack(box, axis=-1) for box in boxes], axis=1)
+        rows["tint"] = colours[:, None, :3]
+        self._draw(self._box, rows.ravel())
+
+    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
+        """Draw lines, smoothed."""
+        if len(ends) == 0:
+            return
+        rows = np.empty(len(ends), _LINE)
+        rows["ends"] = ends + 0.5  # from the middle of a pixel to that of another
+        rows["tint"] = 255
+        rows["tint"][:, : colours.shape[1]] = colours
+        _set(self._line, width=width)
+        self._draw(self._line, rows)
+
+    def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
+        """Lay a surface, with its alpha, over the canvas."""
+        size = surface.get_size()
+        if 0 in size:
+            return
+        texture = self._textures.get(size)
+        if texture is None:
+            while len(self._textures) >= _KEPT:
+                self._textures.pop(next(iter(self._textures))).release()
+            texture = self._textures[size] = self.context.texture(size, 4)
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        texture.write(pygame.image.tobytes(surface, "RGBA"))
+        x, y = round(place[0]), round(place[1])
+        texture.use(0)
+        _set(self._sheet, box=(x, y, x + size[0], y + size[1]), upright=False)
+        self._draw(self._sheet)
+
+    def show(self) -> None:
+        """Put the picture on the window, whose size it has."""
+        screen = self.context.screen
+        screen.viewport = (0, 0, *self.size)
+        screen.use()
+        self._picture.use(0)
+        _set(self._sheet, box=(0, 0, *self.size), upright=True)
+        self.context.disable(moderngl.BLEND)
+        self.context.scissor = None
+        self._sheet.render(moderngl.TRIANGLE_STRIP)
+        if (error := self.context.error) != "GL_NO_ERROR":
+            raise moderngl.Error(error)
+
+    def release(self) -> None:
+        """Give the memory of the card back."""
+        self.context.release()
+
+    def _instanced(
+        self, sources: tuple[str, str], layout: str, *names: str
+    ) -> moderngl.VertexArray:
+        program = self.context.program(*sources)
+        content = [(self._corners, "2f4", "corner"), (self._buffer, f"{layout}/i", *names)]
+        return self.context.vertex_array(program, content)
+
+    def _single(self, sources: tuple[str, str]) -> moderngl.VertexArray:
+        program = self.context.program(*sources)
+        return self.context.vertex_array(program, [(self._corners, "2f4", "corner")])
+
+    def _draw(self, form: moderngl.VertexArray, rows: NDArray[np.void] | None = None) -> None:
+        """Draw one instance, or one for each row."""
+        if rows is not None:
+            self._buffer.orphan(max(rows.nbytes, 2**16))
+            self._buffer.write(rows)
+        self.target.use()
+        self.context.enable_only(moderngl.BLEND)
+        self.context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self.context.scissor = self._clip
+        form.render(moderngl.TRIANGLE_STRIP, instances=1 if rows is None else len(rows))
+
+
+def _set(form: moderngl.VertexArray, **uniforms: Any) -> None:
+    for name, value in uniforms.items():
+        if name in form.program:
+            form.program[name] = value

@@ -1,0 +1,110 @@
+"""Discs drawn once and kept: one small picture per radius, colour and sub-pixel place.
+
+Blitting a kept picture costs a fraction of drawing a circle, and the sub-pixel places let slow
+discs glide instead of hopping from pixel to pixel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from jostle.app.draw.palette import DISCS
+
+MAX_RADIUS = 48.0  # pixels; larger discs are few, and drawn as circles
+STEPS = 8  # radii kept per pixel
+PLACES = 4  # sub-pixel places each way for small discs
+FINE_BELOW, COARSE_BELOW = 12.0, 24.0  # radius: 4 places, then 2, then 1
+RIM_FROM = 3.0  # a darker rim tells discs apart where they lie in a heap
+RIM_SHADE, RIM_WIDTH = 0.68, 1.4
+AT_ONCE = 4096  # discs; between two blits other threads have a turn
+MEMORY_LIMIT = 96 * 2**20  # bytes of stamps, then all are made anew
+
+_BUCKETS = int(MAX_RADIUS * STEPS) + 1
+_SHADES = len(DISCS)
+_CELLS = PLACES * PLACES
+
+
+def _places_of(radius: float) -> int:
+    return PLACES if radius < FINE_BELOW else 2 if radius < COARSE_BELOW else 1
+
+
+class Stamps:
+    """The store of stamps, filled as they are asked for."""
+
+    def __init__(self) -> None:
+        radii = np.arange(_BUCKETS) / STEPS
+        self._places = np.array([_places_of(radius) for radius in radii])
+        self._half = np.ceil(radii).astype(np.intp) + 1
+        self._clear()
+
+    def _clear(self) -> None:
+        not_yet = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
+        self._table = np.full(_BUCKETS * _SHADES * _CELLS, not_yet, object)
+        self._have = np.zeros(len(self._table), np.bool_)
+        self._masks: dict[tuple[int, int], pygame.Surface] = {}
+        self._bytes = 0
+
+    def blit(
+        self,
+        target: pygame.Surface,
+        x: NDArray[np.floating],
+        y: NDArray[np.floating],
+        radii: NDArray[np.floating],
+        shades: NDArray[np.uint8],
+    ) -> None:
+        """Stamp discs, radii up to MAX_RADIUS, all measures in pixels."""
+        if self._bytes > MEMORY_LIMIT:
+            self._clear()
+        buckets = np.rint(radii * STEPS).astype(np.intp)
+        places, half = self._places[buckets], self._half[buckets]
+        column, row = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+        across = ((x - column) * places).astype(np.intp)
+        down = ((y - row) * places).astype(np.intp)
+        keys = (buckets * _SHADES + shades) * _CELLS + down * places + across
+        self._fill(keys)
+        left, top = column - half, row - half
+        for start in range(0, len(keys), AT_ONCE):
+            part = slice(start, start + AT_ONCE)
+            stamps = self._table[keys[part]].tolist()
+            corners = zip(left[part].tolist(), top[part].tolist(), strict=True)
+            # Handed over one by one: a list of tuples would take as long as the blits.
+            target.fblits(zip(stamps, corners, strict=True), pygame.BLEND_PREMULTIPLIED)
+
+    def _fill(self, keys: NDArray[np.intp]) -> None:
+        """Make the stamps that are still missing."""
+        missing = keys[~self._have[keys]]
+        for key in np.unique(missing).tolist():
+            rest, cell = divmod(key, _CELLS)
+            bucket, shade = divmod(rest, _SHADES)
+            stamp = self._mask(bucket, cell).copy()
+            stamp.fill(DISCS[shade], special_flags=pygame.BLEND_RGB_MULT)
+            self._table[key] = stamp
+            self._bytes += stamp.get_pitch() * stamp.get_height()
+        self._have[missing] = True
+
+    def _mask(self, bucket: int, cell: int) -> pygame.Surface:
+        """Return the white disc of a radius and place, made once for all colours."""
+        mask = self._masks.get((bucket, cell))
+        if mask is None:
+            places = int(self._places[bucket])
+            offset = (np.array([cell % places, cell // places]) + 0.5) / places
+            mask = _white_disc(bucket / STEPS, int(self._half[bucket]), offset)
+            self._masks[bucket, cell] = mask
+        return mask
+
+
+def _white_disc(radius: float, half: int, offset: NDArray[np.float64]) -> pygame.Surface:
+    """Return an anti-aliased white disc, premultiplied; its centre is `half + offset`."""
+    pixels = np.arange(2 * half) + 0.5 - half
+    distance = np.hypot((pixels - offset[0])[:, None], (pixels - offset[1])[None, :])
+    coverage = np.clip(radius + 0.5 - distance, 0.0, 1.0)
+    light = np.ones_like(distance)
+    if radius >= RIM_FROM:
+        inside = np.clip((radius - distance) / RIM_WIDTH, 0.0, 1.0)
+        light = RIM_SHADE + (1 - RIM_SHADE) * inside
+    surface = pygame.Surface((2 * half, 2 * half), pygame.SRCALPHA, 32)
+    pygame.surfarray.pixels3d(surface)[:] = np.rint(255 * coverage * light)[:, :, None]
+    pygame.surfarray.pixels_alpha(surface)[:] = np.rint(255 * coverage)
+    return surface

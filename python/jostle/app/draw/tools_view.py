@@ -1,0 +1,100 @@
+"""What is selected, as rings; and the drag under way: a rubber band, a wall, an attractor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jostle.app.act.selection import Selection
+from jostle.app.act.tools import Preview, Tool
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import ACCENT, FIXED, TEXT, Colour
+from jostle.app.simulate.simulation import Frame, Rect
+
+RING_GAP = 3.0  # pixels between a particle and its ring
+RING_WIDTH = 2.0
+CORNERS = 28  # of a ring, drawn as lines, so that all rings are one call
+MOST_RINGS = 400  # more are shown by one box around them all
+TARGET = 9.0  # pixels: the ring of an attractor that is being placed
+BAND = 0.10  # how much of the accent the rubber band's ground takes
+
+
+def draw_hands(
+    painter: Painter, frame: Frame, selection: Selection, preview: Preview | None, camera: Camera
+) -> None:
+    """Draw what is selected and the drag under way."""
+    draw_selection(painter, frame, selection, camera)
+    if preview is not None:
+        draw_preview(painter, preview, camera)
+
+
+def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera: Camera) -> None:
+    """Ring what is selected."""
+    rows = frame.rows(selection.tags)
+    if len(rows) == 0:
+        return
+    x, y = camera.to_screen(frame.positions[rows])
+    radii = frame.radii[rows].astype(np.float64) * camera.scale + RING_GAP
+    if len(rows) <= MOST_RINGS:
+        _rings(painter, x, y, radii, ACCENT)
+    else:
+        low_x, low_y = float((x - radii).min()), float((y - radii).min())
+        high_x, high_y = float((x + radii).max()), float((y + radii).max())
+        _frame(painter, (low_x, low_y, high_x, high_y), ACCENT)
+
+
+def draw_preview(painter: Painter, preview: Preview, camera: Camera) -> None:
+    """Show what a drag will do when the button is let go."""
+    x, y = camera.to_screen(np.array([preview.start, preview.end], np.float64))
+    (x0, x1), (y0, y1) = x.tolist(), y.tolist()
+    if preview.tool is Tool.POINTER:
+        _frame(painter, (min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), ACCENT)
+    elif preview.tool is Tool.WALL:
+        _wall(painter, (x0, y0), (x1, y1), preview.size * camera.scale)
+    else:
+        painter.circle((x0, y0), TARGET, ACCENT, RING_WIDTH)
+        painter.circle((x0, y0), 2.5, ACCENT)
+        reach = math.dist((x0, y0), (x1, y1))
+        if reach > TARGET:
+            painter.circle((x0, y0), reach, ACCENT, 1.0)
+            painter.lines(np.array([[x0, y0, x1, y1]]), _colours(ACCENT, 1), 1.0)
+
+
+def _wall(
+    painter: Painter, start: tuple[float, float], end: tuple[float, float], radius: float
+) -> None:
+    """Show the outline of a wall: two sides and round ends."""
+    (x0, y0), (x1, y1) = start, end
+    length = math.hypot(x1 - x0, y1 - y0)
+    across = (-(y1 - y0) / length, (x1 - x0) / length) if length else (0.0, 0.0)
+    side_x, side_y = across[0] * radius, across[1] * radius
+    sides = [[x0 + s * side_x, y0 + s * side_y, x1 + s * side_x, y1 + s * side_y] for s in (-1, 1)]
+    painter.lines(np.array([[x0, y0, x1, y1]]), _colours(FIXED, 1), max(2 * radius - 2, 1.0))
+    painter.circle(start, radius, FIXED)
+    painter.circle(end, radius, FIXED)
+    painter.lines(np.array(sides), _colours(TEXT, 2), 1.0)
+
+
+def _frame(painter: Painter, rect: Rect, colour: Colour) -> None:
+    painter.rects(np.array([rect]), _colours(colour, 1), filled=False)
+
+
+def _rings(
+    painter: Painter,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    colour: Colour,
+) -> None:
+    turn = np.linspace(0, 2 * math.pi, CORNERS + 1)
+    xs = x[:, None] + radii[:, None] * np.cos(turn)
+    ys = y[:, None] + radii[:, None] * np.sin(turn)
+    ends = np.stack([xs[:, :-1], ys[:, :-1], xs[:, 1:], ys[:, 1:]], axis=-1).reshape(-1, 4)
+    painter.lines(ends, _colours(colour, len(ends)), RING_WIDTH)
+
+
+def _colours(colour: Colour, count: int) -> NDArray[np.uint8]:
+    return np.tile(np.array(colour, np.uint8), (count, 1))

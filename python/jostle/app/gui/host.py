@@ -1,0 +1,215 @@
+"""The host of ImGui: one context, events in, panels out, whoever draws them.
+
+imgui-bundle is not there for every Python; the app goes on without it, so ask `available` first.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import pygame
+
+from jostle.app.draw.camera import Size
+from jostle.app.draw.painter import Painter
+
+try:
+    from imgui_bundle import imgui, implot
+
+    from jostle.app.gui import style as gui_style
+    from jostle.app.gui.keys import KEYS, MODIFIERS
+    from jostle.app.gui.software import SoftwareGui
+except ImportError:
+    _THERE = False
+else:
+    _THERE = True
+
+NOWHERE = -1e30  # ImGui's word for a mouse that is outside
+SHORTEST = 1e-4  # seconds; ImGui refuses a frame that takes no time
+BUTTONS = {1: 0, 3: 1, 2: 2}  # pygame's left, right, middle
+
+
+def available() -> bool:
+    """Tell whether panels can be shown at all."""
+    return _THERE
+
+
+class GuiDrawing(Protocol):
+    """What puts ImGui's shapes on the canvas."""
+
+    def begin(self) -> None:
+        """Prepare a frame."""
+
+    def draw(self, data: imgui.ImDrawData) -> None:
+        """Draw a frame over the canvas."""
+
+    def close(self) -> None:
+        """Give everything back."""
+
+
+class Gui:
+    """Panels and menus over the canvas of a painter.
+
+    Between `begin` and `end` anybody may call ImGui. All its measures are points: what the mouse
+    is measured in, whatever the density of the screen.
+
+    Parameters
+    ----------
+    painter
+        Whose canvas the panels lie on.
+
+    Attributes
+    ----------
+    marks
+        Where the widgets are that were named by `mark`, in points.
+    """
+
+    def __init__(self, painter: Painter) -> None:
+        self._context = imgui.create_context()
+        imgui.set_current_context(self._context)
+        self._plots = implot.create_context()
+        implot.set_current_context(self._plots)
+        io = imgui.get_io()
+        io.set_ini_filename("")  # where panels are is not worth a file in somebody's folder
+        gui_style.dress()
+        self._drawing = _drawing_for(painter)
+        self.marks: dict[str, pygame.Rect] = {}
+        self._windows: list[pygame.Rect] = []
+        self._owned: set[int] = set()  # buttons that went down in a panel
+        self._scene: set[int] = set()  # buttons that went down in the scene
+        self._dismiss = False
+        self._under_way = False
+
+    def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
+        """Begin a frame: the size of the canvas in points, and its pixels a point."""
+        imgui.set_current_context(self._context)
+        implot.set_current_context(self._plots)
+        io = imgui.get_io()
+        io.delta_time = max(elapsed, SHORTEST)
+        io.display_size = imgui.ImVec2(*size)
+        io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
+        self._drawing.begin()
+        imgui.new_frame()
+        self._under_way = True
+        if self._dismiss:
+            self._dismiss = False
+            imgui.internal.close_popup_to_level(0, True)
+
+    def end(self) -> None:
+        """End the frame and draw it over the canvas."""
+        self._under_way = False
+        imgui.render()
+        data = imgui.get_draw_data()
+        self._windows = _windows_of(data)
+        self._drawing.draw(data)
+
+    def mark(self, name: str) -> None:
+        """Remember where the last widget is."""
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        self.marks[name] = pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y)
+
+    def handle(self, event: pygame.event.Event) -> bool:
+        """Take in an event; return whether it is for the panels, and not for the scene.
+
+        A drag belongs to where it began. Letting go is told to both.
+        """
+        imgui.set_current_context(self._context)
+        io = imgui.get_io()
+        if event.type == pygame.MOUSEMOTION:
+            io.add_mouse_pos_event(*event.pos)
+            return bool(self._owned) or (not self._scene and self.covers(event.pos))
+        if event.type in (pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP):
+            return self._handle_button(io, event)
+        if event.type == pygame.MOUSEWHEEL:
+            io.add_mouse_wheel_event(
+                getattr(event, "precise_x", event.x), getattr(event, "precise_y", event.y)
+            )
+            return self.covers((io.mouse_pos.x, io.mouse_pos.y))
+        if event.type in (pygame.KEYDOWN, pygame.KEYUP):
+            return self._handle_key(io, event)
+        if event.type == pygame.TEXTINPUT:
+            io.add_input_characters_utf8(event.text)
+            return io.want_text_input
+        if event.type == pygame.WINDOWFOCUSLOST:
+            io.add_focus_event(False)
+            self._owned.clear()
+            self._scene.clear()
+        elif event.type == pygame.WINDOWFOCUSGAINED:
+            io.add_focus_event(True)
+        elif event.type == pygame.WINDOWLEAVE and not self._owned:
+            io.add_mouse_pos_event(NOWHERE, NOWHERE)
+        return False
+
+    def covers(self, place: tuple[float, float]) -> bool:
+        """Tell whether a panel, or a menu that wants an answer first, is at a place."""
+        return any(window.collidepoint(place) for window in self._windows) or self.asks
+
+    @property
+    def asks(self) -> bool:
+        """Whether a menu or a question is open."""
+        imgui.set_current_context(self._context)
+        return imgui.get_frame_count() > 0 and imgui.is_popup_open("", _ANY_POPUP)
+
+    def close(self) -> None:
+        """Give everything back."""
+        imgui.set_current_context(self._context)
+        implot.set_current_context(self._plots)
+        if self._under_way:
+            imgui.end_frame()
+        self._drawing.close()
+        implot.destroy_context(self._plots)
+        imgui.destroy_context(self._context)
+
+    def _handle_button(self, io: imgui.IO, event: pygame.event.Event) -> bool:
+        button = BUTTONS.get(event.button)
+        if button is None:
+            return False  # the wheel, in its old clothes
+        io.add_mouse_pos_event(*event.pos)  # a press without a motion before it, from a finger
+        down = event.type == pygame.MOUSEBUTTONDOWN
+        mine = down and not self._scene and self.covers(event.pos)
+        for owners in (self._owned, self._scene):
+            owners.discard(button)
+        if down:
+            (self._owned if mine else self._scene).add(button)
+        if mine or not down or not self._windows:
+            io.add_mouse_button_event(button, down)
+        elif button == 0:
+            imgui.set_window_focus(None)  # the scene takes the keys from a field of text
+        return mine
+
+    def _handle_key(self, io: imgui.IO, event: pygame.event.Event) -> bool:
+        down = event.type == pygame.KEYDOWN
+        for mask, modifier in MODIFIERS:
+            io.add_key_event(modifier, bool(getattr(event, "mod", 0) & mask))
+        key = KEYS.get(event.key)
+        if key is not None:
+            io.add_key_event(key, down)
+        if down and event.key == pygame.K_ESCAPE and self.asks and not io.want_text_input:
+            self._dismiss = True
+            return True
+        return down and (io.want_text_input or (io.want_capture_keyboard and self.asks))
+
+
+if _THERE:
+    _ANY_POPUP = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
+
+
+def _drawing_for(painter: Painter) -> GuiDrawing:
+    if painter.name == "opengl":
+        from jostle.app.draw.opengl import OpenGLPainter
+        from jostle.app.gui.opengl import OpenGLGui
+
+        assert isinstance(painter, OpenGLPainter)
+        return OpenGLGui(painter)
+    return SoftwareGui(painter)
+
+
+def _windows_of(data: imgui.ImDrawData) -> list[pygame.Rect]:
+    """Return the rectangles of the windows that are drawn and take the mouse."""
+    found = []
+    for commands in data.cmd_lists:
+        window = imgui.internal.find_window_by_name(commands._owner_name)
+        if window is not None and not window.flags & imgui.WindowFlags_.no_mouse_inputs:
+            rect = window.rect()
+            low, high = rect.min, rect.max
+            found.append(pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y))
+    return found

@@ -1,0 +1,48 @@
+"""Films and pictures from canvases, one after the other: for the run without a screen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+
+import pygame
+
+from jostle.app.keep.encoder import Encoder, Size
+
+
+class Recorder:
+    """A film in the making, MP4 or GIF: a context manager, playable however it ends.
+
+    Parameters
+    ----------
+    path
+        The file; an existing one is replaced.
+    size
+        Width and height of the canvases.
+    fps
+        Frames a second.
+    """
+
+    def __init__(self, path: Path, size: Size, fps: int = 30) -> None:
+        self.path = path
+        self._encoder = Encoder(path, size, fps)
+
+    def add(self, canvas: pygame.Surface) -> None:
+        """Append one frame."""
+        self._encoder.add(canvas.get_buffer().raw)
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._encoder.close()
+
+
+def save_png(canvas: pygame.Surface, path: Path) -> None:
+    """Save one canvas as a picture."""
+    pygame.image.save(canvas, str(path))

@@ -1,0 +1,83 @@
+"""A scene in a file, `.jostle`: state, settings, where the camera looks and what is shown."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.shown import Shown
+from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
+from jostle.app.simulate.settings import Settings, settings_of
+from jostle.app.simulate.simulation import Simulation
+from jostle.app.simulate.start import resume
+
+SUFFIX = ".jostle"
+KIND = "scene"
+PASSING = ("help", "panels")  # switches that belong to the window, not to the scene
+
+DAMAGE = (ValueError, KeyError, IndexError, TypeError, OverflowError, struct.error)
+
+
+@dataclass(frozen=True)
+class SavedScene:
+    """What a file brings back."""
+
+    simulation: Simulation
+    camera: Mapping[str, Any]
+    shown: Mapping[str, Any]
+
+    def look(self, camera: Camera) -> None:
+        """Let a camera look where the saved one did, at whatever size its screen has."""
+        camera.look_at(self.simulation.view)
+        if not self.camera["at_home"]:
+            (x, y), (width, height) = self.camera["center"], self.camera["size"]
+            zoom = min(camera.size[0] / width, camera.size[1] / height)
+            camera.aim((float(x), float(y)), float(self.camera["scale"]) * zoom)
+
+    def show(self, shown: Shown) -> None:
+        """Set the switches; those that the file does not know stay as they are."""
+        for field in fields(shown):
+            if field.name in self.shown and field.name not in PASSING:
+                now = getattr(shown, field.name)
+                setattr(shown, field.name, type(now)(self.shown[field.name]))
+
+
+def scene_bytes(simulation: Simulation, camera: Camera, shown: Shown) -> bytes:
+    """Return what the file of a scene holds."""
+    facts = {
+        "settings": asdict(simulation.settings),
+        "camera": {
+            "center": camera.center,
+            "scale": camera.scale,
+            "size": camera.size,
+            "at_home": camera.at_home,
+        },
+        "shown": {name: _plain(value) for name, value in asdict(shown).items()},
+    }
+    return seal(pack(KIND, facts, {"state": blob(simulation.save())}))
+
+
+def read_scene(path: Path) -> SavedScene:
+    """Return the scene of a file; a ValueError says in a sentence why it has none."""
+    data = path.read_bytes()
+    if not is_of(KIND, data):
+        raise ValueError(f"{path.name} is not a scene of this version of jostle.")
+    try:
+        facts, arrays = unpack(KIND, unseal(data))
+        settings: Settings = settings_of(facts["settings"])
+        simulation = resume(settings, arrays["state"].tobytes())
+        saved = SavedScene(simulation, facts["camera"], facts["shown"])
+        saved.look(Camera((800, 600), simulation.view))  # what is wrong with it shows now,
+        saved.show(Shown())  # while nothing has changed yet
+    except DAMAGE as error:
+        raise ValueError(f"{path.name} cannot be loaded: {error}.") from error
+    return saved
+
+
+def _plain(value: object) -> object:
+    return value.value if isinstance(value, Enum) else value

@@ -1,0 +1,138 @@
+"""The lines of the statistics panel: the series, binned for a plot, and renewed now and then.
+
+A plot of a few hundred points tells no more than one of a hundred, and numbers that change a few
+times a second can be read. So everything stands still in between, and is renewed by turns, a
+part a frame: what is drawn anew costs time where there is no graphics card.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jostle.app.measure.statistics import Statistics
+from jostle.app.simulate.simulation import Facts, Frame
+
+Floats = NDArray[np.float64]
+
+SPAN = 5.0  # seconds of times that are shown
+BINS = 75
+MOST = 200  # points of a line of sums
+EVERY = 0.15  # seconds between two pictures of a part
+SMOOTH = 0.35  # share of a new mean in the numbers: they rest enough to be read
+RECENT = 30  # frames that make a mean
+_NICE = np.array([1.0, 2.0, 5.0, 10.0])
+
+ENERGIES = ("time", "total", "kinetic", "potential", "drift")
+MOMENTA = ("time", "momentum_x", "momentum_y")
+
+
+class Traces:
+    """What the plots show now.
+
+    Attributes
+    ----------
+    ages
+        Seconds before now of each bin, ascending to 0.
+    stacked
+        (stages + 1, bins): the times of the stages on top of each other, from zeros upwards.
+    frames
+        The time between two pictures, a bin each.
+    means, frame_mean
+        Of each stage and of the time between two pictures, in milliseconds.
+    top
+        Of the axis of milliseconds: 1, 2 or 5 times a power of ten.
+    count, facts
+        How many particles there are, and the numbers of the last step.
+    energies, momenta
+        The columns `ENERGIES` and `MOMENTA` of the sums. The potential energy is 0 where drift
+        begins: its own zero is arbitrary, and often far away.
+    momentum_drift
+        As `Statistics` has it.
+    """
+
+    def __init__(self, statistics: Statistics) -> None:
+        self._statistics = statistics
+        self._stages: tuple[str, ...] = ()
+        self._parts = (self._renew_times, self._renew_facts, self._renew_energies,
+                       self._renew_momenta)  # fmt: skip
+        self._done = [-np.inf] * len(self._parts)
+        self.ages = np.linspace(-SPAN, 0.0, BINS)
+        self.frames = np.zeros(BINS)
+        self.means: dict[str, float] = {}
+        self.frame_mean, self.top = 0.0, 20.0
+        self.count, self.facts = 0, Facts()
+        self.momentum_drift = 0.0
+        self._forget()
+
+    def refresh(self, frame: Frame, now: float) -> None:
+        """Renew the part that is due the longest; all of them where a run has just begun."""
+        if self._statistics.stages != self._stages or self._statistics.beginning is None:
+            self._forget()
+        late = [k for k, done in enumerate(self._done) if abs(now - done) >= EVERY]
+        if -np.inf not in self._done:
+            late = sorted(late, key=self._done.__getitem__)[:1]
+        for k in late:
+            self._parts[k](frame, now)
+            self._done[k] = now
+
+    def _forget(self) -> None:
+        self._stages = self._statistics.stages
+        self.stacked = np.zeros((len(self._stages) + 1, BINS))
+        self.means = {}
+        self.energies = np.zeros((len(ENERGIES), 0))
+        self.momenta = np.zeros((len(MOMENTA), 0))
+        self._done = [-np.inf] * len(self._parts)
+
+    def _renew_times(self, _: Frame, now: float) -> None:
+        times = self._statistics.times
+        at = np.floor((times["now"] - now) * (BINS - 1) / SPAN).astype(np.intp) + BINS - 1
+        shown = at >= 0
+        at, table = np.minimum(at[shown], BINS - 1), times.table[1:, shown]
+        counts = np.bincount(at, minlength=BINS)
+        rows = [np.bincount(at, row, BINS) / np.maximum(counts, 1) for row in table]
+        _fill(rows, counts)
+        self.frames[:] = rows[0]
+        np.cumsum(rows[1:], axis=0, out=self.stacked[1:])
+        self._average(table[:, -RECENT:])
+        highest = max(float(self.frames.max()), float(self.stacked[-1].max()), 1e-2)
+        power = 10.0 ** np.floor(np.log10(highest))
+        self.top = float(power * _NICE[np.searchsorted(_NICE, highest / power - 1e-9)])
+
+    def _average(self, table: Floats) -> None:
+        """Let the numbers follow the means of the last frames."""
+        if not table.shape[1]:
+            return
+        frame, *stages = table.mean(axis=1).tolist()
+        self.frame_mean += (frame - self.frame_mean) * (SMOOTH if self.frame_mean else 1.0)
+        for name, mean in zip(self._stages, stages, strict=True):
+            old = self.means.get(name, mean)
+            self.means[name] = old + (mean - old) * SMOOTH
+
+    def _renew_facts(self, frame: Frame, _: float) -> None:
+        self.count, self.facts = len(frame), frame.facts
+
+    def _renew_energies(self, *_: object) -> None:
+        self.energies = self._columns(ENERGIES)
+        beginning = self._statistics.beginning
+        if beginning is not None:
+            for name in ("total", "potential"):
+                self.energies[ENERGIES.index(name)] -= beginning.energies.potential
+
+    def _renew_momenta(self, *_: object) -> None:
+        self.momenta = self._columns(MOMENTA)
+        self.momentum_drift = self._statistics.momentum_drift
+
+    def _columns(self, names: tuple[str, ...]) -> Floats:
+        """Return columns of the sums; every second, third … row of them where there are many."""
+        sums = self._statistics.sums
+        step = -(-len(sums) // MOST) or 1
+        return np.array([sums[name][::-step][::-1] for name in names])
+
+
+def _fill(rows: list[Floats], counts: NDArray[np.intp]) -> None:
+    """Give a bin that no frame fell into the value of the one before it."""
+    last = np.maximum.accumulate(np.where(counts > 0, np.arange(BINS), -1))
+    known = last >= 0
+    for row in rows:
+        row[known] = row[last[known]]

@@ -1,0 +1,355 @@
+"""The article's own programs in the same window: `jostle.article.Simulation` as the app sees it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import jostle
+from jostle import article
+from jostle.app.simulate.packing import pack, unpack
+from jostle.app.simulate.settings import Settings, settings_of
+from jostle.app.simulate.simulation import (
+    Energies,
+    Facts,
+    Frame,
+    Point,
+    Pull,
+    Rect,
+    Tags,
+    Touching,
+    TreeBoxes,
+    Wants,
+)
+from jostle.app.simulate.world_simulation import WorldSimulation
+
+FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
+GRAVITY = 0.5  # pixels a frame, each frame
+DEFAULT_N = 500
+WINDOW = (800, 500)  # pixels
+NUMBERS = ("x", "y", "speed", "angle")  # of a particle, in full precision
+
+
+class ArticleSimulation:
+    """A scene under the article's rules, faults included.
+
+    The scene `article` is the article's own program. Any other lends its particles: their places,
+    velocities and sizes, on whole pixels, inside a plain rectangle.
+
+    Parameters
+    ----------
+    settings
+        Scene, number, seed and the method, "article-quadtree" or "article-brute"; the rules are
+        the article's.
+    """
+
+    time_step = 1 / FRAMES_A_SECOND
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.scene = settings.scene
+        rules = settings.method.removeprefix("article-")
+        if self.scene == "article":
+            n = DEFAULT_N if settings.n is None else settings.n
+            sides = (
+                max(round(side * settings.world_size), article.SMALLEST_SIDE) for side in WINDOW
+            )
+            self.program = article.Simulation(n, rules, settings.seed, *sides)
+        else:
+            lender = WorldSimulation.of_scene(
+                replace(settings, method="quadtree", container=None)  # a display is a rectangle
+            )
+            self.program = article_of(lender.frame(), lender.view, rules)
+        self._take_size()
+        self._pulls: tuple[Pull, ...] = ()
+        self._frames = 0
+        self._milliseconds = 0.0
+        self._tags: Tags = np.arange(len(self), dtype=np.int64)
+        self._next_tag = len(self)
+        self._born = np.zeros(len(self))
+
+    def __len__(self) -> int:
+        return len(self.program.particles)
+
+    @property
+    def method(self) -> str:
+        """Return "article-quadtree" or "article-brute"."""
+        return f"article-{self.program.method}"
+
+    @property
+    def adjustable(self) -> frozenset[str]:
+        """Return what can change while it runs: which of the two programs it is, and the pace."""
+        return frozenset({"method", "time_scale"})
+
+    @property
+    def rules(self) -> Settings:
+        """Return the settings with what the article has in place of its choices."""
+        return replace(
+            self.settings,
+            leaf_capacity=article.MAX_PER_BOX,
+            max_depth=article.MAX_LEVEL + 1,
+            gravity=(0.0, GRAVITY * FRAMES_A_SECOND**2),
+            drag=0.0,
+            restitution=article.ELASTICITY,
+            substeps=1,
+            threads=1,
+        )
+
+    # Looking
+
+    def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
+        """Return the particles as arrays."""
+        rows = [
+            (p.x, p.y, p.speed * math.sin(p.angle), -p.speed * math.cos(p.angle), p.radius,
+             p.density) for p in self.program.particles
+        ]  # fmt: skip
+        table = np.array(rows, np.float32).reshape(-1, 6)
+        frame = Frame(
+            positions=table[:, 0:2],
+            velocities=table[:, 2:4] * FRAMES_A_SECOND,
+            radii=table[:, 4],
+            densities=table[:, 5],
+            movable=np.ones(len(table), np.bool_),
+            tags=self._tags,
+            born=self._born,
+            container=self.container,
+            facts=self._facts(),
+            tree=self._tree_boxes() if wants.tree else None,
+            attractors=self._pulls,
+        )
+        return replace(
+            frame,
+            energies=_energies(frame) if wants.energies else None,
+            touching=_touching(frame) if wants.contacts else None,
+        )
+
+    def _facts(self) -> Facts:
+        """Return the numbers of the last frame; a pair met in two leaves counts twice."""
+        program = self.program
+        energy = sum(0.5 * p.mass * p.speed**2 for p in program.particles)
+        return Facts(
+            time=self._frames * self.time_step,
+            pairs_tested=program.tests,
+            touching=program.hits,
+            nodes=len(program.leaves),
+            depth=max((leaf[4] for leaf in program.leaves), default=0),
+            kinetic_energy=energy * FRAMES_A_SECOND**2,
+            stage_times={"frame": self._milliseconds},  # the article's stages are interwoven
+        )
+
+    def _tree_boxes(self) -> TreeBoxes:
+        """Return the leaves of the last frame; brute force has none."""
+        if not self.program.leaves:
+            return TreeBoxes.none()
+        leaves = np.array(self.program.leaves)
+        low, high = leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]
+        places = np.array([(p.x, p.y) for p in self.program.particles]).reshape(-1, 1, 2)
+        counts = ((places >= low) & (places < high)).all(axis=2).sum(axis=0)
+        corners = np.concatenate([low, high], axis=1).astype(np.float64)
+        return TreeBoxes(corners, leaves[:, 4].astype(np.intp), counts, np.ones(len(leaves), bool))
+
+    # Acting
+
+    def step(self) -> None:
+        """Go on by one frame of the article."""
+        start = time.perf_counter()
+        for pull in self._pulls:
+            self._feel(pull)
+        self.program.frame()
+        self.program.release()  # `drag` holds for one frame
+        self._frames += 1
+        self._milliseconds = (time.perf_counter() - start) * 1e3
+
+    def _feel(self, pull: Pull) -> None:
+        """Accelerate everything by distance × strength, before the frame moves it."""
+        point = pull.point
+        for row in np.flatnonzero(self._tags == pull.tag).tolist():
+            point = self.program.particles[row].x, self.program.particles[row].y
+        if point is None:
+            return
+        gain = pull.strength / FRAMES_A_SECOND**2
+        for particle in self.program.particles:
+            dx, dy = point[0] - particle.x, point[1] - particle.y
+            particle.angle, particle.speed = article.add_vectors(
+                (particle.angle, particle.speed), (math.atan2(dx, -dy), gain * math.hypot(dx, dy))
+            )
+
+    def adjust(self, name: str, value: Any) -> str | None:
+        """Swap the article's two programs under the same particles, or change the pace."""
+        if name == "method" and str(value).startswith("article-"):
+            self.program.method = value.removeprefix("article-")
+        elif name != "time_scale":
+            return "The article's rules are fixed."
+        self.settings = replace(self.settings, **{name: value})
+        return None
+
+    def add(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike,
+        densities: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+    ) -> Tags:
+        """Add particles, on whole numbers as the article has them; all of them can move."""
+        places = np.asarray(positions, np.float64).reshape(-1, 2)
+        n = len(places)
+        rows = zip(
+            places.tolist(),
+            (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAMES_A_SECOND).tolist(),
+            np.broadcast_to(np.asarray(radii), n).tolist(),
+            np.broadcast_to(np.asarray(densities), n).tolist(),
+            strict=True,
+        )
+        self.program.particles += [_particle(*row) for row in rows]
+        tags = np.arange(self._next_tag, self._next_tag + n, dtype=np.int64)
+        self._next_tag += n
+        self._tags = np.concatenate([self._tags, tags])
+        self._born = np.concatenate([self._born, np.full(n, self._frames * self.time_step)])
+        return tags
+
+    def remove(self, tags: ArrayLike) -> None:
+        """Remove particles."""
+        keep = ~np.isin(self._tags, np.asarray(tags))
+        particles = self.program.particles
+        self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
+        self._tags, self._born = self._tags[keep], self._born[keep]
+        left = set(self._tags.tolist())
+        self._pulls = tuple(pull for pull in self._pulls if pull.tag is None or pull.tag in left)
+
+    def change(
+        self,
+        tags: ArrayLike,
+        *,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+    ) -> None:
+        """Set places, velocities, densities; immovable particles the article has none."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        n, known = len(wanted), dict(zip(self._tags.tolist(), self.program.particles, strict=True))
+        found = [(row, known[tag]) for row, tag in enumerate(wanted.tolist()) if tag in known]
+        if positions is not None:
+            places = np.broadcast_to(np.asarray(positions, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                particle.x, particle.y = places[row]
+        if velocities is not None:
+            ways = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
+            for row, particle in found:
+                x, y = ways[row]
+                particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
+                particle.angle = math.atan2(x, -y)
+        if densities is not None:
+            heavy = np.broadcast_to(np.asarray(densities, np.float64), n).tolist()
+            for row, particle in found:
+                particle.density = max(round(heavy[row]), 1)
+                particle.__post_init__()  # mass and drag follow
+
+    def attract(self, pulls: tuple[Pull, ...]) -> None:
+        """Replace the attractions that a person has placed."""
+        self._pulls = pulls
+
+    def drag(self, tag: int, point: Point, velocity: Point) -> None:
+        """Let a particle follow the hand, by the article's rule of the mouse."""
+        for row in np.flatnonzero(self._tags == tag).tolist():
+            self.program.held = self.program.particles[row]
+            self.program.drag_to(*point)
+
+    def save(self) -> bytes:
+        """Return the state."""
+        program = self.program
+        facts = {
+            "settings": asdict(self.settings),
+            "method": program.method,
+            "size": [program.width, program.height],
+            "counters": [program.tests, program.repeats, program.hits],
+            "frames": self._frames,
+            "next_tag": self._next_tag,
+            "pulls": [asdict(pull) for pull in self._pulls],
+        }
+        numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
+        sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
+        columns = {
+            "numbers": np.array(numbers, np.float64).reshape(-1, len(NUMBERS)),
+            "sizes": np.array(sizes, np.int64).reshape(-1, 6),
+            "leaves": np.array(program.leaves, np.int64).reshape(-1, 5),
+            "tags": self._tags,
+            "born": self._born,
+        }
+        return pack("article", facts, columns)
+
+    def load(self, state: bytes) -> None:
+        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        facts, columns = unpack("article", state)
+        particles = []
+        rows = zip(columns["numbers"].tolist(), columns["sizes"].tolist(), strict=True)
+        for (x, y, speed, angle), (radius, density, *rectangle) in rows:
+            particle = article.Particle(x, y, radius, density, speed, angle)
+            left, top, width, height = rectangle
+            particle.rectangle = left, top, width, height
+            particles.append(particle)
+        width, height = facts["size"]
+        program = article.Simulation.of(particles, facts["method"], width, height)
+        program.tests, program.repeats, program.hits = facts["counters"]
+        leaves = columns["leaves"].tolist()
+        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves]
+        self.program, self.settings = program, settings_of(facts["settings"])
+        self._take_size()
+        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
+        self._frames, self._next_tag = facts["frames"], facts["next_tag"]
+        self._tags, self._born = columns["tags"], columns["born"]
+
+    def _take_size(self) -> None:
+        """Let view and walls be those of the program's display."""
+        self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
+        self.container = jostle.Box(*self.view)
+
+
+def _energies(frame: Frame) -> Energies:
+    """Return the sums, with the ground of the display as the zero of height."""
+    masses = frame.masses.astype(np.float64)
+    velocities = frame.velocities.astype(np.float64)
+    kinetic = 0.5 * (masses * (velocities**2).sum(axis=1)).sum()
+    pull = GRAVITY * FRAMES_A_SECOND**2
+    potential = -pull * (masses * frame.positions[:, 1]).sum()
+    momentum = (masses[:, None] * velocities).sum(axis=0)
+    return Energies(float(kinetic), float(potential), (float(momentum[0]), float(momentum[1])))
+
+
+def _touching(frame: Frame) -> Touching:
+    contacts = jostle.Quadtree(frame.positions, frame.radii).contacts()
+    return Touching(contacts.pairs, contacts.normals, contacts.depths)
+
+
+def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
+    """Return the article's program over the particles of a frame.
+
+    Its display is the view, and everything is moved there; radii and densities become whole
+    numbers of at least 1, as the article has them.
+    """
+    min_x, min_y, max_x, max_y = view
+    places = (frame.positions - np.array([min_x, min_y])).tolist()
+    velocities = (frame.velocities / FRAMES_A_SECOND).tolist()
+    radii, densities = frame.radii.tolist(), frame.densities.tolist()
+    rows = zip(places, velocities, radii, densities, strict=True)
+    particles = [_particle(*row) for row in rows]
+    width, height = (
+        max(math.ceil(side), article.SMALLEST_SIDE) for side in (max_x - min_x, max_y - min_y)
+    )
+    return article.Simulation.of(particles, rules, width=width, height=height)
+
+
+def _particle(
+    place: Sequence[float], velocity: Sequence[float], radius: float, density: float
+) -> article.Particle:
+    """Return a particle of the article; its velocity is in pixels a frame."""
+    (x, y), (dx, dy) = place, velocity
+    radius, density = max(round(radius), 1), max(round(density), 1)
+    return article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))
