@@ -116,7 +116,7 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("drag = nan", "line 1: drag is nan; it must be a number of at least 0"),
         (
             "gravity = [\n  0,\n  1,\n  2,\n]",
-            "line 1: gravity is [0, 1, 2]; it must be two numbers",
+            "line 1: gravity is [0, 1, 2]; it must be two finite numbers",
         ),
         ("n = 1\n\n[window]\nsize = [\n 0, 10]", "line 4: size is [0, 10]; it must be two whole"),
         ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
@@ -132,10 +132,15 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ),
         ("[[particles]]\nradius = [3, 1]", "line 2: radius is [3, 1]; it must be a number of at"),
         ("[[particles]]\nregion = [0, 0, -1, 1]", "line 2: region is [0, 0, -1, 1]; it must be"),
-        ('scene = "gases"', "line 1: there is no scene 'gases'; the scenes are "),
+        ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be two finite numbers"),
+        (
+            'method = "article-quadtree"\ngravity = [0, 1]',
+            "line 2: gravity cannot be set here: the article's rules are fixed",
+        ),
+        ('scene = "gases"', "line 1: gases is not a scene; did you mean gas?"),
         (
             'method = "article-brute"\nmax_depth = 3',
-            "line 2: max_depth is for quadtree; the article's is fixed",
+            "line 2: max_depth cannot be set here: the article's rules are fixed",
         ),
         ("n = 1\nn = 2", "scene.toml, line 2: cannot overwrite a value"),
         ("n =\nseed = 1", "scene.toml, line 1: "),
@@ -182,3 +187,9 @@ l = 1'''
         ("k", 1): 12,
         ("k", 1, "l"): 13,
     }
+
+
+def test_the_mark_that_some_editors_put_first_is_no_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b'\xef\xbb\xbfscene = "gas"\nn = 5\n')
+    assert read_config(path).settings.n == 5

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 pygame = pytest.importorskip("pygame")
+pytest.importorskip("imgui_bundle")  # without it a right click says so, and there is no menu
 
 from app_hands import RIGHT, Hands, article_with, post, tags, world_of  # noqa: E402
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib.util
 import io
 import os
@@ -321,7 +322,9 @@ def _has_display() -> bool:
 def _check_scene(scene: str) -> None:
     names = jostle.scenes.names()
     if scene not in names:
-        _refuse(f"there is no scene {scene!r}; the scenes are {', '.join(names)}")
+        alike = difflib.get_close_matches(scene, names, 1, 0.5)
+        hint = f"did you mean {alike[0]}? " if alike else ""
+        _refuse(f"there is no scene {scene!r}; {hint}the scenes are {', '.join(names)}")
 
 
 def _check_method(method: str, leaf_capacity: int | None, max_depth: int | None) -> None:

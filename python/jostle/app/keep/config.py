@@ -24,6 +24,12 @@ Key = tuple[str | int, ...]  # names of tables, and numbers within arrays of tab
 
 LARGEST, SMALLEST = 16_384, 64  # pixels
 
+# What the article's programs have no choice of.
+OUR_RULES = (
+    *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
+    *("threads", "on_touch"),
+)
+
 WINDOW_RULES: dict[str, Rule] = {
     "size": Rule(
         f"two whole numbers [width, height] from {SMALLEST} to {LARGEST:,}",
@@ -61,7 +67,7 @@ def read_config(path: Path) -> Config:
     """Return what a file says; a ConfigError or an OSError says why it cannot be taken."""
     toml = _reader()
     try:
-        text = path.read_bytes().decode("utf-8").replace("\r\n", "\n")
+        text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
         entries = toml.loads(text)
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path.name} is not a text in UTF-8") from error
@@ -136,11 +142,11 @@ def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
             yield (name,), unknown(name, "a setting", known)
     scenes = jostle.scenes.names()
     if (scene := entries.get("scene", scenes[0])) not in scenes:
-        yield ("scene",), f"there is no scene {scene!r}; the scenes are {', '.join(scenes)}"
+        yield ("scene",), unknown(str(scene), "a scene", scenes)
     if str(entries.get("method")).startswith("article-"):
-        for name in ("leaf_capacity", "max_depth"):
+        for name in OUR_RULES:
             if name in entries:
-                yield (name,), f"{name} is for quadtree; the article's is fixed"
+                yield (name,), f"{name} cannot be set here: the article's rules are fixed"
     groups = entries.get("particles", [])
     if not isinstance(groups, list) or not all(isinstance(group, dict) for group in groups):
         yield ("particles",), "particles is written as [[particles]], once for each group"

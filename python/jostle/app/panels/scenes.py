@@ -18,20 +18,9 @@ BY_ARTICLE = (
 )
 
 
-_usual_numbers: dict[str, int] = {}  # of particles, where nobody asks for another
-
-
-def _count_one(names: list[str]) -> None:
-    """Count the particles of one more scene: to make them all would hold up the first frame."""
-    missing = next((name for name in names if name not in _usual_numbers), None)
-    if missing is not None:
-        _usual_numbers[missing] = len(jostle.scenes.create(missing))
-
-
 def build(session: Session, gui: Gui) -> None:
     """Build the list and the two sentences."""
     names, present = jostle.scenes.names(), session.engine.scene
-    _count_one(names)
     with colours(child_bg=vec((255, 255, 255), 0.025)):
         imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, 5.0))
         imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0))
@@ -58,8 +47,6 @@ def _line(session: Session, gui: Gui, name: str, *, present: bool) -> None:
     gui.mark(f"scene {name}")
     if present and imgui.is_window_appearing():
         imgui.set_scroll_here_y()
-    number = len(session.frame) if present else _usual_numbers.get(name)
-    if number is not None:
-        at_right(f"{number:,}", quiet=not present)
+    at_right(f"{jostle.scenes.default_count(name):,}", quiet=not present)
     if clicked:
         session.choose_scene(name)

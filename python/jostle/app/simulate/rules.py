@@ -55,7 +55,7 @@ def one_of(*names: str) -> Rule:
 
 def pair(names: str) -> Rule:
     """Return the rule of two numbers."""
-    return Rule(f"two numbers [{names}]", _is_pair)
+    return Rule(f"two finite numbers [{names}]", _is_pair)
 
 
 def range_of(low: float) -> Rule:
@@ -66,7 +66,7 @@ def range_of(low: float) -> Rule:
             return bool(value >= low)
         return _is_pair(value) and low <= value[0] <= value[1]
 
-    return Rule(f"a number of at least {low:g}, or two [smallest, largest]", fits)
+    return Rule(f"a number of at least {low:g}, or two [smallest, largest] in this order", fits)
 
 
 def _is_number(value: object) -> bool:

@@ -82,7 +82,7 @@ RULES: dict[str, Rule] = {
 GROUP_RULES: dict[str, Rule] = {
     "count": whole(0, MOST_PARTICLES),
     "region": Rule(
-        "four numbers [min_x, min_y, max_x, max_y]",
+        "four finite numbers [min_x, min_y, max_x, max_y], the smaller ones first",
         lambda value: (
             isinstance(value, list | tuple)
             and len(value) == 4
