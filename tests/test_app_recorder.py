@@ -12,7 +12,11 @@ pygame = pytest.importorskip("pygame")
 imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
 
 from jostle.app.draw.camera import Camera  # noqa: E402
-from jostle.app.draw.palette import DISCS, GROUND  # noqa: E402
+from jostle.app.draw.palette import (  # noqa: E402
+    DISCS,
+    GROUND,
+    RECORDING,
+)
 from jostle.app.draw.shown import Shown  # noqa: E402
 from jostle.app.keep import encoder, recording  # noqa: E402
 from jostle.app.keep.encoder import Encoder, gif_palette  # noqa: E402
@@ -188,6 +192,12 @@ def test_the_window_never_waits_for_the_film(session: Session, monkeypatch) -> N
     assert film.repeated > 60
 
 
+def red_pixels(window: Window) -> int:
+    """Return how many pixels in the right corner have the colour of the mark of a film."""
+    picture = pygame.surfarray.array3d(window.painter.canvas())[-300:, -60:].astype(int)
+    return int((np.abs(picture - np.array(RECORDING)).sum(axis=2) < 30).sum())
+
+
 def test_closing_the_window_while_recording_leaves_a_film_that_plays(tmp_path: Path) -> None:
     window = Window(start(Settings("gas", 100)), SIZE)
     window.session.files.folder = tmp_path
@@ -195,6 +205,7 @@ def test_closing_the_window_while_recording_leaves_a_film_that_plays(tmp_path: P
     for _ in range(30):
         window.frame(1 / 60)
     film = window.session.files.recording
+    assert red_pixels(window) > 40, "a dot says that a film is made"
     pygame.event.post(pygame.event.Event(pygame.QUIT))
     window.run()
     assert film.done and film.error == ""

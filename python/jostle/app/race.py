@@ -14,7 +14,7 @@ from jostle.app.draw.shown import Shown
 from jostle.app.draw.text import BODY, SMALL, font, panel, write
 from jostle.app.draw.words import method_name, scientific
 from jostle.app.simulate.engine import SHORT, Engine
-from jostle.app.simulate.simulation import Facts, Frame, Wants
+from jostle.app.simulate.simulation import Facts, Wants
 from jostle.app.simulate.start import start
 
 SHORT_IN_RACE = 0.004  # seconds: longer steps are made beside the window, for there are two
@@ -144,7 +144,7 @@ def _heading(lane: Lane, *, ahead: bool, width: int) -> pygame.Surface:
         ("steps", f"{lane.steps:,}"),
         ("ms a step", f"{lane.milliseconds:,.2f}"),
         ("simulated", f"{lane.facts.time:.1f} s"),
-        ("energy", scientific(_energy(lane.engine.frame))),
+        ("kinetic", scientific(lane.facts.kinetic_energy)),
     ]
     column = (width - 2 * PAD) // len(facts)
     for k, (name, value) in enumerate(facts):
@@ -152,9 +152,3 @@ def _heading(lane: Lane, *, ahead: bool, width: int) -> pygame.Surface:
         write(sheet, (x, PAD + line + 4), name, TEXT_SOFT, SMALL)
         write(sheet, (x, PAD + line + 4 + small), value, TEXT, SMALL)
     return sheet
-
-
-def _energy(frame: Frame) -> float:
-    if frame.energies is None:
-        return frame.facts.kinetic_energy
-    return frame.energies.kinetic + frame.energies.potential

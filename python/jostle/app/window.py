@@ -12,7 +12,7 @@ from jostle.app.act.input import Input
 from jostle.app.draw.backdrop import Backdrop
 from jostle.app.draw.camera import Camera, Size
 from jostle.app.draw.helping import draw_help
-from jostle.app.draw.notices import draw_hint, draw_notice
+from jostle.app.draw.notices import draw_hint, draw_notice, draw_recording
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.readout import SPACE, Readout
 from jostle.app.draw.renderers import FAILURES, Screen
@@ -210,6 +210,8 @@ class Window:
             draw_help(painter)
         else:
             draw_hint(painter, session.camera.right)
+        if session.files.recording is not None:
+            draw_recording(painter, session.files.recording.seconds, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
         if self.gui is not None and self.builders:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import TEXT, TEXT_SOFT
+from jostle.app.draw.palette import RECORDING, TEXT, TEXT_SOFT
 from jostle.app.draw.text import BODY, font, panel, word, write
 
 HINT = "H help"
 EDGE = 12  # pixels to the edge of the picture
+DOT = 5.0  # pixels: the radius of the mark of a film under way
 
 
 def draw_notice(painter: Painter, notice: str, middle: float | None = None) -> None:
@@ -24,3 +25,14 @@ def draw_hint(painter: Painter, right: int = 0) -> None:
     hint = word(HINT, TEXT_SOFT, BODY)
     width, height = painter.size[0] - right, painter.size[1]
     painter.sheet(hint, (width - EDGE - hint.get_width(), height - EDGE - hint.get_height()))
+
+
+def draw_recording(painter: Painter, seconds: float, right: int = 0) -> None:
+    """Say beside the hint that a film is made, and how long it is."""
+    minutes, rest = divmod(int(seconds), 60)
+    clock = word(f"{minutes}:{rest:02}", TEXT, BODY)
+    bottom = painter.size[1] - EDGE
+    left = painter.size[0] - right - EDGE - word(HINT, TEXT_SOFT, BODY).get_width() - 24
+    left -= clock.get_width()
+    painter.sheet(clock, (left, bottom - clock.get_height()))
+    painter.circle((left - 14, bottom - clock.get_height() / 2), DOT, RECORDING)

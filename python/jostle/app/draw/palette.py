@@ -19,6 +19,7 @@ PANEL_EDGE: Colour = (42, 50, 62)
 TEXT: Colour = (220, 227, 236)
 TEXT_SOFT: Colour = (142, 154, 171)
 ACCENT: Colour = (126, 178, 184)
+RECORDING: Colour = (214, 92, 92)
 FIXED: Colour = (104, 113, 126)  # immovable particles
 ARROW: Colour = (232, 238, 246)
 CONTACT_STOPS = ((238, 243, 249), (255, 214, 120), (255, 96, 84))  # touching, then ever deeper
