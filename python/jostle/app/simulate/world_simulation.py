@@ -66,6 +66,7 @@ class WorldSimulation:
         self.world = create()
         self._own_forces = len(self.world.forces)  # those of a person come behind
         self._pulls: tuple[Pull, ...] = ()
+        self._heirs: dict[int, int] = {}  # by tag: which particle one that attracted has joined
         self._tags: Tags = np.arange(len(self.world), dtype=np.int64)
         self._next_tag = len(self.world)
         self._born: NDArray[np.float64] = np.zeros(len(self.world))
@@ -217,8 +218,12 @@ class WorldSimulation:
 
     def _follow_merging(self, renumbered: NDArray[np.uint32]) -> None:
         """Give what has become of several particles the tag of the oldest of them."""
+        before = self._tags
         _, oldest = np.unique(renumbered, return_index=True)
-        self._tags, self._born = self._tags[oldest], self._born[oldest]
+        self._tags, self._born = before[oldest], self._born[oldest]
+        heirs = self._tags[renumbered]
+        for row in np.flatnonzero(np.isin(before, [pull.tag for pull in self._pulls if pull.tag is not None])):
+            self._heirs[int(before[row])] = int(heirs[row])
         self._note_columns()
         self._renew_pulls()
 
@@ -343,9 +348,25 @@ class WorldSimulation:
             self._note_columns()
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
-        """Replace the attractions that a person has placed."""
-        if pulls == self._pulls:
-            return
+        """Replace the attractions that a person has placed.
+
+        A person may not have seen yet that a particle has merged: what has become of it attracts.
+        """
+        pulls = tuple(filter(None, map(self._living, pulls)))
+        if pulls != self._pulls:
+            self._tie(pulls)
+
+    def _living(self, pull: Pull) -> Pull | None:
+        """Return an attraction of a particle that is there, or of its heir; None if both are gone."""
+        tag = pull.tag
+        while tag is not None and not len(self._find(tag)[0]):
+            if tag not in self._heirs:
+                return None
+            tag = self._heirs[tag]
+        return pull if tag == pull.tag else replace(pull, tag=tag)
+
+    def _tie(self, pulls: tuple[Pull, ...]) -> None:
+        """Write attractions into the world, to the rows of the moment."""
         forces = []
         for pull in pulls:
             if pull.point is not None:
@@ -360,10 +381,7 @@ class WorldSimulation:
 
     def _renew_pulls(self) -> None:
         """Tie attractions to the rows of the moment; those of particles that are gone end."""
-        pulls, self._pulls = self._pulls, ()
-        self.attract(
-            tuple(pull for pull in pulls if pull.tag is None or len(self._find(pull.tag)[0]))
-        )
+        self._tie(tuple(filter(None, map(self._living, self._pulls))))
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Draw a held particle to the hand by a critically damped spring.
@@ -414,11 +432,11 @@ class WorldSimulation:
         pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
         emitters = None
         if facts["emitters"] is not None:
-            emitters = Emitters(settings.n, settings.seed)
+            emitters = Emitters(home.n, settings.seed)  # the nozzles are those of the first number
             emitters.cap, emitters.emitted, emitters.debt = facts["emitters"]
         self.settings, self.world, self.view = settings, world, tuple(facts["view"])
         self._home, self.emitters = home, emitters
-        self._own_forces, self._pulls = facts["own_forces"], pulls
+        self._own_forces, self._pulls, self._heirs = facts["own_forces"], pulls, {}
         self._tags, self._born = columns["tags"], columns["born"]
         self._next_tag = facts["next_tag"]
         self._note_columns()
