@@ -234,6 +234,18 @@ def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
             assert not owner & {"simulation", "world", "frame"}, f"line {node.lineno} writes"
 
 
+# Everything that a state comes from without a person's doing, but for the article's own programs.
+STATE = ["chance", "emitters", "room", "start", "walls"]
+
+
+@pytest.mark.parametrize("name", STATE)
+def test_states_come_from_no_function_that_differs_by_machine(name: str) -> None:
+    code = (APP / "simulate" / f"{name}.py").read_text(encoding="utf-8")
+    assert not re.findall(
+        r"\.(?:a?(?:cos|sin|tan)h?|arc\w+|atan2|exp\w*|log\w*|hypot|pow(?:er)?)\(", code
+    )
+
+
 # ---- what no file may name -----------------------------------------------------------------------
 
 

@@ -222,7 +222,9 @@ class WorldSimulation:
         _, oldest = np.unique(renumbered, return_index=True)
         self._tags, self._born = before[oldest], self._born[oldest]
         heirs = self._tags[renumbered]
-        for row in np.flatnonzero(np.isin(before, [pull.tag for pull in self._pulls if pull.tag is not None])):
+        for row in np.flatnonzero(
+            np.isin(before, [pull.tag for pull in self._pulls if pull.tag is not None])
+        ):
             self._heirs[int(before[row])] = int(heirs[row])
         self._note_columns()
         self._renew_pulls()
@@ -357,7 +359,7 @@ class WorldSimulation:
             self._tie(pulls)
 
     def _living(self, pull: Pull) -> Pull | None:
-        """Return an attraction of a particle that is there, or of its heir; None if both are gone."""
+        """Return an attraction, of the heir where its particle has merged; None if it is gone."""
         tag = pull.tag
         while tag is not None and not len(self._find(tag)[0]):
             if tag not in self._heirs:
