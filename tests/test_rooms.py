@@ -152,6 +152,7 @@ LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COM
 ACTING = {
     *("world_simulation", "article_simulation", "carry", "engine", "session", "report"),
     *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
+    "attractions",
 }
 LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
 ACTS = {"step", "restart", "adjust", "attract", "drag", "change", "load", "add", "remove", "set"}

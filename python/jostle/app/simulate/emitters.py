@@ -51,6 +51,11 @@ class Emitters:
         self._radii = np.array([nozzle.radii for nozzle in nozzles])
         self._densities = np.array([nozzle.density for nozzle in nozzles])
 
+    @property
+    def state(self) -> tuple[int, int, float]:
+        """Return what changes: the cap, `emitted` and `debt`."""
+        return self.cap, self.emitted, self.debt
+
     def step(self, world: jostle.World, dt: float) -> NDArray[np.int64] | None:
         """Add the drops of the last `dt` seconds, and remove the oldest where there are too many.
 
