@@ -43,11 +43,14 @@ def answer(*args, **options) -> Why:
 
 def test_two_that_overlap() -> None:
     why = answer([(10, 10), (13, 14)], [3, 4])
-    assert why.touching and why.tested
+    assert why.touching and why.compared
     assert why.lines[0] == "Particles 0 and 1 touch: they overlap by 2."
     assert why.lines[1] == "Their centres are 5 apart; the radii 3 and 4 make 7."
     assert "overlap, and so do the circles" in why.lines[2]
-    assert "Both lie in one leaf, 0 levels down with 2 particles" in why.lines[3]
+    assert why.lines[3] == (
+        "In a tree over where they are now both lie in one leaf, 0 levels down with 2 particles: "
+        "it does not part them."
+    )
     assert why.boxes == ((7, 7, 13, 13), (9, 10, 17, 18))
     assert why.centres == ((10, 10), (13, 14))
 
@@ -81,17 +84,18 @@ def test_across_the_seam_of_a_torus() -> None:
     assert why.centres == ((1, 50), (-1, 50))
 
 
-def test_leaves_that_are_apart_are_not_tested() -> None:
+def test_leaves_that_are_apart_part_what_they_hold() -> None:
     places = [(5, 5), (95, 95), (6, 6), (94, 94)]
     why = answer(places, 1.0, leaf_capacity=2)
-    assert not why.tested and len(why.leaves) == 2
-    assert "They lie in two leaves: 1 level down with 2 particles, and 1 level" in why.lines[3]
-    assert why.lines[4].endswith("the pair is not tested.")
+    assert not why.compared and len(why.leaves) == 2
+    assert why.lines[3].startswith("In a tree over where they are now they lie in two leaves: ")
+    assert "leaves: 1 level down with 2 particles, and 1 level" in why.lines[3]
+    assert why.lines[4].endswith("the tree parts them.")
     assert {leaf.cover for leaf in why.leaves} == {(4, 4, 7, 7), (93, 93, 96, 96)}
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_whoever_touches_is_tested(seed: int) -> None:
+def test_whoever_touches_is_not_parted_by_the_tree(seed: int) -> None:
     """What the sentences say of the tree agrees with the pairs that overlap."""
     chance = np.random.default_rng(seed)
     places, radii = chance.uniform(0, 100, (60, 2)), chance.uniform(1, 8, 60)
@@ -102,15 +106,28 @@ def test_whoever_touches_is_tested(seed: int) -> None:
         for j in range(i + 1, 60):
             why = explain(frame, i, j, settings)
             assert why.touching == ((i, j) in pairs)
-            assert why.tested or not why.touching
+            assert why.compared or not why.touching
             assert all(leaf.count <= 3 for leaf in why.leaves)
-            untested += not why.tested
+            untested += not why.compared
     assert untested > 500
+
+
+def test_nothing_is_said_of_what_a_step_has_tested() -> None:
+    """Its tree is built around ways to come; this one around places."""
+    simulation = start(Settings("gas", 60))
+    simulation.step()
+    frame = simulation.frame(TREE)
+    for other in range(1, 60):
+        why = explain(frame, 0, other, simulation.settings)
+        assert "where they are now" in why.lines[3] and "tested" not in " ".join(why.lines)
+        assert why.lines[-1].endswith(
+            "does not part them." if why.compared else "the tree parts them."
+        )
 
 
 def test_without_a_tree_every_pair_is_tested() -> None:
     why = answer([(0, 0), (50, 50)], 1.0, method="brute")
-    assert why.tested and why.leaves == ()
+    assert why.compared and why.leaves == ()
     assert why.lines[3] == "Without a tree every pair is tested, this one too."
 
 
@@ -134,8 +151,8 @@ def test_the_article_tests_what_shares_a_leaf() -> None:
     for i in range(30):
         for j in range(i + 1, 30):
             why = explain(frame, i, j, simulation.settings)
-            assert ("the pair is tested" in why.lines[3]) == why.tested
-            tested += why.tested
+            assert ("the pair is tested" in why.lines[3]) == why.compared
+            tested += why.compared
     assert 0 < tested < 30 * 29 / 2
 
 

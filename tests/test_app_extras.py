@@ -116,10 +116,13 @@ def test_emitters_add_drops_up_to_their_cap_and_the_oldest_go() -> None:
     assert simulation.frame().movable.sum() == 60
 
 
-def test_a_fountain_goes_on_from_a_state_as_it_went_on_the_first_time() -> None:
+@pytest.mark.parametrize("cap", [None, 40, 600])
+def test_a_fountain_goes_on_from_a_state_as_it_went_on_the_first_time(cap: int | None) -> None:
     simulation = start(Settings("emitters", 150, seed=5))
     for _ in range(30):
         simulation.step()
+    if cap is not None:
+        assert simulation.adjust("n", cap) is None
     state, hashes = simulation.save(), []
     for _ in range(2):
         for _ in range(40):

@@ -101,6 +101,64 @@ def test_other_bytes_leave_a_simulation_as_it_was() -> None:
         assert simulation.save() == before
 
 
+def forged(state: bytes, kind: str, **changes: object) -> bytes:
+    """A state with other facts or columns."""
+    facts, columns = unpack(kind, state)
+    for name, value in changes.items():
+        (columns if isinstance(value, np.ndarray) else facts)[name] = value
+    return pack(kind, facts, columns)
+
+
+FORGED = {
+    "too few tags": {"tags": np.arange(5)},
+    "too few times": {"born": np.zeros(5)},
+    "falling tags": {"tags": np.arange(20)[::-1]},
+    "tags twice": {"tags": np.repeat(np.arange(10), 2)},
+    "tags below zero": {"tags": np.arange(20) - 1},
+    "tags to come": {"next_tag": 19},
+    "tags of another type": {"tags": np.arange(20.0)},
+    "no times": {"born": np.full(20, np.nan)},
+    "no attraction": {"pulls": [{"strength": float("nan"), "point": [0, 0], "tag": None,
+                                 "passing": False}]},
+    "nowhere": {"pulls": [{"strength": 1.0, "point": [0, float("inf")], "tag": None,
+                           "passing": False}]},
+}  # fmt: skip
+FORGED_WORLD = {
+    "less than no forces": {"own_forces": -1},
+    "more forces than there are": {"own_forces": 1},
+    "no view": {"view": [0, 0, float("nan"), 1]},
+    "view turned round": {"view": [1, 0, 0, 1]},
+    "half a drop too much": {"emitters": [20, 0, 1.5]},
+    "less than no drops": {"emitters": [-1, 0, 0.5]},
+    "other walls": {"home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "cone", "n": 3}},
+    "half a number": {
+        "home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "box", "n": 2.5}
+    },
+}
+FORGED_ARTICLE = {
+    "places nowhere": {"numbers": np.full((20, 4), np.nan)},
+    "before the first frame": {"frames": -1},
+}
+
+
+@pytest.mark.parametrize(
+    ("method", "changes"),
+    [
+        *(("quadtree", changes) for changes in (FORGED | FORGED_WORLD).values()),
+        *(("article-quadtree", changes) for changes in (FORGED | FORGED_ARTICLE).values()),
+    ],
+    ids=[*(FORGED | FORGED_WORLD), *(f"article, {name}" for name in FORGED | FORGED_ARTICLE)],
+)
+def test_a_forged_state_leaves_a_simulation_as_it_was(method: str, changes: dict) -> None:
+    simulation = start(Settings("gas", 20, method=method))
+    before = simulation.save()
+    kind = "article" if method.startswith("article") else "world"
+    assert forged(before, kind) == before
+    with pytest.raises(ValueError, match=r"\w+ \w+ \w+"):
+        simulation.load(forged(before, kind, **changes))
+    assert simulation.save() == before
+
+
 # ---- packing -------------------------------------------------------------------------------------
 
 
@@ -190,6 +248,21 @@ def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
         "shown.jostle": seal(good[:-8].replace(b'"outline"', b'"outlime"')),
         "camera.jostle": seal(good[:-8].replace(b'"at_home"', b'"at_hame"')),
     }
+    facts, arrays = unpack("scene", unseal(good))
+    camera = facts["camera"]
+    for name, other in {
+        "scale": {"scale": float("nan")},
+        "scaled-to-nothing": {"scale": 0},
+        "scaled-beyond": {"scale": 1e308, "size": [1e-9, 1e-9]},
+        "turned": {"scale": -1.0},
+        "nowhere": {"center": [0, float("nan")], "at_home": False},
+        "no-screen": {"size": [0, 0]},
+        "words": {"scale": "wide"},
+    }.items():
+        facts["camera"] = camera | other
+        bad[f"{name}.jostle"] = seal(pack("scene", facts, arrays))
+    deep = b"[" * 100_000
+    bad["deep.jostle"] = seal(b"jostle scene 1\n" + len(deep).to_bytes(8, "little") + deep)
     for name, data in bad.items():
         (folder / name).write_bytes(data)
     return {name: folder / name for name in (*bad, "missing.jostle")}

@@ -243,7 +243,40 @@ def test_particles_that_merge_keep_the_tag_of_the_oldest() -> None:
     simulation.step()
     frame = simulation.frame()
     assert tags(frame.tags) == [0, 1, 3] and len(frame.born) == len(frame.radii) == 3
-    assert frame.radii[1] > 10 and frame.attractors == (Pull(4.0, tag=3),)
+    assert frame.radii[1] > 10 and frame.attractors == (Pull(4.0, tag=1), Pull(4.0, tag=3))
+
+
+def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None:
+    simulation = world_of([(100, 100), (300, 100), (315, 100), (600, 100)], on_touch="merge")
+    simulation.attract((Pull(4.0, tag=2),))
+    simulation.step()
+    (force,) = simulation.world.forces
+    assert force.particle == 1 and simulation.frame().attractors == (Pull(4.0, tag=1),)
+    simulation.attract((Pull(4.0, tag=2),))  # from somebody who has not seen that yet
+    assert simulation.frame().attractors == (Pull(4.0, tag=1),)
+    assert len(simulation.world.forces) == 1
+    simulation.attract(())
+    assert simulation.world.forces == () and simulation.frame().attractors == ()
+
+
+def test_the_attraction_of_what_has_merged_can_be_stopped() -> None:
+    places = [(300, 100), (315, 100), (600, 100)]
+    session = Hands(world_of(places, on_touch="merge")).session
+    session.pulls.let_attract(np.array([1]), True)
+    for _ in range(3):
+        session.engine.step()
+    session.advance(FRAME)
+    assert session.pulls.attracts(0) and not session.pulls.attracts(1)
+    session.pulls.stop()
+    assert session.engine.simulation.world.forces == ()
+    session.close()
+
+
+def test_attraction_ends_with_a_particle_that_is_removed() -> None:
+    simulation = world_of([(100, 100), (300, 100)])
+    simulation.attract((Pull(4.0, tag=1),))
+    simulation.remove([1])
+    assert simulation.frame().attractors == () and simulation.world.forces == ()
 
 
 # ---- everybody -----------------------------------------------------------------------------------

@@ -318,6 +318,15 @@ def test_drift_can_be_measured_from_now_on(desk) -> None:
     assert statistics.beginning is not first and statistics.beginning is not None
 
 
+@pytest.mark.parametrize(
+    ("scene", "words"), [("emitters", "particles come and go"), ("gas", "+0.00 % in 1 s")]
+)
+def test_drift_says_how_long_it_was_measured_or_why_not(desk, scene: str, words: str) -> None:
+    here = desk(scene)
+    here.frame(60)
+    assert panels.figures._drift(here.session, "+0.00 %") == words
+
+
 def test_statistics_fold_and_the_camera_takes_their_room(desk) -> None:
     here = desk()
     small = here.session.camera.scale

@@ -131,6 +131,39 @@ def test_drift_can_be_measured_from_now_on() -> None:
     assert statistics.energy_drift == 0.0
 
 
+def with_tags(frame: Frame, *tags: int) -> Frame:
+    return replace(frame, tags=np.array(tags))
+
+
+def test_drift_begins_anew_when_particles_come_or_go() -> None:
+    before, after = state(0.1, 50.0, -100.0), with_tags(state(0.2, 90.0, -10.0), 0, 2)
+    statistics = seen(state(0.0, 50.0, -100.0), before, after)
+    assert statistics.changing and statistics.energy_drift == 0.0
+    assert statistics.sums["total"].tolist() == [-50, -50, 80], "the sums themselves go on"
+    for time in (1.0, 1.3):
+        statistics.follow(with_tags(state(time, 99.0, -10.0), 0, 2), time, EVERY, at_work=True)
+        assert statistics.changing == (time - 0.2 < 1)
+    assert statistics.energy_drift == pytest.approx(0.1)
+    assert statistics.measured == pytest.approx(1.1)
+
+
+def test_going_back_before_the_beginning_of_drift_begins_anew() -> None:
+    statistics = seen(*(state(k / 10, 10.0) for k in range(5)))
+    statistics.begin_again()
+    statistics.follow(state(0.5, 20.0), 1.0, FRAME, at_work=True)
+    statistics.follow(state(0.2, 10.0), 1.1, FRAME, at_work=True)
+    assert statistics.beginning.time == statistics.origin.time == pytest.approx(0.2)
+    assert statistics.energy_drift == 0.0
+
+
+def test_a_run_is_remembered_since_drift_began() -> None:
+    statistics = seen(state(0.0, 10.0), with_tags(state(0.1, 40.0), 0, 2))
+    statistics.follow(with_tags(state(0.2, 20.0), 0, 2), 1.0, FRAME, at_work=True)
+    statistics.remember("it")
+    times, drift = statistics.runs["it"]
+    assert times.tolist() == pytest.approx([0, 0.1]) and drift.tolist() == [0.0, -50.0]
+
+
 # ---- times ---------------------------------------------------------------------------------------
 
 
@@ -216,6 +249,37 @@ def test_the_stack_of_times_adds_up() -> None:
     assert traces.top == 20.0 and traces.means["pairs"] == pytest.approx(3.0)
 
 
+def test_one_hitch_does_not_set_the_scale_of_times() -> None:
+    statistics = Statistics()
+    traces = Traces(statistics)
+    for k in range(300):
+        elapsed = 0.4 if k == 200 else 0.016
+        statistics.follow(state(k / 60, 1.0), k / 60, elapsed, at_work=True)
+    traces.refresh(state(5.0, 1.0), 299 / 60)
+    assert traces.frames.max() > 90.0 and traces.top == 20.0
+    slow = Statistics()
+    for k in range(12):
+        slow.follow(state(k / 3, 1.0), k / 3, 0.4, at_work=True)
+    traces = Traces(slow)
+    traces.refresh(state(4.0, 1.0), 11 / 3)
+    assert traces.top == 500.0, "where all are slow, the scale says so"
+
+
+def test_lines_of_energy_begin_where_the_rules_changed() -> None:
+    statistics = seen(state(0.0, 5.0, -100.0), state(0.1, 5.0, -100.0))
+    traces = Traces(statistics)
+    traces.refresh(state(0.1, 5.0), 0.1)
+    assert traces.energies[:, -1].tolist() == [0.1, 5.0, 5.0, 0.0]
+    statistics.begin_again()
+    traces.refresh(state(0.1, 5.0), 5.0)
+    assert traces.energies.shape == (4, 2), "the old lines stay until there is a new sum"
+    statistics.follow(state(0.2, 5.0, 7000.0), 5.1, FRAME, at_work=True)
+    for now in (5.2, 5.4, 5.6, 5.8, 6.0):
+        traces.refresh(state(0.2, 5.0), now)
+    assert traces.energies.T.tolist() == [[0.2, 5.0, 5.0, 0.0]]
+    assert traces.momenta.shape == (3, 1)
+
+
 # ---- in a session --------------------------------------------------------------------------------
 
 
@@ -232,6 +296,26 @@ def test_a_gas_keeps_its_energy() -> None:
     assert statistics.sums["time"][0] == 0.0, "drift begins with the first state"
     assert statistics.sums["time"][-1] > 0.8
     assert abs(statistics.energy_drift) < 1e-3
+    session.close()
+
+
+def test_merging_is_no_drift() -> None:
+    session = Session(start(Settings("stars", 300)), (640, 360))
+    before = len(session.frame)
+    for _ in range(40):
+        run(session, 0.25)
+        assert abs(session.statistics.energy_drift) < 0.02
+    assert len(session.frame) < before
+    session.close()
+
+
+def test_fountains_have_no_drift() -> None:
+    session = Session(start(Settings("emitters", 300)), (640, 360))
+    for _ in range(8):
+        run(session, 0.5)
+        session.traces.refresh(session.frame, session.now)
+        assert session.statistics.changing
+        assert abs(session.statistics.energy_drift) < 0.1
     session.close()
 
 

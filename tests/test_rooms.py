@@ -152,6 +152,7 @@ LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COM
 ACTING = {
     *("world_simulation", "article_simulation", "carry", "engine", "session", "report"),
     *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
+    "attractions",
 }
 LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
 ACTS = {"step", "restart", "adjust", "attract", "drag", "change", "load", "add", "remove", "set"}
@@ -223,6 +224,32 @@ def test_bench_imports_a_rival_only_when_it_is_measured() -> None:
     assert not {*rivals, "scipy", "matplotlib", "rich", "typer", "jostle.app"} & set(loaded)
 
 
+ROOMS = {path.parent: path for path in sorted(APP.glob("*/__init__.py"))}
+
+
+def reading_order(room: Path) -> list[str]:
+    """The files of a room of the app, as the table in its docstring lists them."""
+    words = ast.get_docstring(ast.parse(ROOMS[room].read_text(encoding="utf-8")))
+    rows = re.findall(r"^(\w+(?:, \w+)*) {2,}\S", words, re.M)
+    return [name for row in rows for name in row.split(", ")]
+
+
+@pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.name)
+def test_the_table_of_a_room_lists_each_file_once(room: Path) -> None:
+    files = {path.stem for path in room.glob("*.py")} - {"__init__"}
+    assert sorted(reading_order(room)) == sorted(files)
+
+
+@pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.name)
+def test_a_file_uses_only_files_above_it_in_the_table(room: Path) -> None:
+    order, home = reading_order(room), f"jostle.app.{room.name}."
+    for place, name in enumerate(order):
+        for used in imports(room / f"{name}.py"):
+            file = used.removeprefix(home).split(".")[0]
+            if used.startswith(home) and file in order:
+                assert file in order[:place], f"{name} uses {file}, which is not above it"
+
+
 @pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))
 def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
     """It may hold a simulation, but neither sets anything in it nor tells it to act."""
@@ -232,6 +259,18 @@ def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
         if (written or told) and isinstance(node, (ast.Attribute, ast.Subscript)):
             owner = set(re.findall(r"\w+", ast.unparse(node.value)))
             assert not owner & {"simulation", "world", "frame"}, f"line {node.lineno} writes"
+
+
+# Everything that a state comes from without a person's doing, but for the article's own programs.
+STATE = ["chance", "emitters", "room", "start", "walls"]
+
+
+@pytest.mark.parametrize("name", STATE)
+def test_states_come_from_no_function_that_differs_by_machine(name: str) -> None:
+    code = (APP / "simulate" / f"{name}.py").read_text(encoding="utf-8")
+    assert not re.findall(
+        r"\.(?:a?(?:cos|sin|tan)h?|arc\w+|atan2|exp\w*|log\w*|hypot|pow(?:er)?)\(", code
+    )
 
 
 # ---- what no file may name -----------------------------------------------------------------------

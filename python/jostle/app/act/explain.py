@@ -1,4 +1,8 @@
-"""Why two particles touch, or do not: their distance, their boxes, and the leaves they lie in."""
+"""Why two particles touch, or do not: their distance, their boxes, and the leaves they lie in.
+
+The leaves are those of a tree over where the particles are now, as it is drawn. A step of a world
+builds its tree around the ways that are to be gone, so which pairs it tested may differ a little.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,7 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Rect, TreeBoxes
 
 AXES = ("x", "y")
+TREE_NOW = "In a tree over where they are now"
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,7 @@ class Why:
 
     lines: tuple[str, ...]
     touching: bool
-    tested: bool
+    compared: bool  # whether such a tree leaves the pair to be compared
     centres: tuple[tuple[float, float], tuple[float, float]]
     boxes: tuple[Rect, Rect]
     leaves: tuple[Leaf, ...]
@@ -56,7 +61,7 @@ def explain(frame: Frame, first: int, second: int, settings: Settings) -> Why | 
     reach, distance = sum(radii), hypot(*(b - a))
     boxes = _box(a, radii[0]), _box(b, radii[1])
     touching = distance < reach
-    leaves, tested, told = _leaves(frame, rows, settings)
+    leaves, compared, told = _leaves(frame, rows, settings)
     lines = [
         _verdict(first, second, reach - distance),
         f"Their centres are {distance:.4g} apart; the radii {radii[0]:.4g} and {radii[1]:.4g} "
@@ -66,7 +71,7 @@ def explain(frame: Frame, first: int, second: int, settings: Settings) -> Why | 
         *_of_rules(frame, rows, settings, touching),
     ]
     centres = (float(a[0]), float(a[1])), (float(b[0]), float(b[1]))
-    return Why(tuple(lines), touching, tested, centres, boxes, leaves)
+    return Why(tuple(lines), touching, compared, centres, boxes, leaves)
 
 
 def _verdict(first: int, second: int, depth: float) -> str:
@@ -109,7 +114,7 @@ def _of_rules(
 def _leaves(
     frame: Frame, rows: NDArray[np.intp], settings: Settings
 ) -> tuple[tuple[Leaf, ...], bool, list[str]]:
-    """Return the leaves of both, whether the pair is tested, and why."""
+    """Return the leaves of both, whether the pair is left to be compared, and why."""
     tree = frame.tree
     if settings.method.endswith("brute") or tree is None or not len(tree.boxes):
         return (), True, ["Without a tree every pair is tested, this one too."]
@@ -118,15 +123,15 @@ def _leaves(
     first, second = (_home(tree, frame.positions[row]) for row in rows)
     leaf, other = _leaf(frame, tree, first), _leaf(frame, tree, second)
     if first == second:
-        said = f"Both lie in one leaf, {_place(leaf)}, where every pair is tested."
+        said = f"{TREE_NOW} both lie in one leaf, {_place(leaf)}: it does not part them."
         return (leaf,), True, [said]
-    said = f"They lie in two leaves: {_place(leaf)}, and {_place(other)}."
+    said = f"{TREE_NOW} they lie in two leaves: {_place(leaf)}, and {_place(other)}."
     gaps = _gaps(leaf.cover, _moved(frame, other.cover, leaf.cover))
     apart = [f"{gap:.4g} in {axis}" for axis, gap in zip(AXES, gaps, strict=True) if gap > 0]
     if apart:
-        why = f"What these leaves hold is apart by {' and '.join(apart)}: the pair is not tested."
+        why = f"What these leaves hold is apart by {' and '.join(apart)}: the tree parts them."
         return (leaf, other), False, [said, why]
-    why = "What these leaves hold reaches over their borders and overlaps: the pair is tested."
+    why = "What these leaves hold overlaps over their borders: the tree does not part them."
     return (leaf, other), True, [said, why]
 
 

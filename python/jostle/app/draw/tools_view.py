@@ -19,7 +19,6 @@ RING_WIDTH = 2.0
 CORNERS = 28  # of a ring, drawn as lines, so that all rings are one call
 MOST_RINGS = 400  # more are shown by one box around them all
 TARGET = 9.0  # pixels: the ring of an attractor that is being placed
-BAND = 0.10  # how much of the accent the rubber band's ground takes
 
 
 def draw_hands(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
@@ -20,7 +21,10 @@ SUFFIX = ".jostle"
 KIND = "scene"
 PASSING = ("help", "panels")  # switches that belong to the window, not to the scene
 
-DAMAGE = (ValueError, KeyError, IndexError, TypeError, OverflowError, struct.error)
+DAMAGE = (
+    *(ValueError, KeyError, IndexError, TypeError, ArithmeticError, RecursionError),
+    struct.error,
+)
 
 
 @dataclass(frozen=True)
@@ -33,11 +37,13 @@ class SavedScene:
 
     def look(self, camera: Camera) -> None:
         """Let a camera look where the saved one did, at whatever size its screen has."""
+        (x, y), (width, height) = self.camera["center"], self.camera["size"]
+        scale = self.camera["scale"] * min(camera.size[0] / width, camera.size[1] / height)
+        if not all(map(math.isfinite, (x, y, scale))) or scale <= 0:
+            raise ValueError("its camera looks nowhere")
         camera.look_at(self.simulation.view)
         if not self.camera["at_home"]:
-            (x, y), (width, height) = self.camera["center"], self.camera["size"]
-            zoom = min(camera.size[0] / width, camera.size[1] / height)
-            camera.aim((float(x), float(y)), float(self.camera["scale"]) * zoom)
+            camera.aim((float(x), float(y)), float(scale))
 
     def show(self, shown: Shown) -> None:
         """Set the switches; those that the file does not know stay as they are."""

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from jostle.app.measure.series import Floats, Series
-from jostle.app.simulate.simulation import Energies, Frame
+from jostle.app.simulate.simulation import Energies, Frame, Tags
 
 FRAMES = 1024  # rows of times: five seconds even at 200 frames a second
 SAMPLES = 1200  # rows of sums: two minutes
 EVERY = 0.1  # seconds between two sums, which take time where there are many particles
 STEPS_BETWEEN = 3  # steps between two sums at least, where steps are slow
+QUIET = 1.0  # simulated seconds with the same particles, before drift tells anything
 
 SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "drift",
         "pairs_tested", "touching")  # fmt: skip
@@ -26,6 +27,17 @@ class Beginning:
     time: float
     energies: Energies
     mass: float
+    tags: Tags
+
+    @classmethod
+    def of(cls, frame: Frame, energies: Energies) -> Beginning:
+        """Return it for a state."""
+        mass = float(frame.masses.sum(dtype=float))
+        return cls(frame.facts.time, energies, mass, frame.tags)
+
+    def has_particles_of(self, frame: Frame) -> bool:
+        """Whether a state has the same particles: none came, went or merged."""
+        return self.tags is frame.tags or np.array_equal(self.tags, frame.tags)
 
     @property
     def total(self) -> float:
@@ -43,6 +55,13 @@ class Statistics:
         between two pictures; then come the stages of the last step, `draw` and `panels`.
     sums
         A row for each state that was summed up, over the simulated `time`.
+    origin
+        Where sums begin that can be compared with each other: the rules have not changed since.
+    beginning
+        What drift is measured from: the same particles have been there since. What comes brings
+        energy, what goes takes it along, and of what merges no energy of the pair is left.
+    changing
+        Whether particles came, went or merged a moment ago, so that drift tells nothing yet.
     runs
         Time and drift of earlier runs, by the names that they were remembered under.
     """
@@ -62,7 +81,8 @@ class Statistics:
     def remember(self, name: str) -> None:
         """Keep the drift of this run under a name, to be compared with the next ones."""
         if self.beginning is not None and len(self.sums):
-            self.runs[name] = self.sums["time"] - self.beginning.time, self.sums["drift"].copy()
+            since = self.sums["time"] - self.beginning.time
+            self.runs[name] = since[since >= 0], self.sums["drift"][since >= 0]
 
     def drift_of(self, name: str) -> float | None:
         """Return the drift, as a share, that a run had after the time that this one has taken."""
@@ -73,7 +93,9 @@ class Statistics:
 
     def begin_again(self) -> None:
         """Measure drift from the next state on."""
+        self.origin: Beginning | None = None
         self.beginning: Beginning | None = None
+        self.changing = False
         self._lowest = self._highest = 0.0
 
     @property
@@ -122,12 +144,17 @@ class Statistics:
         if energies is None:
             return
         seen = self.sums["time"]
-        if self.beginning is None:
-            self.beginning = Beginning(time, energies, float(frame.masses.sum(dtype=float)))
+        if self.beginning is not None and time < self.beginning.time:
+            self.begin_again()
+        if self.beginning is None or not self.beginning.has_particles_of(frame):
+            self.changing = self.beginning is not None
+            self.beginning = Beginning.of(frame, energies)
+            self.origin = self.origin or self.beginning
             self._lowest = self._highest = energies.potential
         elif len(seen) and time == seen[-1] and energies.kinetic == self.sums["kinetic"][-1]:
             return
         self.sums.drop(len(seen) - int(seen.searchsorted(time)))
+        self.changing = self.changing and time - self.beginning.time < QUIET
         self._lowest = min(self._lowest, energies.potential)
         self._highest = max(self._highest, energies.potential)
         total = energies.kinetic + energies.potential
@@ -148,6 +175,11 @@ class Statistics:
         if self.beginning is None:
             return 0.0
         return max(self.beginning.energies.kinetic, self._highest - self._lowest)
+
+    @property
+    def measured(self) -> float:
+        """Return for how many simulated seconds drift has been measured."""
+        return float(self.sums["time"][-1]) - self.beginning.time if self.beginning else 0.0
 
     @property
     def energy_drift(self) -> float:

@@ -21,9 +21,10 @@ MOST = 200  # points of a line of sums
 EVERY = 0.15  # seconds between two pictures of a part
 SMOOTH = 0.35  # share of a new mean in the numbers: they rest enough to be read
 RECENT = 30  # frames that make a mean
+USUAL = 0.97  # share of the last seconds whose times fit under `top`; a hitch may stick out
 _NICE = np.array([1.0, 2.0, 5.0, 10.0])
 
-ENERGIES = ("time", "total", "kinetic", "potential", "drift")
+ENERGIES = ("time", "total", "kinetic", "potential")
 MOMENTA = ("time", "momentum_x", "momentum_y")
 
 
@@ -41,14 +42,14 @@ class Traces:
     means, frame_mean
         Of each stage and of the time between two pictures, in milliseconds.
     top
-        Of the axis of milliseconds: 1, 2 or 5 times a power of ten.
+        Of the axis of milliseconds: 1, 2 or 5 times a power of ten; all but single hitches fit.
     count, facts
         How many particles there are, and the numbers of the last step.
     energies, momenta
-        The columns `ENERGIES` and `MOMENTA` of the sums. The potential energy is 0 where drift
-        begins: its own zero is arbitrary, and often far away.
-    momentum_drift
-        As `Statistics` has it.
+        The columns `ENERGIES` and `MOMENTA` of the sums, since the rules are what they are. The
+        potential energy is 0 where they begin: its own zero is arbitrary, and often far away.
+    energy_drift, momentum_drift, measured, changing
+        As `Statistics` has them.
     """
 
     def __init__(self, statistics: Statistics) -> None:
@@ -62,12 +63,13 @@ class Traces:
         self.means: dict[str, float] = {}
         self.frame_mean, self.top = 0.0, 20.0
         self.count, self.facts = 0, Facts()
-        self.momentum_drift = 0.0
+        self.energy_drift = self.momentum_drift = self.measured = 0.0
+        self.changing = False
         self._forget()
 
     def refresh(self, frame: Frame, now: float) -> None:
         """Renew the part that is due the longest; all of them where a run has just begun."""
-        if self._statistics.stages != self._stages or self._statistics.beginning is None:
+        if self._statistics.stages != self._stages or not len(self._statistics.sums):
             self._forget()
         late = [k for k, done in enumerate(self._done) if abs(now - done) >= EVERY]
         if -np.inf not in self._done:
@@ -95,7 +97,7 @@ class Traces:
         self.frames[:] = rows[0]
         np.cumsum(rows[1:], axis=0, out=self.stacked[1:])
         self._average(table[:, -RECENT:])
-        highest = max(float(self.frames.max()), float(self.stacked[-1].max()), 1e-2)
+        highest = max(_usual(self.frames), _usual(self.stacked[-1]), 1e-2)
         power = 10.0 ** np.floor(np.log10(highest))
         self.top = float(power * _NICE[np.searchsorted(_NICE, highest / power - 1e-9)])
 
@@ -113,21 +115,33 @@ class Traces:
         self.count, self.facts = len(frame), frame.facts
 
     def _renew_energies(self, *_: object) -> None:
-        self.energies = self._columns(ENERGIES)
-        beginning = self._statistics.beginning
-        if beginning is not None:
-            for name in ("total", "potential"):
-                self.energies[ENERGIES.index(name)] -= beginning.energies.potential
+        origin = self._statistics.origin
+        if origin is None:  # until the next sum the old lines stay
+            return
+        self.energies = self._columns(ENERGIES, origin.time)
+        for name in ("total", "potential"):
+            self.energies[ENERGIES.index(name)] -= origin.energies.potential
+        self.energy_drift, self.measured = self._statistics.energy_drift, self._statistics.measured
+        self.changing = self._statistics.changing
 
     def _renew_momenta(self, *_: object) -> None:
-        self.momenta = self._columns(MOMENTA)
-        self.momentum_drift = self._statistics.momentum_drift
+        origin = self._statistics.origin
+        if origin is not None:
+            self.momenta = self._columns(MOMENTA, origin.time)
+            self.momentum_drift = self._statistics.momentum_drift
 
-    def _columns(self, names: tuple[str, ...]) -> Floats:
+    def _columns(self, names: tuple[str, ...], since: float) -> Floats:
         """Return columns of the sums; every second, third … row of them where there are many."""
         sums = self._statistics.sums
-        step = -(-len(sums) // MOST) or 1
-        return np.array([sums[name][::-step][::-1] for name in names])
+        first = int(sums["time"].searchsorted(since))
+        step = -(-(len(sums) - first) // MOST) or 1
+        return np.array([sums[name][first:][::-step][::-1] for name in names])
+
+
+def _usual(times: Floats) -> float:
+    """Return what times are rarely above, of the bins that have any."""
+    known = times[times > 0]
+    return float(np.quantile(known, USUAL)) if len(known) else 0.0
 
 
 def _fill(rows: list[Floats], counts: NDArray[np.intp]) -> None:

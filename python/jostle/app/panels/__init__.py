@@ -2,15 +2,18 @@
 
 Each file builds one panel, or one section of the column at the left, with calls of ImGui. They
 look at a session and call its methods; every widget is named by `gui.mark`, so that a test can
-find it. Only this folder and `gui*.py` know ImGui; import it where `gui.available()`.
+find it. Only this folder and `gui` know ImGui; import it where `gui.available()`.
+In reading order:
 
 ========================= ======================================================================
-ink, widgets              colours; labels, sliders, choices and icons in one look
+ink, widgets, sliders     colours; labels, numbers, sliders, choices and icons in one look
+plots                     lines and layers over time
 transport, scenes         pause, step, restart; the list of scenes and what to look at
 method, rules, looks      brute force or tree; the sliders; what is drawn
 past, files               going back; scenes, films and tables in files
-figures, plots            the statistics
+figures                   the statistics
 column                    the sections at the left, one below the other
+menus                     those of the right mouse button
 ========================= ======================================================================
 """
 

@@ -45,6 +45,7 @@ THICK, THIN = 3.0, 2.0
 WORDS = 18.0  # points that the words in a plot's corners are high
 MARGIN = 0.08  # of the span of a plot, left free above and below
 LEAST_PLOT, MOST_PLOT = 56.0, 150.0
+AGAIN = "It begins anew when particles come, go or merge, and when gravity or the walls change."
 TEXT_LINES = 540.0  # what everything but the three plots needs, in points
 
 FLAGS = (
@@ -156,14 +157,14 @@ def _tree(nodes: int, depth: int) -> str:
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
-    time, *columns, drift = session.traces.energies
+    time, *columns = session.traces.energies
     names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
     _lines(gui, "energy", height, time, names, tints, columns)
-    row("drift since the start", _percent(drift[-1] if len(drift) else 0.0))
+    row("drift", _drift(session, _percent(100 * session.traces.energy_drift)))
     hint(
         "How far the total energy is from where it began, compared with the energy in play. "
         "Right physics loses energy to restitution and drag alone; the article's rules lose and "
-        "invent it. The potential energy counts from the start."
+        f"invent it. {AGAIN} The potential energy is 0 where the lines begin."
     )
     other = session.other_drift
     if other is not None:
@@ -175,8 +176,8 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 def _momentum(session: Session, gui: Gui, height: float) -> None:
     time, *columns = session.traces.momenta
     _lines(gui, "momentum", height, time, ("to the right", "down"), (ACROSS, DOWN), columns)
-    row("drift since the start", f"{100 * session.traces.momentum_drift:.2f} %")
-    hint("How much momentum has come or gone, compared with all of it flying one way.")
+    row("drift", _drift(session, f"{100 * session.traces.momentum_drift:.2f} %"))
+    hint(f"How much momentum has come or gone, compared with all of it flying one way. {AGAIN}")
     if button(gui, "measure drift", "Measure drift from now on"):
         session.statistics.begin_again()
 
@@ -206,6 +207,14 @@ def _lines(
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))
+
+
+def _drift(session: Session, change: str) -> str:
+    """Return drift and how long it took, or why there is nothing to be compared."""
+    if not session.traces.changing:
+        return f"{change} in {session.traces.measured:,.0f} s"
+    merging = session.engine.rules.on_touch == "merge"
+    return "particles merge" if merging else "particles come and go"
 
 
 def _percent(value: float) -> str:

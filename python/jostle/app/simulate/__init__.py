@@ -3,9 +3,13 @@
 ======================= ========================================================================
 rules, settings         what to simulate: the command, a file and the sliders have it in common
 simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
-packing                 facts and arrays in one piece of bytes, for states and scene files
+packing, checking       facts and arrays in one piece of bytes; what a saved state may hold
 walls, room             the walls of a world, of any kind and size; free places in it
-emitters                nozzles that add drops
+chance, emitters        chance that is the same everywhere; nozzles that add drops
+columns, copies         which row of a world is whom; more of the same where there is room
+attractions             what a person lets attract the rest, as forces
+world_frame             a world as a frame
+world_state             a world in bytes, and back
 world_simulation        `jostle.World` behind that protocol
 article_simulation      `jostle.article.Simulation` behind that protocol
 start, carry            from settings to a simulation; from one set of rules to the other

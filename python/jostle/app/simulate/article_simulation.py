@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
+from jostle.app.simulate.checking import count_of, particles_of, pulls_of
 from jostle.app.simulate.packing import pack, unpack
 from jostle.app.simulate.settings import Settings, settings_of
 from jostle.app.simulate.simulation import (
@@ -288,6 +289,10 @@ class ArticleSimulation:
     def load(self, state: bytes) -> None:
         """Go back to a state; a ValueError says what is wrong with other bytes."""
         facts, columns = unpack("article", state)
+        next_tag = count_of("the number of tags", facts["next_tag"])
+        tags, born = particles_of(columns, len(columns["numbers"]), next_tag)
+        if not np.isfinite(columns["numbers"]).all():
+            raise ValueError("its particles are nowhere")
         particles = []
         rows = zip(columns["numbers"].tolist(), columns["sizes"].tolist(), strict=True)
         for (x, y, speed, angle), (radius, density, *rectangle) in rows:
@@ -300,11 +305,11 @@ class ArticleSimulation:
         program.tests, program.repeats, program.hits = facts["counters"]
         leaves = columns["leaves"].tolist()
         program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves]
+        frames, pulls = count_of("the number of frames", facts["frames"]), pulls_of(facts["pulls"])
         self.program, self.settings = program, settings_of(facts["settings"])
         self._take_size()
-        self._pulls = tuple(Pull.of(pull) for pull in facts["pulls"])
-        self._frames, self._next_tag = facts["frames"], facts["next_tag"]
-        self._tags, self._born = columns["tags"], columns["born"]
+        self._pulls, self._frames, self._next_tag = pulls, frames, next_tag
+        self._tags, self._born = tags, born
 
     def _take_size(self) -> None:
         """Let view and walls be those of the program's display."""

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.simulate.chance import TRIES, in_disc
 
 Floats = NDArray[np.floating]
 
 GOLDEN = 0.6180339887498949  # multiples of it, less their whole parts, spread evenly over 0..1
-STREAMS = 4  # random numbers that one drop takes
+STREAMS = 2 + 2 * TRIES  # random numbers that one drop takes
 
 
 class Emitters:
@@ -50,6 +51,11 @@ class Emitters:
         self._radii = np.array([nozzle.radii for nozzle in nozzles])
         self._densities = np.array([nozzle.density for nozzle in nozzles])
 
+    @property
+    def state(self) -> tuple[int, int, float]:
+        """Return what changes: the cap, `emitted` and `debt`."""
+        return self.cap, self.emitted, self.debt
+
     def step(self, world: jostle.World, dt: float) -> NDArray[np.int64] | None:
         """Add the drops of the last `dt` seconds, and remove the oldest where there are too many.
 
@@ -84,14 +90,14 @@ class Emitters:
         return gone if len(gone) else None
 
     def _emit(self, world: jostle.World, numbers: NDArray[np.int64], ages: Floats) -> None:
-        across, angle, length, size = self._random(numbers)
+        across, size, *tries = self._random(numbers)
         nozzle = np.searchsorted(self._shares, (numbers + 0.5) * GOLDEN % 1, side="right")
         nozzle = np.minimum(nozzle, len(self._shares) - 1)
         straight = self._velocities[nozzle]
         sideways = straight[:, ::-1] * (-1, 1) / np.linalg.norm(straight, axis=1, keepdims=True)
         places = self._places[nozzle] + sideways * ((across - 0.5) * self._widths[nozzle])[:, None]
-        aside = np.column_stack([np.cos(2 * np.pi * angle), np.sin(2 * np.pi * angle)])
-        velocities = straight + aside * (np.sqrt(length) * self._spreads[nozzle])[:, None]
+        aside = in_disc(np.column_stack(tries).reshape(-1, TRIES, 2))
+        velocities = straight + aside * self._spreads[nozzle][:, None]
         gravity, age = np.array(world.gravity), ages[:, None]
         smallest, largest = self._radii[nozzle].T
         world.add(

@@ -49,7 +49,7 @@ def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], dict[str, Array]]:
             column = np.frombuffer(data, kind_of_number, count, at)
             arrays[str(name)] = column.reshape(shape).copy()
             at += column.nbytes
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise ValueError("it is cut off or damaged") from error
     if at != len(data):
         raise ValueError("it is damaged: there is more in it than its header says")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.chance import directions
 from jostle.app.simulate.room import free_places
 from jostle.app.simulate.settings import Group, Settings
 from jostle.app.simulate.simulation import Simulation
@@ -42,9 +43,7 @@ def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) 
     )
     places = chance.uniform(region[:2], region[2:], (count, 2))
     places[found] = free  # the others lie where they may, and the first steps part them
-    angles = chance.uniform(0, 2 * np.pi, count)
-    speeds = chance.uniform(*group.speed, count)
-    spread = speeds[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    spread = chance.uniform(*group.speed, count)[:, None] * directions(chance, count)
     densities = chance.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread
     simulation.add(places, velocities, radii, densities, group.movable)

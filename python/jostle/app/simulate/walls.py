@@ -104,7 +104,7 @@ def brought_in(positions: Floats, radii: Floats, container: Container) -> Floats
     """Return places inside the walls: what is outside goes to the nearest place that is not."""
     if isinstance(container, jostle.Circle):
         away = positions - np.array(container.center)
-        distance = np.hypot(away[:, 0], away[:, 1])
+        distance = np.sqrt(away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1])
         room = np.maximum(container.radius - radii, 0.0)
         share = np.where(distance > room, room / np.maximum(distance, 1e-30), 1.0)
         near: Floats = np.array(container.center) + away * share[:, None]

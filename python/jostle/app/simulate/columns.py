@@ -1,0 +1,97 @@
+"""What the app knows of the particles of a world beside it, row by row.
+
+Rows move up when others are removed or merge; tags do not. So whatever changes the rows of a world
+tells its columns.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import jostle
+from jostle.app.simulate.simulation import Tags
+
+
+class Columns:
+    """The columns of a world.
+
+    Attributes
+    ----------
+    tags
+        The number of each particle in the order of adding, ascending.
+    born
+        The time each was added.
+    next_tag
+        Of the particle that is added next.
+    radii, movable, densities
+        Copies of what only edits change, so a picture of a million need not copy them every time.
+    """
+
+    def __init__(self, world: jostle.World) -> None:
+        self.tags: Tags = np.arange(len(world), dtype=np.int64)
+        self.born: NDArray[np.float64] = np.zeros(len(world))
+        self.next_tag = len(world)
+        self.copy(world)
+
+    @classmethod
+    def read(
+        cls, world: jostle.World, tags: Tags, born: NDArray[np.float64], next_tag: int
+    ) -> Columns:
+        """Return columns that were saved."""
+        columns = cls(world)
+        columns.tags, columns.born, columns.next_tag = tags, born, next_tag
+        return columns
+
+    def copy(self, world: jostle.World) -> None:
+        """Copy what an edit has changed."""
+        self.radii: NDArray[np.float32] = world.radii
+        self.movable: NDArray[np.bool_] = world.movable
+        self._usual_mass: float | None = None
+        masses, areas = world.masses, self.radii**2
+        self.densities: NDArray[np.float32] = np.divide(
+            masses, areas, out=np.zeros_like(masses), where=areas > 0
+        )
+
+    def add(self, world: jostle.World) -> Tags:
+        """Give tags to the particles that have been added last; return them."""
+        count = len(world) - len(self.tags)
+        tags = np.arange(self.next_tag, self.next_tag + count, dtype=np.int64)
+        self.next_tag += count
+        self.tags = np.concatenate([self.tags, tags])
+        self.born = np.concatenate([self.born, np.full(count, world.time)])
+        self.copy(world)
+        return tags
+
+    def remove(self, world: jostle.World, rows: NDArray[np.integer]) -> None:
+        """Leave out rows that have been removed; others may have been added since."""
+        self.tags, self.born = np.delete(self.tags, rows), np.delete(self.born, rows)
+        self.add(world)
+
+    def merge(self, world: jostle.World, renumbered: NDArray[np.uint32]) -> Tags:
+        """Give what has become of several particles the tag of the oldest of them.
+
+        Returns
+        -------
+        ndarray of int64
+            For each row as it was before, the tag of what its particle is part of now.
+        """
+        _, oldest = np.unique(renumbered, return_index=True)
+        self.tags, self.born = self.tags[oldest], self.born[oldest]
+        self.copy(world)
+        heirs: Tags = self.tags[renumbered]
+        return heirs
+
+    def find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        """Return the rows of the tags that are there, in their order, and which those are."""
+        wanted = np.atleast_1d(np.asarray(tags, np.int64))
+        at = np.searchsorted(self.tags, wanted)
+        there = at < len(self.tags)
+        there[there] = self.tags[at[there]] == wanted[there]
+        return at[there], there
+
+    def usual_mass(self, world: jostle.World) -> float:
+        """Return the median mass of what can move; only the hand asks for it."""
+        if self._usual_mass is None:
+            self._usual_mass = float(np.median(world.masses[self.movable]))
+        return self._usual_mass

@@ -1,0 +1,82 @@
+"""A world as a frame: its columns, the numbers of its last step, and what is asked for beside."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.simulate.columns import Columns
+from jostle.app.simulate.simulation import Energies, Facts, Frame, Pull, Touching, TreeBoxes, Wants
+
+
+def frame_of(
+    world: jostle.World,
+    columns: Columns,
+    wants: Wants,
+    pulls: tuple[Pull, ...],
+    scene: str,
+    begun_with: int | None,
+) -> Frame:
+    """Return the present state of a world."""
+    return Frame(
+        positions=world.positions,
+        velocities=world.velocities,
+        radii=columns.radii,
+        densities=columns.densities,
+        movable=columns.movable,
+        tags=columns.tags,
+        born=columns.born,
+        container=world.container,
+        facts=_facts(world),
+        energies=_energies(world) if wants.energies else None,
+        tree=_tree_boxes(world, columns) if wants.tree else None,
+        touching=_touching(world) if wants.contacts else None,
+        springs=_springs(world),
+        attractors=pulls,
+        scene=scene,
+        begun_with=begun_with,
+    )
+
+
+def _facts(world: jostle.World) -> Facts:
+    stats = world.stats
+    return Facts(
+        time=world.time,
+        pairs_tested=stats.tests,
+        touching=len(world.contacts.pairs),
+        nodes=stats.nodes,
+        depth=stats.depth,
+        kinetic_energy=world.kinetic_energy,
+        stage_times=dict(world.profile),
+    )
+
+
+def _energies(world: jostle.World) -> Energies:
+    return Energies(world.kinetic_energy, world.potential_energy, world.momentum)
+
+
+def _touching(world: jostle.World) -> Touching:
+    contacts = world.contacts
+    return Touching(contacts.pairs, contacts.normals, contacts.depths)
+
+
+def _springs(world: jostle.World) -> NDArray[np.uint32] | None:
+    pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
+    return np.concatenate(pairs) if pairs else None
+
+
+def _tree_boxes(world: jostle.World, columns: Columns) -> TreeBoxes:
+    """Build a tree over the present positions, with the world's settings, for its boxes."""
+    nodes = jostle.Quadtree(
+        world.positions,
+        columns.radii,
+        leaf_capacity=world.leaf_capacity,
+        max_depth=world.max_depth,
+    ).nodes()
+    return TreeBoxes(
+        np.asarray(nodes.boxes, np.float64),
+        np.asarray(nodes.depths, np.intp),
+        np.asarray(nodes.counts, np.intp),
+        nodes.is_leaf,
+    )
