@@ -7,7 +7,9 @@ knows of a window.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +26,16 @@ from jostle.app.keep.history import History
 from jostle.app.measure.statistics import Statistics
 from jostle.app.measure.traces import Traces
 from jostle.app.race import Race, refusal
+from jostle.app.simulate import engine as stepping
 from jostle.app.simulate.carry import carry_over
-from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.engine import REFUSALS, Engine
+from jostle.app.simulate.making import Made, Maker, expected, is_long, made
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Frame, Simulation
+from jostle.app.simulate.simulation import Frame, Simulation, Wants
 from jostle.app.simulate.start import start
 
 NOTICE_TIME = 3.0  # seconds
+WHY_EVERY = 1.0  # seconds between two answers on very many particles, each of which takes long
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 
 _OTHER_METHOD = {
@@ -71,11 +76,8 @@ class Session(Hands):
     def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
         camera = Camera(size, simulation.view, left=left)
         super().__init__(Engine(simulation), camera, Shown(tree=TreeView.OUTLINE))
-        self.engine.before.append(self._act_before)
-        self.history = History()
-        self.history.restart(simulation)
-        self.engine.after.append(self.history.after)
-        self.engine.touched.append(self.history.touch)
+        self._maker = Maker()
+        self._begin_history(simulation)
         self.files = Files(self)
         self.question = Question()
         self.first = simulation.settings  # what restart goes back to
@@ -86,13 +88,15 @@ class Session(Hands):
         self.paused = False
         self.open = True
         self.now = 0.0
-        self._notice, self._notice_until = "", 0.0
+        self._notice = "", 0.0  # a sentence, and until when it is shown; threads may replace it
+        self._why_frame, self._why_due = self.frame, 0.0
 
     # Time
 
     def advance(self, elapsed: float) -> int:
         """Let the world go on by `elapsed` seconds of real time; return the steps done."""
         self.hand.follow(self.at_cursor(), self.now)
+        self._take_made()
         engine, statistics, wants = self.engine, self.statistics, self.picture.wants(self.shown)
         wants = replace(wants, tree=wants.tree or self.question.pair is not None)
         changed = replace(engine.wants, energies=wants.energies) != wants
@@ -107,12 +111,15 @@ class Session(Hands):
         if self.paused:
             self.hold_in_pause()
             engine.settle()
+            if self.race:
+                self.race.engine.settle()
         else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
             if self.race:
                 self.race.advance(elapsed * engine.settings.time_scale, wants)
         if changed and not steps:
             engine.look(at_once=False)
+        self._heed_refusals()
         self.camera.follow(engine.view)
         self.keep_up()
         statistics.follow(
@@ -121,11 +128,24 @@ class Session(Hands):
         self.files.follow()
         return steps
 
-    def _act_before(self, simulation: Simulation) -> None:
-        """Before each step: what a person is doing to the simulation at the moment."""
-        if self.hands_on:
-            self.history.touch()
-        self.act_on(simulation)
+    def _begin_history(self, simulation: Simulation, state: bytes | None = None) -> None:
+        """Begin a history of its own: a step that was abandoned keeps to the old one."""
+        self.history = history = History()
+        history.restart(simulation, state)
+
+        def act_before(simulation: Simulation) -> None:
+            if self.act_on(simulation):
+                history.touch()
+
+        engine = self.engine
+        engine.before, engine.after, engine.touched = [act_before], [history.after], [history.touch]
+
+    def _heed_refusals(self) -> None:
+        """Pause and say why, where a step was refused; another setting or moment may go on."""
+        for engine in [self.engine, *([self.race.engine] if self.race else [])]:
+            if refused := engine.take_error():
+                self.paused = True
+                self.say(refused)
 
     def scale_time(self, factor: float) -> None:
         """Let time go faster or slower."""
@@ -140,9 +160,10 @@ class Session(Hands):
     def single_step(self) -> None:
         """Make one step, and pause."""
         self.paused = True
-        self.engine.step()
+        self.engine.step_soon()
         if self.race:
-            self.race.engine.step()
+            self.race.engine.step_soon()
+        self._heed_refusals()
 
     def step_back(self) -> None:
         """Go back to the moment before, and pause; what a person did last is undone first."""
@@ -156,13 +177,17 @@ class Session(Hands):
         self.paused = True
         self.hand.drop()
         self._end_race()
+        history, seconds = self.history, self.engine.last_seconds
 
         def show(simulation: Simulation) -> None:
-            self.history.hold(simulation)
-            self.history.show(simulation, which(), self.engine.last_seconds)
-            self.picture.restart()
+            history.hold(simulation)
+            history.show(simulation, which(), seconds)
 
-        self.engine.edit(show, changes=False)
+        self.engine.edit(show, changes=False, then=self._show_past)
+
+    def _show_past(self) -> None:
+        """In the window, when the frame is one of the past: nothing remembers what came after."""
+        self.picture = Picture()
         self.pulls.take_over(self.frame)
 
     # What runs
@@ -179,37 +204,69 @@ class Session(Hands):
 
     def restart(self) -> None:
         """Go back to the first state, with the settings of the moment."""
-        self.begin(self.settings)
+        self.begin(self._next_settings)
+
+    @property
+    def _next_settings(self) -> Settings:
+        """Return the settings of the simulation that is being made, or of this one."""
+        return self._maker.settings or self.settings
+
+    @property
+    def _first_wants(self) -> Wants:
+        """Return what a first frame must hold: drift begins there."""
+        return replace(self.engine.wants, energies=True)
 
     def begin(self, settings: Settings) -> None:
-        """Begin anew with other settings; what the library refuses becomes a notice."""
-        self._take(lambda: start(settings))
+        """Begin anew with other settings; what the library refuses becomes a notice.
+
+        Very many particles are made beside the window, and the old ones shown meanwhile.
+        """
+        if is_long(settings):
+            self._maker.start(partial(start, settings), settings, self._first_wants)
+        else:
+            self._take(partial(start, settings))
 
     def _take(self, create: Callable[[], Simulation]) -> None:
         """Go on with another simulation, if it can be made."""
+        self._maker.give_up()
         try:
-            simulation = create()
-        except (ValueError, OverflowError, MemoryError) as error:
-            self.say(str(error) or "There is not enough memory for that.")
+            new = made(create, self._first_wants)
+        except REFUSALS as error:
+            self.say(stepping.sentence(error))
             return
-        moved = simulation.view != self.engine.view
+        self._go_on(new)
+
+    def _take_made(self) -> None:
+        """Go on with the simulation that was made beside the window, if it is there."""
+        new = self._maker.take()
+        if isinstance(new, str):
+            self.say(new)
+        elif new is not None:
+            self._go_on(new)
+
+    def _go_on(self, new: Made) -> None:
+        moved = new.simulation.view != self.engine.view
         rival = self.race.method if self.race else None
-        self.take(simulation)
+        self._take_over(new)
         if rival:
             self._start_race(rival)
         if moved:
-            self.camera.look_at(simulation.view)
+            self.camera.look_at(new.simulation.view)
 
     def take(self, simulation: Simulation) -> None:
         """Go on with another simulation."""
+        self._maker.give_up()
+        self._take_over(made(lambda: simulation, self._first_wants))
+
+    def _take_over(self, new: Made) -> None:
         self._end_race()
         self.let_go()
         self.statistics.remember(self._run_name())
-        self.engine.wants = replace(self.engine.wants, energies=True)  # drift begins here
-        self.engine.take(simulation)
-        self.history.restart(simulation)
+        self.engine.wants = self._first_wants
+        self.engine.take(new.simulation, new.frame)
+        self._begin_history(new.simulation, new.state)
         self.pulls.take_over(self.frame)
-        self.picture.restart()
+        self.picture = Picture()  # the thread that draws may still be at work with the old one
         self.statistics.restart()
         self.statistics.sum_up(self.frame)
 
@@ -223,7 +280,7 @@ class Session(Hands):
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own rules; how it is computed and paced stays."""
-        now = self.settings
+        now = self._next_settings
         self.begin(
             Settings(name, method=now.method, threads=now.threads, time_scale=now.time_scale)
         )
@@ -231,7 +288,9 @@ class Session(Hands):
     def next_scene(self, by: int = 1) -> None:
         """Begin the scene after this one in the list, in a circle."""
         names = jostle.scenes.names()
-        at = names.index(self.engine.scene) if self.engine.scene in names else -max(by, 0)
+        coming = self._maker.settings
+        scene = coming.scene if coming else self.engine.scene
+        at = names.index(scene) if scene in names else -max(by, 0)
         self.choose_scene(names[(at + by) % len(names)])
 
     def previous_scene(self) -> None:
@@ -246,21 +305,28 @@ class Session(Hands):
         elif live:
             acts = name != "time_scale"  # which is no part of what happens, but how fast we look
             self.engine.edit(
-                lambda simulation: self.say(simulation.adjust(name, value)), changes=acts
+                lambda simulation: self.say(simulation.adjust(name, value)),
+                changes=acts,
+                then=self.statistics.begin_again if name in WORK else None,
             )
-            if name in WORK:
-                self.statistics.begin_again()
         else:
-            self.begin(replace(self.settings, **{name: value}))
+            self.begin(replace(self._next_settings, **{name: value}))
 
     def _take_number(self, n: int) -> None:
         """Add or remove particles; where there is no room, begin anew in a world that has it."""
         refusals: list[str | None] = []
-        self.engine.edit(lambda simulation: refusals.append(simulation.adjust("n", n)))
-        self.engine.wait()
-        if refusals[0]:
-            self.begin(replace(self.settings, n=n))
-            self.say(f"{refusals[0]} So the scene begins anew.")
+
+        def then() -> None:
+            if refusals[0]:
+                self.begin(replace(self.settings, n=n))
+                self.say(f"{refusals[0]} So the scene begins anew.")
+
+        self.engine.edit(
+            lambda simulation: refusals.append(simulation.adjust("n", n)),
+            then=then,
+            key="n",
+            many=n > stepping.FEW,
+        )
 
     def choose_method(self, method: str) -> None:
         """Go on with another method; where the rules change too, with the same particles."""
@@ -268,9 +334,15 @@ class Session(Hands):
         if self.race or settings.by_article == self.settings.by_article:
             self.adjust("method", method)
         else:
-            self.engine.wait()
-            frame, view = self.frame, self.engine.view
-            self._take(lambda: carry_over(settings, frame, view))
+            # When the step under way is done, so that nothing of it is lost.
+            self.engine.edit(
+                lambda simulation: None,
+                changes=False,
+                then=lambda: self._take(
+                    partial(carry_over, settings, self.frame, self.engine.view)
+                ),
+                key="rules",
+            )
 
     def switch_method(self) -> None:
         """Swap brute force and tree, under the same rules."""
@@ -283,8 +355,13 @@ class Session(Hands):
         if self.race:
             self._end_race()
         else:
-            self.begin(self.settings)
-            self._start_race(method or _OTHER_METHOD[self.settings.method])
+            method = method or _OTHER_METHOD[self.settings.method]
+            count = max(len(self.frame), expected(self._next_settings))
+            if reason := refusal(self.settings.method, method, count):
+                self.say(reason)
+            else:
+                self.begin(self._next_settings)
+                self._start_race(method)
 
     def _start_race(self, method: str) -> None:
         reason = refusal(self.settings.method, method, len(self.frame))
@@ -330,12 +407,15 @@ class Session(Hands):
     def say(self, notice: str | None) -> None:
         """Show a sentence for a while."""
         if notice:
-            self._notice, self._notice_until = notice, self.now + NOTICE_TIME
+            self._notice = notice, self.now + NOTICE_TIME
 
     @property
     def notice(self) -> str:
         """Return the sentence to show now, or nothing."""
-        return self._notice if self.now < self._notice_until else ""
+        if self._maker.settings is not None:
+            return f"Preparing {expected(self._maker.settings):,} particles …"
+        notice, until = self._notice
+        return notice if self.now < until else ""
 
     # Questions
 
@@ -345,8 +425,13 @@ class Session(Hands):
 
     @property
     def why(self) -> Why | None:
-        """Return the answer for the last state; None if nothing is asked."""
-        return self.question.answer(self.frame, self.settings)
+        """Return the answer for the last state, or of very many particles for one shortly before.
+
+        None if nothing is asked.
+        """
+        if len(self.frame) <= stepping.FEW or self.now >= self._why_due:
+            self._why_frame, self._why_due = self.frame, self.now + WHY_EVERY
+        return self.question.answer(self._why_frame, self.settings)
 
     # Files
 
@@ -372,6 +457,8 @@ class Session(Hands):
 
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""
-        self._end_race()
-        self.engine.close()
-        self.files.close()
+        with ExitStack() as closing:  # the last first: files must be whole, whatever else fails
+            closing.callback(self.engine.close)
+            closing.callback(self._end_race)
+            closing.callback(self._maker.give_up)
+            closing.callback(self.files.close)
