@@ -13,6 +13,7 @@ from app_hands import Hands, world_of  # noqa: E402
 
 import jostle  # noqa: E402
 from jostle.app.act.hand import Hand  # noqa: E402
+from jostle.app.keep import files  # noqa: E402
 from jostle.app.simulate import engine as stepping  # noqa: E402
 from jostle.app.simulate import making, start  # noqa: E402
 from jostle.app.simulate.engine import Engine  # noqa: E402
@@ -308,6 +309,36 @@ def test_what_cannot_be_prepared_leaves_the_old_scene(few) -> None:
     hands.session.begin(Settings("no such scene", 30))
     settled(hands)
     assert hands.session.engine.scene == "gas" and "no such scene" in hands.session.notice
+    hands.window.close()
+
+
+def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(files, "LARGE", 1)
+    hands = Hands(WorldSimulation.of_scene(Settings("gas", 20)))
+    session, path = hands.session, tmp_path / "saved.jostle"
+    session.save(path)
+    session.camera.zoom_at((300, 300), 2.0)
+    session.begin(Settings("pile", 30))
+    session.load(path)
+    assert session.notice == "Loading saved.jostle …" and session.engine.scene == "pile"
+    settled(hands)
+    assert session.notice == "Loaded saved.jostle"
+    assert session.engine.scene == "gas" and len(session.frame) == 20
+    path.write_bytes(b"nothing")
+    session.load(path)
+    settled(hands)
+    assert session.notice.startswith("saved.jostle is not") and len(session.frame) == 20
+
+
+def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> None:
+    hands = Hands(WorldSimulation.of_scene(Settings("gas", 20)))
+    session, path = hands.session, tmp_path / "saved.jostle"
+    session.save(path)
+    session.toggle_race("brute")
+    session.restart()
+    assert session.race is not None
+    session.load(path)
+    assert session.race is None and len(session.frame) == 20
     hands.window.close()
 
 

@@ -28,8 +28,8 @@ from jostle.app.measure.traces import Traces
 from jostle.app.race import Race, refusal
 from jostle.app.simulate import engine as stepping
 from jostle.app.simulate.carry import carry_over
-from jostle.app.simulate.engine import REFUSALS, Engine
-from jostle.app.simulate.making import Made, Maker, expected, is_long, made
+from jostle.app.simulate.engine import REFUSALS, Engine, Then
+from jostle.app.simulate.making import Create, Made, Maker, expected, is_long, made
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation, Wants
 from jostle.app.simulate.start import start
@@ -221,12 +221,23 @@ class Session(Hands):
 
         Very many particles are made beside the window, and the old ones shown meanwhile.
         """
+        create, notice = partial(start, settings), f"Preparing {expected(settings):,} particles …"
         if is_long(settings):
-            self._maker.start(partial(start, settings), settings, self._first_wants)
+            self._maker.start(create, self._first_wants, notice, settings)
         else:
-            self._take(partial(start, settings))
+            self._take(create)
 
-    def _take(self, create: Callable[[], Simulation]) -> None:
+    def bring(self, create: Create, notice: str, *, long: bool, then: Then) -> None:
+        """Go on with another simulation, if it can be made; what takes `long`, beside the window.
+
+        `notice` is shown meanwhile, and `then` called when the simulation is there.
+        """
+        if long:
+            self._maker.start(create, self._first_wants, notice, then=then)
+        else:
+            self._take(create, then)
+
+    def _take(self, create: Create, then: Then | None = None) -> None:
         """Go on with another simulation, if it can be made."""
         self._maker.give_up()
         try:
@@ -234,7 +245,7 @@ class Session(Hands):
         except REFUSALS as error:
             self.say(stepping.sentence(error))
             return
-        self._go_on(new)
+        self._go_on(new, then)
 
     def _take_made(self) -> None:
         """Go on with the simulation that was made beside the window, if it is there."""
@@ -242,23 +253,12 @@ class Session(Hands):
         if isinstance(new, str):
             self.say(new)
         elif new is not None:
-            self._go_on(new)
+            self._go_on(*new)
 
-    def _go_on(self, new: Made) -> None:
+    def _go_on(self, new: Made, then: Then | None) -> None:
         moved = new.simulation.view != self.engine.view
-        rival = self.race.method if self.race else None
-        self._take_over(new)
-        if rival:
-            self._start_race(rival)
-        if moved:
-            self.camera.look_at(new.simulation.view)
-
-    def take(self, simulation: Simulation) -> None:
-        """Go on with another simulation."""
-        self._maker.give_up()
-        self._take_over(made(lambda: simulation, self._first_wants))
-
-    def _take_over(self, new: Made) -> None:
+        # What was brought from elsewhere has no beginning that a rival could share.
+        rival = self.race.method if self.race and then is None else None
         self._end_race()
         self.let_go()
         self.statistics.remember(self._run_name())
@@ -269,6 +269,12 @@ class Session(Hands):
         self.picture = Picture()  # the thread that draws may still be at work with the old one
         self.statistics.restart()
         self.statistics.sum_up(self.frame)
+        if rival:
+            self._start_race(rival)
+        if moved:
+            self.camera.look_at(new.simulation.view)
+        if then is not None:
+            then()
 
     def _run_name(self, *, other: bool = False) -> str:
         return f"{self.engine.scene} {self.settings.by_article != other}"
@@ -412,8 +418,8 @@ class Session(Hands):
     @property
     def notice(self) -> str:
         """Return the sentence to show now, or nothing."""
-        if self._maker.settings is not None:
-            return f"Preparing {expected(self._maker.settings):,} particles …"
+        if self._maker.notice:
+            return self._maker.notice
         notice, until = self._notice
         return notice if self.now < until else ""
 

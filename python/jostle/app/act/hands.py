@@ -126,11 +126,10 @@ class Hands:
 
         The thread that steps calls it, so it reads what never changes, and each of it once.
         """
-        grip, pulls = self.hand.grip, self.pulls.felt
-        simulation.attract(pulls)
+        grip, passing = self.hand.grip, self.pulls.pull(simulation)
         if grip is not None:
             grip.drag(simulation)
-        return grip is not None or any(pull.passing for pull in pulls)
+        return grip is not None or passing
 
     def hold_in_pause(self) -> None:
         """Once a frame of a pause: put what is held where the hand is."""

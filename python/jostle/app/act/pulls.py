@@ -87,7 +87,13 @@ class Pulls:
 
     def apply(self, simulation: Simulation) -> None:
         """Let the simulation feel what a person wants."""
-        simulation.attract(self.felt)
+        self.pull(simulation)
+
+    def pull(self, simulation: Simulation) -> bool:
+        """Let the simulation feel what a person wants; tell whether the cursor pulls."""
+        felt = self.felt
+        simulation.attract(felt)
+        return any(pull.passing for pull in felt)
 
     def _set(self, pulls: tuple[Pull, ...]) -> None:
         self.placed = pulls

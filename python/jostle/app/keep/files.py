@@ -21,7 +21,7 @@ from jostle.app.keep.exports import write_gsd, write_positions, write_series
 from jostle.app.keep.paths import new_path, why_not, write_whole
 from jostle.app.keep.recorder import save_png
 from jostle.app.keep.recording import Recording
-from jostle.app.keep.scene_file import SUFFIX, read_scene, scene_bytes
+from jostle.app.keep.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
 from jostle.app.simulate import engine
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation, Wants
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 OUT = Path("out")
 GSD_RATE = 10  # frames a simulated second
+LARGE = 2**20  # bytes of a scene that is read beside the window: some ten thousand particles
 
 
 @dataclass
@@ -109,18 +110,23 @@ class Files:
 
     def load(self, path: Path) -> None:
         """Go on with a saved scene."""
-        session = self._session
-        try:
-            saved = read_scene(path)
-        except OSError as error:
-            session.say(why_not(error, path))
-        except (ValueError, MemoryError) as error:
-            session.say(str(error) or f"There is not enough memory for {path.name}.")
-        else:
-            session.take(saved.simulation)
-            saved.look(session.camera)
-            saved.show(session.shown)
+        session, scenes = self._session, list[SavedScene]()
+
+        def read() -> Simulation:
+            try:
+                scenes[:] = [read_scene(path)]
+            except OSError as error:
+                raise ValueError(why_not(error, path)) from error
+            except MemoryError as error:
+                raise ValueError(f"There is not enough memory for {path.name}.") from error
+            return scenes[0].simulation
+
+        def look() -> None:
+            scenes[0].look(session.camera)
+            scenes[0].show(session.shown)
             session.say(f"Loaded {path.name}")
+
+        session.bring(read, f"Loading {path.name} …", long=_is_long(path), then=look)
 
     # Pictures and films
 
@@ -228,6 +234,14 @@ class Files:
             session.say(f"{path}: {error}")
         else:
             session.say(done.format(path))
+
+
+def _is_long(path: Path) -> bool:
+    """Tell whether reading a scene would hold up the window."""
+    try:
+        return path.stat().st_size > LARGE
+    except OSError:
+        return False  # reading it will say why
 
 
 def _youngest_first(folder: Path) -> list[Path]:

@@ -7,7 +7,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 from jostle.app.simulate import engine
-from jostle.app.simulate.engine import REFUSALS, sentence
+from jostle.app.simulate.engine import REFUSALS, Then, sentence
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation, Wants
 
@@ -29,36 +29,53 @@ class Maker:
     Attributes
     ----------
     settings
-        Of the one that is being made; None while there is none.
+        Of the one that is being made; None while there is none, or a file tells them.
+    notice
+        What to say meanwhile; empty while nothing is made.
     """
 
     def __init__(self) -> None:
         self.settings: Settings | None = None
+        self.notice = ""
+        self._then: Then | None = None
         self._worker: ThreadPoolExecutor | None = None
         self._job: Future[Made] | None = None
 
-    def start(self, create: Create, settings: Settings, wants: Wants) -> None:
-        """Begin to make a simulation; one that is under way is given up."""
+    def start(
+        self,
+        create: Create,
+        wants: Wants,
+        notice: str,
+        settings: Settings | None = None,
+        then: Then | None = None,
+    ) -> None:
+        """Begin to make a simulation; one that is under way is given up.
+
+        `then` is what its session does after taking it.
+        """
         self.give_up()
         if self._worker is None:
             self._worker = ThreadPoolExecutor(1, "jostle-make")
-        self.settings = settings
+        self.settings, self.notice, self._then = settings, notice, then
         self._job = self._worker.submit(made, create, wants)
 
     def give_up(self) -> None:
         """Forget what is under way; it ends by itself."""
-        if self._worker is not None and self._job is not None and not self._job.cancel():
+        job = self._job
+        if self._worker is not None and job is not None and not (job.done() or job.cancel()):
             self._worker.shutdown(wait=False)
             self._worker = None
-        self._job = self.settings = None
+        self._job = self.settings = self._then = None
+        self.notice = ""
 
-    def take(self) -> Made | str | None:
+    def take(self) -> tuple[Made, Then | None] | str | None:
         """Return what has been made, or why it was refused, once; None if there is nothing yet."""
         if self._job is None or not self._job.done():
             return None
-        job, self._job, self.settings = self._job, None, None
+        job, then = self._job, self._then
+        self.give_up()
         try:
-            return job.result()
+            return job.result(), then
         except REFUSALS as error:
             return sentence(error)
 
