@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
 
 import numpy as np
@@ -46,6 +48,15 @@ def picture_of(painter) -> np.ndarray:
 
 
 # ---- the choice ----------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(
+    os.environ.get("CI") != "true" or sys.platform != "linux",
+    reason="without CI=true a machine need not have OpenGL",
+)
+def test_where_changes_are_judged_there_is_opengl() -> None:
+    """Every other test of OpenGL is skipped without it, and nobody would notice."""
+    assert Screen(SIZE, "opengl").painter.name == "opengl"
 
 
 def test_a_processor_that_plays_a_card_is_used_only_when_it_is_asked_for(

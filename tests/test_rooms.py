@@ -150,7 +150,7 @@ COMMAND = {"cli.py", "tables.py"}
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
 # The files of the app that act on a simulation; all others look at it.
 ACTING = {
-    *("world_simulation", "article_simulation", "carry", "engine", "session", "report"),
+    *("world_simulation", "article_simulation", "carry", "engine", "session", "running", "report"),
     *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
     "attractions",
 }

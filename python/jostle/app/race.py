@@ -99,7 +99,7 @@ class Race:
     def close(self) -> None:
         """Let the left one run alone again."""
         self.lanes[0].engine.short = SHORT
-        self.engine.close()
+        self.engine.abandon()
 
     # The picture
 

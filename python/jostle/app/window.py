@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import pygame
 
@@ -95,11 +96,12 @@ class Window:
 
     def close(self) -> None:
         """End everything in an orderly way."""
-        self.session.close()
-        self._backdrop.close()
-        if self.gui is not None:
-            self.gui.close()
-        self.screen.close()
+        with ExitStack() as closing:  # whatever fails, the rest is closed as well
+            closing.callback(self.screen.close)
+            if self.gui is not None:
+                closing.callback(self.gui.close)
+            closing.callback(self._backdrop.close)
+            closing.callback(self.session.close)
 
     def frame(self, elapsed: float) -> None:
         """Do everything that belongs to one frame, `elapsed` seconds after the last."""
@@ -181,10 +183,10 @@ class Window:
         if session.race:  # of few particles
             session.draw(self.painter)
             return
-        frame, shown = session.frame, copy.copy(session.shown)
+        frame, shown, picture = session.frame, copy.copy(session.shown), session.picture
 
         def draw(painter: Painter, camera: Camera) -> None:
-            session.picture.draw(painter, frame, camera, shown)
+            picture.draw(painter, frame, camera, shown)
 
         self._backdrop.draw(self.painter, session.camera, len(frame), draw)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.engine import Edit, Engine
+from jostle.app.simulate.engine import REFUSALS, Edit, Engine, Then, sentence
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.simulate.walls import bounds
 
@@ -125,13 +125,15 @@ class Deeds:
             self._say("By the article's rules everything can move: there are no walls to draw.")
             return
         radius = self.bead_radius(start, end)
+        drawn: list[Tags] = []
 
         def work(simulation: Simulation) -> None:
             beads = jostle.scenes.wall(start, end, radius)
             _, density = usual(simulation.frame())
-            self.walls.append(simulation.add(beads, (0, 0), radius, density, movable=False))
+            drawn.append(simulation.add(beads, (0, 0), radius, density, movable=False))
 
-        self._edit(work)
+        # Only the window changes the list of walls.
+        self._edit(work, then=lambda: self.walls.extend(drawn))
 
     def clear_walls(self) -> None:
         """Take every wall away that was drawn."""
@@ -147,8 +149,8 @@ class Deeds:
         seen = THINNEST * math.hypot(max_x - min_x, max_y - min_y)
         return max(BEAD_SHARE * usual(self._engine.frame)[0], seen, few_enough)
 
-    def _edit(self, work: Callable[[Simulation], object]) -> None:
-        self._engine.edit(_or_say(work, self._say))
+    def _edit(self, work: Callable[[Simulation], object], then: Then | None = None) -> None:
+        self._engine.edit(_or_say(work, self._say), then=then)
 
 
 def _or_say(work: Callable[[Simulation], object], say: Callable[[str | None], None]) -> Edit:
@@ -157,8 +159,8 @@ def _or_say(work: Callable[[Simulation], object], say: Callable[[str | None], No
     def edit(simulation: Simulation) -> None:
         try:
             work(simulation)
-        except (ValueError, OverflowError, MemoryError) as error:
-            say(str(error) or "There is not enough memory for that.")
+        except REFUSALS as error:
+            say(sentence(error))
 
     return edit
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 
 from jostle.app.simulate.simulation import Point, Simulation
 
@@ -10,11 +11,42 @@ MEMORY = 0.1  # seconds of the hand's way that make the speed of a throw
 LATELY = 0.035  # seconds that make the speed which a held particle takes up, or it overshoots
 
 
+@dataclass(frozen=True)
+class Grip:
+    """What a step feels of a hand that holds something; it never changes, so threads share it."""
+
+    tag: int
+    point: Point
+    velocity: Point
+
+    def drag(self, simulation: Simulation) -> None:
+        """Before a step: draw the held particle to the hand."""
+        simulation.drag(self.tag, self.point, self.velocity)
+
+    def carry(self, simulation: Simulation) -> None:
+        """In a pause: put the held particle where the hand is."""
+        simulation.change([self.tag], positions=[self.point])
+
+    def throw(self, simulation: Simulation) -> None:
+        """Let go; the particle takes the hand's velocity, or by the article keeps its own."""
+        if not simulation.settings.by_article:
+            simulation.change([self.tag], velocities=[self.velocity])
+
+
 class Hand:
-    """Where the hand is, how fast it moves, and the tag of what it holds."""
+    """Where the hand is, how fast it moves, and the tag of what it holds.
+
+    Only the window uses it; the thread that steps sees `grip`.
+
+    Attributes
+    ----------
+    grip
+        What holds at the moment; None while the hand is empty.
+    """
 
     def __init__(self) -> None:
         self.held: int | None = None
+        self.grip: Grip | None = None
         self._way: deque[tuple[float, Point]] = deque([(0.0, (0.0, 0.0))])
 
     def grab(self, tag: int | None, point: Point, now: float) -> None:
@@ -28,10 +60,20 @@ class Hand:
         self._way.append((now, point))
         while len(self._way) > 2 and now - self._way[1][0] >= MEMORY:
             self._way.popleft()
+        self.grip = self._grip(LATELY)
 
     def drop(self) -> None:
         """Forget the particle without touching it."""
-        self.held = None
+        self.held = self.grip = None
+
+    def release(self) -> Grip | None:
+        """Let go; return what shall be thrown, with the speed of the hand."""
+        thrown = self._grip(MEMORY)
+        self.drop()
+        return thrown
+
+    def _grip(self, span: float) -> Grip | None:
+        return None if self.held is None else Grip(self.held, self.point, self._velocity(span))
 
     @property
     def point(self) -> Point:
@@ -53,19 +95,3 @@ class Hand:
         if end <= begin:
             return 0.0, 0.0
         return (last[0] - first[0]) / (end - begin), (last[1] - first[1]) / (end - begin)
-
-    def drag(self, simulation: Simulation) -> None:
-        """Before a step: draw the held particle to the hand."""
-        if self.held is not None:
-            simulation.drag(self.held, self.point, self._velocity(LATELY))
-
-    def carry(self, simulation: Simulation) -> None:
-        """In a pause: put the held particle where the hand is."""
-        if self.held is not None:
-            simulation.change([self.held], positions=[self.point])
-
-    def throw(self, simulation: Simulation) -> None:
-        """Let go; the particle takes the hand's velocity, or by the article keeps its own."""
-        if self.held is not None and not simulation.settings.by_article:
-            simulation.change([self.held], velocities=[self.velocity])
-        self.held = None

@@ -91,10 +91,9 @@ class Hands:
         """End what the tool does; a particle that is held keeps the hand's velocity."""
         self.hand.follow(self.at_cursor(), self.now)
         self.tools.release(self.at_cursor())
-        if self.paused:
-            self.hand.drop()
-        if self.hand.held is not None:
-            self.engine.edit(self.hand.throw)
+        thrown = self.hand.release()
+        if thrown is not None and not self.paused:
+            self.engine.edit(thrown.throw)
 
     def open_menu(self) -> None:
         """Open the menu of what is under the cursor."""
@@ -122,20 +121,20 @@ class Hands:
 
     # As time goes on
 
-    @property
-    def hands_on(self) -> bool:
-        """Whether a person acts on the very next step."""
-        return self.hand.held is not None or self.pulls.to_cursor
+    def act_on(self, simulation: Simulation) -> bool:
+        """Before a step: let the simulation feel what a person does; tell whether that is anything.
 
-    def act_on(self, simulation: Simulation) -> None:
-        """Before a step: let the simulation feel what a person is doing."""
-        self.pulls.apply(simulation)
-        self.hand.drag(simulation)
+        The thread that steps calls it, so it reads what never changes, and each of it once.
+        """
+        grip, passing = self.hand.grip, self.pulls.pull(simulation)
+        if grip is not None:
+            grip.drag(simulation)
+        return grip is not None or passing
 
     def hold_in_pause(self) -> None:
         """Once a frame of a pause: put what is held where the hand is."""
-        if self.hand.held is not None:
-            self.engine.edit(self.hand.carry)
+        if self.hand.grip is not None:
+            self.engine.edit(self.hand.grip.carry, key="carry")
 
     def keep_up(self) -> None:
         """Once a frame: forget what is no longer in the world."""

@@ -29,11 +29,6 @@ class Pulls:
         self._cursor: Point | None = None
         self._seen: tuple[Pull, ...] = ()  # those of the frame that was looked at last
 
-    @property
-    def to_cursor(self) -> bool:
-        """Whether everything is being pulled to the cursor."""
-        return self._cursor is not None
-
     def pull_to(self, point: Point | None) -> None:
         """Pull everything to a point as long as this is called; None lets go."""
         ended = point is None and self._cursor is not None
@@ -82,13 +77,23 @@ class Pulls:
         if frame.attractors is not self._seen:
             self.take_over(frame)
 
-    def apply(self, simulation: Simulation) -> None:
-        """Before a step: let the simulation feel what a person wants."""
+    @property
+    def felt(self) -> tuple[Pull, ...]:
+        """Return every attraction of the moment; any thread may ask."""
         cursor = self._cursor
         if cursor is None:
-            simulation.attract(self.placed)
-        else:
-            simulation.attract((*self.placed, Pull(CURSOR_STRENGTH, cursor, passing=True)))
+            return self.placed
+        return *self.placed, Pull(CURSOR_STRENGTH, cursor, passing=True)
+
+    def apply(self, simulation: Simulation) -> None:
+        """Let the simulation feel what a person wants."""
+        self.pull(simulation)
+
+    def pull(self, simulation: Simulation) -> bool:
+        """Let the simulation feel what a person wants; tell whether the cursor pulls."""
+        felt = self.felt
+        simulation.attract(felt)
+        return any(pull.passing for pull in felt)
 
     def _set(self, pulls: tuple[Pull, ...]) -> None:
         self.placed = pulls

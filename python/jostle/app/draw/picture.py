@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 
 import pygame
@@ -26,6 +27,8 @@ DrawTree = Callable[[Painter, TreeBoxes, Camera], Legend | None]
 class Picture:
     """Draws frames; it keeps what a picture remembers from frame to frame, and nothing else.
 
+    Another run has another one. Two threads may draw with it, one after the other.
+
     Attributes
     ----------
     colouring
@@ -35,10 +38,7 @@ class Picture:
     """
 
     def __init__(self) -> None:
-        self.restart()
-
-    def restart(self) -> None:
-        """Forget what belongs to a run that is over."""
+        self._in_use = threading.Lock()  # by the window or by the thread that draws beside it
         self.colouring = Colouring()
         self.trails = Trails()
         self._beads = Beads()
@@ -62,6 +62,17 @@ class Picture:
         part: pygame.Rect | None = None,
     ) -> None:
         """Draw the world as far as the camera sees it, on the whole canvas or a part of it."""
+        with self._in_use:
+            self._draw(painter, frame, camera, shown, part)
+
+    def _draw(
+        self,
+        painter: Painter,
+        frame: Frame,
+        camera: Camera,
+        shown: Shown,
+        part: pygame.Rect | None,
+    ) -> None:
         painter.clip(part)
         cards: list[Card | None] = []
         shades = self.colouring.shades(frame, shown.colour_by)

@@ -7,6 +7,7 @@ wrong becomes a notice as well, and leaves the session as it was.
 from __future__ import annotations
 
 import contextlib
+import copy
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -20,7 +21,8 @@ from jostle.app.keep.exports import write_gsd, write_positions, write_series
 from jostle.app.keep.paths import new_path, why_not, write_whole
 from jostle.app.keep.recorder import save_png
 from jostle.app.keep.recording import Recording
-from jostle.app.keep.scene_file import SUFFIX, read_scene, scene_bytes
+from jostle.app.keep.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
+from jostle.app.simulate import engine
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation, Wants
 from jostle.app.simulate.start import resume
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 
 OUT = Path("out")
 GSD_RATE = 10  # frames a simulated second
+LARGE = 2**20  # bytes of a scene that is read beside the window: some ten thousand particles
 
 
 @dataclass
@@ -94,44 +97,61 @@ class Files:
     def save(self, path: Path | None = None) -> None:
         """Save the scene, under a new name unless one is given."""
         session = self._session
+        camera, shown = copy.copy(session.camera), copy.copy(session.shown)
 
         def write(simulation: Simulation) -> None:
-            self._listed = None
             self._try(SUFFIX, lambda new: write_whole(new, scene_bytes(
-                simulation, session.camera, session.shown)), path)  # fmt: skip
+                simulation, camera, shown)), path)  # fmt: skip
 
-        session.engine.edit(write, changes=False)
+        session.engine.edit(write, changes=False, then=self._list_anew)
+
+    def _list_anew(self) -> None:
+        self._listed = None
 
     def load(self, path: Path) -> None:
         """Go on with a saved scene."""
-        session = self._session
-        try:
-            saved = read_scene(path)
-        except OSError as error:
-            session.say(why_not(error, path))
-        except (ValueError, MemoryError) as error:
-            session.say(str(error) or f"There is not enough memory for {path.name}.")
-        else:
-            session.take(saved.simulation)
-            saved.look(session.camera)
-            saved.show(session.shown)
+        session, scenes = self._session, list[SavedScene]()
+
+        def read() -> Simulation:
+            try:
+                scenes[:] = [read_scene(path)]
+            except OSError as error:
+                raise ValueError(why_not(error, path)) from error
+            except MemoryError as error:
+                raise ValueError(f"There is not enough memory for {path.name}.") from error
+            return scenes[0].simulation
+
+        def look() -> None:
+            scenes[0].look(session.camera)
+            scenes[0].show(session.shown)
             session.say(f"Loaded {path.name}")
+
+        session.bring(read, f"Loading {path.name} …", long=_is_long(path), then=look)
 
     # Pictures and films
 
     def screenshot(self, path: Path | None = None, size: Size | None = None) -> None:
-        """Save the picture as PNG, at the window's size unless another is given."""
+        """Save the picture as PNG, at the window's size unless another is given.
+
+        One of very many particles is drawn beside the window, and without trails.
+        """
         session = self._session
+        frame, shown = session.frame, copy.copy(session.shown)
+        camera = copy.copy(session.camera) if size is None else session.camera.on(size)
+        many = len(frame) > engine.FEW
 
         def write(new: Path) -> None:
-            painter = SoftwarePainter(size or session.camera.size)
-            if size is None:
+            painter = SoftwarePainter(camera.size)
+            if size is None and not many:
                 session.draw(painter)
             else:
-                Picture().draw(painter, session.frame, session.camera.on(size), session.shown)
+                Picture().draw(painter, frame, camera, shown)
             save_png(painter.canvas(), new)
 
-        self._try(".png", write, path)
+        if many:
+            self._export(".png", write, path)
+        else:
+            self._try(".png", write, path)
 
     def toggle_recording(self) -> None:
         """Begin a film, or end it."""
@@ -167,17 +187,20 @@ class Files:
     def export_gsd(self) -> None:
         """Write the last half minute, ten frames a second, as GSD."""
         session, history = self._session, self._session.history
+        writers: list[Callable[[Path], object]] = []
 
         def collect(simulation: Simulation) -> None:
             history.hold(simulation)
             moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
             view, time_step = simulation.view, simulation.time_step
             frames = _frames(simulation.settings, _thinned(moments, 1 / GSD_RATE))
-            self._export(".gsd", lambda path: write_gsd(path, frames, view, time_step))
+            writers.append(lambda path: write_gsd(path, frames, view, time_step))
 
-        session.engine.edit(collect, changes=False)
+        session.engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
 
-    def _export(self, suffix: str, write: Callable[[Path], object]) -> None:
+    def _export(
+        self, suffix: str, write: Callable[[Path], object], path: Path | None = None
+    ) -> None:
         """Write beside the window; `follow` says how it went."""
         if self._exporter is None:
             self._exporter = ThreadPoolExecutor(1, "jostle-export")
@@ -185,11 +208,11 @@ class Files:
 
         def work() -> str:
             try:
-                path = new_path(self.folder, scene, suffix)
-                write(path)
-            except (OSError, MemoryError) as error:
-                return f"Nothing could be exported: {error}"
-            return f"Saved {path}"
+                new = path or new_path(self.folder, scene, suffix)
+                write(new)
+            except (OSError, RuntimeError, MemoryError) as error:  # pygame's is a RuntimeError
+                return f"Nothing could be saved: {error}"
+            return f"Saved {new}"
 
         self._exports.append(self._exporter.submit(work))
 
@@ -211,6 +234,14 @@ class Files:
             session.say(f"{path}: {error}")
         else:
             session.say(done.format(path))
+
+
+def _is_long(path: Path) -> bool:
+    """Tell whether reading a scene would hold up the window."""
+    try:
+        return path.stat().st_size > LARGE
+    except OSError:
+        return False  # reading it will say why
 
 
 def _youngest_first(folder: Path) -> list[Path]:

@@ -60,12 +60,12 @@ class History:
         self.span = self.back = 0.0
         self.stride = 1
 
-    def restart(self, simulation: Simulation) -> None:
-        """Forget everything, and begin with the present state."""
+    def restart(self, simulation: Simulation, state: bytes | None = None) -> None:
+        """Forget everything, and begin with the present state, which may be saved already."""
         self.moments, self.bytes, self.stride, self._time = [], 0, 1, 0.0
         self._changed = False  # since the last step, by a person
         self._adrift = False  # whether moments were left out since the last one kept
-        self._keep(Moment(0.0, False, simulation.save()))
+        self._keep(Moment(0.0, False, state or simulation.save()))
         whole = self.bytes * self.seconds / simulation.time_step
         while self.stride < MOST_STRIDE and whole > self.budget * self.stride:
             self.stride *= 2
