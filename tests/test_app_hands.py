@@ -213,6 +213,18 @@ def test_d_clones_beside_the_original_with_its_velocity(make) -> None:
     assert (frame.radii == 10).all() and (frame.densities == 1).all()
 
 
+def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
+    places = [(x, y) for x in range(40, 800, 80) for y in range(40, 500, 80)]
+    hands = Hands(world_of(places))
+    hands.session.paused = True
+    hands.session.deeds.clone(hands.session.frame.tags)
+    hands.frames(1)
+    now = hands.world.positions
+    assert len(now) == 2 * len(places)
+    assert (now > 9.99).all() and (now < np.array([790.01, 490.01])).all()
+    assert len(jostle.find_pairs(now, 10.0)) == 0
+
+
 def test_clones_of_immovable_particles_are_immovable() -> None:
     hands = Hands(world_of([(100, 100)], movable=[False]))
     hands.session.deeds.clone(hands.session.frame.tags)

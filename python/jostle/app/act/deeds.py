@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.engine import REFUSALS, Edit, Engine, Then, sentence
+from jostle.app.simulate.room import free_places
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.simulate.walls import bounds
 
@@ -52,19 +53,24 @@ class Deeds:
         self._edit(lambda simulation: simulation.add([point], [(0, 0)], [radius], [density]))
 
     def clone(self, tags: Tags) -> None:
-        """Add a copy of each beside it, all moved by the same way."""
+        """Add a copy of each beside it, all moved by the same way; where walls are, anywhere."""
 
         def work(simulation: Simulation) -> None:
             frame = simulation.frame()
             rows = frame.rows(tags)
-            if len(rows):
-                simulation.add(
-                    frame.positions[rows] + _beside(frame, rows),
-                    frame.velocities[rows],
-                    frame.radii[rows],
-                    frame.densities[rows],
-                    frame.movable[rows],
-                )
+            if not len(rows):
+                return
+            places, there = _places_beside(frame, rows, simulation.view)
+            rows = rows[there]
+            simulation.add(
+                places[there],
+                frame.velocities[rows],
+                frame.radii[rows],
+                frame.densities[rows],
+                frame.movable[rows],
+            )
+            if not there.all():
+                self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
 
         self._edit(work)
 
@@ -191,6 +197,28 @@ def scatter(
     room = np.maximum((high - low)[None, :] - 2 * radii[:, None], 0.0)
     places: NDArray[np.float64] = (low + high) / 2 + room * chance.uniform(-0.5, 0.5, (n, 2))
     return places
+
+
+def _places_beside(
+    frame: Frame, rows: NDArray[np.intp], view: Rect
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return places for copies, and which of them have one."""
+    places = frame.positions[rows] + _beside(frame, rows)
+    there, walls = np.ones(len(rows), np.bool_), bounds(frame.container)
+    if walls is None:
+        return places, there
+    radii = frame.radii[rows].astype(np.float64)
+    low, high = np.array(walls[:2]) + radii[:, None], np.array(walls[2:]) - radii[:, None]
+    beyond = np.flatnonzero(((places < low) | (places > high)).any(axis=1))
+    within = np.setdiff1d(np.arange(len(rows)), beyond)
+    free, found = free_places(
+        np.concatenate([frame.positions, places[within]]),
+        np.concatenate([frame.radii, radii[within]]),
+        radii[beyond], frame.container, view, len(frame),
+    )  # fmt: skip
+    there[beyond] = False
+    places[beyond[found]], there[beyond[found]] = free, True
+    return places, there
 
 
 def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
