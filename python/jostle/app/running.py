@@ -213,6 +213,9 @@ class Running(Hands):
 
     def switch_method(self) -> None:
         """Swap brute force and tree, under the same rules."""
+        if self.race:
+            self.say("Both run side by side already: Q ends the race.")
+            return
         method = _OTHER_METHOD[self.settings.method]
         self.say(f"Now {method_name(method)}")  # before, so that a refusal stays
         self.adjust("method", method)

@@ -14,5 +14,6 @@ world_simulation        `jostle.World` behind that protocol
 article_simulation      `jostle.article.Simulation` behind that protocol
 start, carry            from settings to a simulation; from one set of rules to the other
 pace, engine            real time to whole steps; who steps, and in which thread
+making                  very many particles are made while the old scene is still shown
 ======================= ========================================================================
 """
