@@ -203,7 +203,7 @@ def test_another_size_of_window_divides_it_anew(open_window) -> None:
 
 
 def test_b_does_not_end_a_race(open_window) -> None:
-    window = open_window(start(Settings("gas", 100)))
+    window = open_window(Settings("gas", 100))
     window.session.toggle_race()
     window.session.switch_method()
     assert window.session.race is not None and "Q ends" in window.session.notice
