@@ -28,6 +28,8 @@ from jostle.app.simulate.simulation import Simulation
 SIZE = (1280, 720)
 FRAMES_A_SECOND = 60
 FRAMES_UNSEEN = 10  # a second, while the window is minimised: the world goes on, nothing is drawn
+PANELS_EVERY = 0.03  # seconds: nobody reads numbers faster, and the panels cost as much as a scene
+LIVELY = 3  # frames after an event in which panels are built at once: ImGui answers in the next one
 LONGEST_FRAME = 0.25  # seconds; a longer one was a machine asleep, or a window being dragged
 
 
@@ -75,6 +77,8 @@ class Window:
         self.input = Input(self.session)
         self._rate: float | None = None
         self._seen = True
+        self._lively = LIVELY  # frames for which panels are built at once
+        self._since_panels = 0.0
 
     @property
     def painter(self) -> Painter:
@@ -128,7 +132,10 @@ class Window:
             self._handle(event)
 
     def _handle(self, event: pygame.event.Event) -> None:
-        if self.gui is not None and self.gui.handle(event):
+        taken = self.gui is not None and self.gui.handle(event)
+        if taken or event.type != pygame.MOUSEMOTION:
+            self._lively = LIVELY
+        if taken:
             return
         if event.type == pygame.QUIT:
             self.session.quit()
@@ -165,6 +172,7 @@ class Window:
         self.session.camera.resize(self.painter.size)
         if self.gui is not None:
             self.gui = Gui(self.painter)
+        self._lively = LIVELY
         self.session.say("The graphics card has failed; drawing goes on without it.")
 
     def _draw_all(self, elapsed: float) -> None:
@@ -216,11 +224,18 @@ class Window:
             draw_recording(painter, session.files.recording.seconds, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
-        if self.gui is not None and self.builders:
-            self.gui.begin(elapsed, self.screen.size, self.screen.scale)
-            for build in self.builders:
-                build(self.session, self.gui)
-            self.gui.end()
+        """Draw panels and menus; without events they are built anew only every other frame."""
+        if self.gui is None or not self.builders:
+            return
+        self._since_panels += elapsed
+        if not self._lively and self._since_panels < PANELS_EVERY:
+            self.gui.again()
+            return
+        self.gui.begin(self._since_panels, self.screen.size, self.screen.scale)
+        for build in self.builders:
+            build(self.session, self.gui)
+        self.gui.end()
+        self._lively, self._since_panels = max(self._lively - 1, 0), 0.0
 
 
 def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:

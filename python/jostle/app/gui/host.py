@@ -42,6 +42,9 @@ class GuiDrawing(Protocol):
     def draw(self, data: imgui.ImDrawData) -> None:
         """Draw a frame over the canvas."""
 
+    def again(self) -> None:
+        """Draw the last frame once more."""
+
     def close(self) -> None:
         """Give everything back."""
 
@@ -101,6 +104,11 @@ class Gui:
         data = imgui.get_draw_data()
         self._windows = _windows_of(data)
         self._drawing.draw(data)
+
+    def again(self) -> None:
+        """Draw the last frame over the canvas once more."""
+        imgui.set_current_context(self._context)
+        self._drawing.again()
 
     def mark(self, name: str) -> None:
         """Remember where the last widget is."""

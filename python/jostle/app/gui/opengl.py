@@ -23,6 +23,10 @@ class OpenGLGui:
         self._painter.target.use()
         imgui.backends.opengl3_render_draw_data(data)
 
+    def again(self) -> None:
+        """Draw the last frame once more."""
+        self.draw(imgui.get_draw_data())
+
     def close(self) -> None:
         """Give everything back."""
         imgui.backends.opengl3_shutdown()

@@ -54,6 +54,12 @@ class SoftwareGui:
             canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
         self._sheets = kept
 
+    def again(self) -> None:
+        """Draw the last frame once more."""
+        canvas = self._painter.canvas()
+        for sheet in self._sheets.values():
+            canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
+
     def close(self) -> None:
         """Tell ImGui that its textures are gone."""
         for texture in imgui.get_platform_io().textures:
