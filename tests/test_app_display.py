@@ -189,6 +189,28 @@ def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatc
     assert window.session.cursor == (200, 100)
 
 
+@pytest.mark.parametrize("renderer", ["software", "opengl"])
+def test_panels_nobody_touches_are_built_every_other_frame(open_window, renderer: str) -> None:
+    pytest.importorskip("imgui_bundle")
+    window, built = open_window(renderer=renderer), []
+    window.session.paused = True
+    window.builders.append(lambda session, host: built.append(True))
+    for _ in range(30):
+        window.frame(FRAME)
+    built.clear()
+    pictures = []
+    for _ in range(10):
+        window.frame(FRAME)
+        pictures.append(picture_of(window.painter))
+    assert len(built) == 5
+    panel = [picture[:100] for picture in pictures]
+    assert all((part == panel[0]).mean() > 0.98 for part in panel), "between, they are still there"
+    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_n, mod=0))
+    window.frame(FRAME)
+    window.frame(FRAME)
+    assert len(built) == 7, "an event is answered at once"
+
+
 @pytest.fixture
 def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[Backdrop]:
     """A backdrop to which every picture is a long one."""
