@@ -40,8 +40,8 @@ TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
 """Names of the pictures of both."""
 
 ANIMATION = (
-    f"crop=in_w-{COLUMN + FIGURES}:in_h-36:{COLUMN}:0,fps=15,scale=360:-1:flags=area,split[a][b];"
-    "[a]palettegen=max_colors=64:stats_mode=diff[palette];"
+    f"crop=in_w-{COLUMN + FIGURES}:in_h-36:{COLUMN}:0,fps=12,scale=320:-1:flags=area,split[a][b];"
+    "[a]palettegen=max_colors=48:stats_mode=diff[palette];"
     "[b][palette]paletteuse=dither=none:diff_mode=rectangle"
 )
 """What ffmpeg does to a film; the lowest rows hold nothing but a hint."""
