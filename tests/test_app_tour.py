@@ -123,6 +123,7 @@ def test_a_pointer_is_in_the_picture_until_it_is_put_away(visitor: Visitor) -> N
 
 @pytest.mark.skipif(not gui.available(), reason="panels need imgui-bundle")
 def test_a_visitor_folds_sections_and_opens_menus(visitor: Visitor) -> None:
+    pytest.importorskip("imgui_bundle")
     visitor.look()
     before = visitor.mark("section Method")
     fold(visitor, "Scenes")

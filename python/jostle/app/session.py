@@ -23,7 +23,6 @@ from jostle.app.simulate import engine as stepping
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Simulation
 
-NOTICE_TIME = 3.0  # seconds
 WHY_EVERY = 1.0  # seconds between two answers on very many particles, each of which takes long
 SLOWEST, FASTEST = 1 / 32, 8.0  # of real time
 
@@ -46,8 +45,6 @@ class Session(Running):
         The parts; everybody may look at them. Those of `Running` and `Hands` belong to them.
     files, question
         What is saved, recorded, exported; why two particles touch or not.
-    now
-        Seconds since the session began.
     """
 
     def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
@@ -56,10 +53,6 @@ class Session(Running):
         self.files = Files(self)
         self.question = Question()
         self.traces = Traces(self.statistics)
-        self.paused = False
-        self.open = True
-        self.now = 0.0
-        self._notice = "", 0.0  # a sentence, and until when it is shown; threads may replace it
         self._why_frame, self._why_due = self.frame, 0.0
 
     # Time
@@ -176,18 +169,10 @@ class Session(Running):
         """Switch one of the switches of `Shown`."""
         setattr(self.shown, name, not getattr(self.shown, name))
 
-    def say(self, notice: str | None) -> None:
-        """Show a sentence for a while."""
-        if notice:
-            self._notice = notice, self.now + NOTICE_TIME
-
     @property
     def notice(self) -> str:
         """Return the sentence to show now, or nothing."""
-        if self._maker.notice:
-            return self._maker.notice
-        notice, until = self._notice
-        return notice if self.now < until else ""
+        return self._maker.notice or super().notice
 
     # Questions
 
@@ -222,10 +207,6 @@ class Session(Running):
     def toggle_recording(self) -> None:
         """Begin a film, or end it."""
         self.files.toggle_recording()
-
-    def quit(self) -> None:
-        """Leave the loop after this frame."""
-        self.open = False
 
     def close(self) -> None:
         """Let go of everything that must be ended in an orderly way."""

@@ -16,12 +16,13 @@ from jostle.app.gui import host as gui
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Point, Simulation, Tags
 
+NOTICE_TIME = 3.0  # seconds
 CLICK = 4.0  # pixels: a button that moves less while it is down was a click
 REACH = 4.0  # pixels around the cursor in which a small particle can still be picked up
 
 
 class Hands:
-    """A session has all of this, and its own time, scene and pictures beside it.
+    """What a hand has to do with; a session adds time, scenes and pictures.
 
     Attributes
     ----------
@@ -33,10 +34,11 @@ class Hands:
         What is done to particles, attractions and gravity.
     menu
         The one that is open.
+    paused, open
+        Whether time stands still; False once the window shall close.
+    now
+        Seconds since the session began.
     """
-
-    paused: bool
-    now: float
 
     def __init__(self, engine: Engine, camera: Camera, shown: Shown) -> None:
         self.engine, self.camera, self.shown = engine, camera, shown
@@ -48,14 +50,25 @@ class Hands:
         self.gravity = Gravity(engine, self.say)
         self.tools = Tools(engine, self.hand, self.selection, self.deeds, self.pulls, self.say)
         self.menu: Menu | None = None
+        self.paused = False
+        self.open = True
+        self.now = 0.0
+        self._said = "", 0.0  # a sentence, and until when it is shown; threads may replace it
 
     def say(self, notice: str | None) -> None:
         """Show a sentence for a while."""
-        raise NotImplementedError
+        if notice:
+            self._said = notice, self.now + NOTICE_TIME
+
+    @property
+    def notice(self) -> str:
+        """Return the sentence to show now, or nothing."""
+        notice, until = self._said
+        return notice if self.now < until else ""
 
     def quit(self) -> None:
         """Leave the loop after this frame."""
-        raise NotImplementedError
+        self.open = False
 
     # What is under the cursor
 

@@ -4,9 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # Python has it from 3.11 on
+    from typing import Self
 
 
-class TreeView(Enum):
+class _InTurn(Enum):
+    """Ways that a key goes through, one after the other."""
+
+    def next(self) -> Self:
+        """Return the way after this one, in a circle."""
+        ways = list(type(self))
+        return ways[(ways.index(self) + 1) % len(ways)]
+
+
+class TreeView(_InTurn):
     """How the tree is shown."""
 
     OFF = "off"
@@ -14,13 +27,8 @@ class TreeView(Enum):
     FILLED = "filled by level"
     HEAT = "filled by occupancy"
 
-    def next(self) -> TreeView:
-        """Return the view after this one, in a circle."""
-        views = list(TreeView)
-        return views[(views.index(self) + 1) % len(views)]
 
-
-class ColourBy(Enum):
+class ColourBy(_InTurn):
     """What the colour of a particle tells."""
 
     AUTO = "what differs"
@@ -30,11 +38,6 @@ class ColourBy(Enum):
     AGE = "age"
     ENERGY = "kinetic energy"
     RANDOM = "each its own"
-
-    def next(self) -> ColourBy:
-        """Return the colouring after this one, in a circle."""
-        ways = list(ColourBy)
-        return ways[(ways.index(self) + 1) % len(ways)]
 
 
 @dataclass

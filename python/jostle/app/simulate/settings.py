@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from jostle.app.simulate.rules import Rule, check, one_of, pair, range_of, real, whole
@@ -101,29 +101,29 @@ GROUP_RULES: dict[str, Rule] = {
 
 def settings_of(facts: Mapping[str, Any]) -> Settings:
     """Return settings from their fields, as JSON and TOML give them; a ValueError says why not."""
-    known, given = {field.name for field in fields(Settings)}, dict(facts)
+    given = dict(facts)
     groups = given.pop("particles", ())
-    for name, value in given.items():
-        if name not in known:
-            raise ValueError(f"{name} is not a setting")
-        if value is not None and (refusal := check(name, value, RULES[name])):
-            raise ValueError(refusal)
-    plain = {name: tidy(value) for name, value in given.items()}
+    plain = _checked(given, RULES, "a setting")
     return Settings(**plain, particles=tuple(group_of(group) for group in groups))
 
 
 def group_of(facts: Mapping[str, Any]) -> Group:
     """Return a group from its fields; one number for a range stands for both of its ends."""
-    for name, value in facts.items():
-        if name not in GROUP_RULES:
-            raise ValueError(f"{name} is not a property of particles")
-        if value is not None and (refusal := check(name, value, GROUP_RULES[name])):
-            raise ValueError(refusal)
-    plain = {name: tidy(value) for name, value in facts.items()}
+    plain = _checked(facts, GROUP_RULES, "a property of particles")
     for name in ("radius", "density", "speed"):
         if isinstance(plain.get(name), int | float):
             plain[name] = (plain[name], plain[name])
     return Group(**plain)
+
+
+def _checked(facts: Mapping[str, Any], rules: Mapping[str, Rule], what: str) -> dict[str, Any]:
+    """Return the values as the fields want them; a ValueError says which cannot be."""
+    for name, value in facts.items():
+        if name not in rules:
+            raise ValueError(f"{name} is not {what}")
+        if value is not None and (refusal := check(name, value, rules[name])):
+            raise ValueError(refusal)
+    return {name: tidy(value) for name, value in facts.items()}
 
 
 def tidy(value: Any) -> Any:
