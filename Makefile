@@ -107,7 +107,7 @@ $(VENV)/wheel: $(VENV)/run $(SOURCES)
 	$(need_rust)
 	@touch $@.begun  # so that an edit made during the build is built the next time
 	rm -rf $(WHEELS)
-	$(BIN)/maturin build --release --interpreter $(BIN)/python --out $(WHEELS)
+	$(BIN)/maturin build --profile local --interpreter $(BIN)/python --out $(WHEELS)
 	$(BIN)/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
 	@mv $@.begun $@
 
