@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import (
     Any,
     Final,
@@ -61,8 +61,21 @@ class _Vector(Protocol):
     @property
     def y(self) -> float: ...
 
+class _Rect(Protocol):
+    """Four sides with names, as pygame's Rect and FRect have them."""
+
+    @property
+    def left(self) -> float: ...
+    @property
+    def top(self) -> float: ...
+    @property
+    def right(self) -> float: ...
+    @property
+    def bottom(self) -> float: ...
+
 _Point: TypeAlias = tuple[_Number, _Number] | _Vector
 _Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
+_Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
@@ -70,15 +83,16 @@ _Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
 
 def abandon_threads() -> None: ...
 def find_pairs(
-    centers: ArrayLike,
+    centers: ArrayLike | None = None,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
+    boxes: _Boxes | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
-) -> NDArray[np.uint32]: ...
+) -> _Pairs: ...
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -96,10 +110,11 @@ def sprite_dict(
 class Quadtree:
     def __new__(
         cls,
-        centers: ArrayLike,
+        centers: ArrayLike | None = None,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
+        boxes: _Boxes | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         leaf_capacity: SupportsIndex = 96,
@@ -113,7 +128,7 @@ class Quadtree:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
-    ) -> NDArray[np.uint32]: ...
+    ) -> _Pairs: ...
     def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts: ...
     @overload
     def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
@@ -200,6 +215,7 @@ class Space:
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
+        boxes: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int: ...
@@ -210,10 +226,39 @@ class Space:
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
+        boxes: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> Any: ...
-    def move(self, ids: ArrayLike, centers: ArrayLike | _Vector) -> None: ...
+    @overload
+    def add(
+        self,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Four | _Rect,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Boxes,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> Any: ...
+    def move(
+        self,
+        ids: ArrayLike,
+        centers: ArrayLike | _Vector | None = None,
+        *,
+        boxes: _Boxes | _Rect | None = None,
+    ) -> None: ...
     def resize(
         self,
         ids: ArrayLike,
@@ -300,6 +345,7 @@ class Space:
     ) -> Any: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
+    def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     @overload
     def radii(self, ids: SupportsIndex) -> float: ...
     @overload
@@ -363,7 +409,7 @@ class World:
         densities: ArrayLike = 1.0,
         restitutions: ArrayLike = 1.0,
         movable: ArrayLike | None = None,
-    ) -> NDArray[np.uint32]: ...
+    ) -> _Ids: ...
     def remove(self, ids: ArrayLike) -> None: ...
     def set(
         self,
@@ -425,7 +471,7 @@ class World:
     @on_touch.setter
     def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
     @property
-    def renumbered(self) -> NDArray[np.uint32] | None: ...
+    def renumbered(self) -> _Ids | None: ...
     @property
     def method(self) -> Literal["quadtree", "brute"]: ...
     @method.setter
@@ -560,7 +606,7 @@ class Springs:
         max_stretch: ArrayLike | None = None,
     ) -> Self: ...
     @property
-    def pairs(self) -> NDArray[np.uint32]: ...
+    def pairs(self) -> _Pairs: ...
     @property
     def lengths(self) -> NDArray[np.float32]: ...
     @property
