@@ -635,6 +635,15 @@ impl Widen for [u32; 2] {
     }
 }
 
+/// The same array, which NumPy now refuses to write: it is a copy, and nobody would see what
+/// is written there.
+pub fn read_only<V: Element, D: numpy::ndarray::Dimension>(
+    array: Bound<'_, numpy::PyArray<V, D>>,
+) -> Bound<'_, numpy::PyArray<V, D>> {
+    array.readwrite().make_nonwriteable();
+    array
+}
+
 /// A float32 as the float64 with the same shortest decimals: 0.1 stays 0.1.
 pub fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
