@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from dataclasses import fields
 from pathlib import Path
@@ -10,7 +11,6 @@ import numpy as np
 import pytest
 
 pytest.importorskip("pygame")
-tomllib = pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")
 
 from jostle.app.draw.shown import ColourBy, Shown, TreeView
 from jostle.app.keep import config
@@ -23,6 +23,9 @@ from jostle.app.keep.config import (
 )
 from jostle.app.simulate.settings import GROUP_RULES, RULES, Group, Settings
 from jostle.app.simulate.start import start
+
+TOML = "tomllib" if sys.version_info >= (3, 11) else "tomli"
+pytest.importorskip(TOML)
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
 
@@ -119,9 +122,12 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("drag = nan", "line 1: drag is nan; it must be a number from 0 to 1e+18"),
         (
             "gravity = [\n  0,\n  1,\n  2,\n]",
-            "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number from -1e+18 to 1e+18",
+            "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number",
         ),
-        ("n = 1\n\n[window]\nsize = [\n 0, 10]", "line 4: size is [0, 10]; it must be [width, height], each a whole number from 64 to 16,384"),
+        (
+            "n = 1\n\n[window]\nsize = [\n 0, 10]",
+            "line 4: size is [0, 10]; it must be [width, height], each a whole",
+        ),
         ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
         ("window = 3", "line 1: window is 3; it must be a table, [window]"),
         ("window.size = 3", "line 1: size is 3; it must be [width, height]"),
@@ -205,7 +211,7 @@ q = 1'''
     ],
 )
 def test_a_line_is_that_of_the_statement(key, line: int) -> None:
-    tomllib.loads(LINES)
+    importlib.import_module(TOML).loads(LINES)
     assert line_of(LINES, key) == line
     assert line_of(LINES.replace("\n", "\n# [x] = {\n"), key) >= line
 

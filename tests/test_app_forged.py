@@ -1,8 +1,8 @@
 """Scene files whose checksum is right and whose contents are not: refused, or they run.
 
-A checksum says that nothing was lost, not who wrote the file. So each field of valid files is set to
-values that no jostle writes, and the file is sealed again. The app must either refuse it in one
-sentence and go on with the scene that runs, or go on with the file: step, draw, save and load again.
+A checksum says that nothing was lost, not who wrote the file. So each field of valid files is set
+to values that jostle does not write, and the file is sealed again. The app must either refuse it in
+one sentence and keep the scene that runs, or go on with the file: step, draw, save and load again.
 `python tests/test_app_forged.py` tries every change instead of a sample; it takes many minutes.
 """
 
@@ -21,14 +21,14 @@ import pytest
 
 pytest.importorskip("pygame")
 
-import jostle  # noqa: E402
-from jostle.app.draw.shown import ColourBy, TreeView  # noqa: E402
-from jostle.app.draw.software import SoftwarePainter  # noqa: E402
-from jostle.app.session import Session  # noqa: E402
-from jostle.app.simulate.packing import blob, pack, seal, unpack, unseal  # noqa: E402
-from jostle.app.simulate.settings import Group, Settings  # noqa: E402
-from jostle.app.simulate.simulation import Pull, Wants  # noqa: E402
-from jostle.app.simulate.start import start  # noqa: E402
+import jostle
+from jostle.app.draw.shown import ColourBy, TreeView
+from jostle.app.draw.software import SoftwarePainter
+from jostle.app.session import Session
+from jostle.app.simulate.packing import blob, pack, seal, unpack, unseal
+from jostle.app.simulate.settings import Group, Settings
+from jostle.app.simulate.simulation import Pull, Wants
+from jostle.app.simulate.start import start
 
 SIZE = (160, 90)
 SAMPLE = 150  # changes that a test run tries

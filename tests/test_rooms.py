@@ -173,7 +173,9 @@ def imports(path: Path) -> Iterator[str]:
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
 def test_library_never_imports_the_app(path: Path) -> None:
     assert not [
-        name for name in imports(path) if re.match(r"jostle\.(app|bench|tune|cli|interrupt|tables)\b", name)
+        name
+        for name in imports(path)
+        if re.match(r"jostle\.(app|bench|tune|cli|interrupt|tables)\b", name)
     ]
 
 

@@ -15,7 +15,6 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-import jostle
 from jostle.app.draw.camera import Size
 from jostle.app.draw.shown import Shown
 from jostle.app.simulate.rules import (
@@ -26,10 +25,16 @@ from jostle.app.simulate.rules import (
     one_of,
     refusals,
     shorten,
-    unknown,
     whole,
 )
-from jostle.app.simulate.settings import RENDERERS, SETTINGS, TRUTH, Settings, settings_of
+from jostle.app.simulate.settings import (
+    RENDERERS,
+    SETTINGS,
+    TRUTH,
+    Settings,
+    settings_of,
+    unknown_scene,
+)
 
 LARGEST, SMALLEST = 16_384, 64  # pixels
 DEEPEST = 100  # brackets within each other
@@ -107,9 +112,8 @@ def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
     for key, why in refusals(entries, ENTRIES):
         name = next(part for part in reversed(key) if isinstance(part, str))
         yield key, f"{shorten(name)} {why}"
-    scenes = jostle.scenes.names()
-    if (scene := entries.get("scene", scenes[0])) not in scenes:
-        yield ("scene",), unknown(scene, "a scene", scenes)
+    if unheard := unknown_scene(entries.get("scene", Settings.scene)):
+        yield ("scene",), unheard
     if str(entries.get("method")).startswith("article-"):
         for name in OUR_RULES:
             if name in entries:

@@ -1,7 +1,7 @@
 """What values a setting or a file may have, and the sentence that refuses the others.
 
-A rule is a `Rule` for one value, `Fields` for named values, or `Many` for a list. `refusals` compares
-a value with a rule, whatever it was read from: the command line, TOML or a scene file.
+A rule is a `Rule` for one value, `Fields` for named values, or `Many` for a list. `refusals`
+compares values with a rule, whatever they were read from: the command line, TOML or a scene file.
 """
 
 from __future__ import annotations
@@ -143,7 +143,8 @@ def _dotted(key: Key) -> str:
 def real(low: float = -FARTHEST, high: float = FARTHEST) -> Rule:
     """Return the rule of a number between two others."""
     return Rule(
-        f"a number from {low:g} to {high:g}", lambda value: _is_number(value) and low <= value <= high
+        f"a number from {low:g} to {high:g}",
+        lambda value: _is_number(value) and low <= value <= high,
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import jostle
 from jostle.app.simulate.rules import (
     Fields,
     Many,
@@ -17,6 +18,7 @@ from jostle.app.simulate.rules import (
     real,
     rect,
     require,
+    unknown,
     whole,
 )
 
@@ -119,8 +121,16 @@ SETTINGS = Fields({**RULES, "particles": GROUPS}, "a setting", complete=False)
 def settings_of(facts: Mapping[str, Any]) -> Settings:
     """Return settings from their fields, as JSON and TOML give them; a ValueError says why not."""
     require(facts, SETTINGS)
+    if why := unknown_scene(facts.get("scene", Settings.scene)):
+        raise ValueError(why)
     groups = tuple(map(_group_of, facts.get("particles", ())))
     return Settings(**{**_tidy(facts), "particles": groups})
+
+
+def unknown_scene(name: str) -> str | None:
+    """Return why a scene is refused, or None."""
+    names = jostle.scenes.names()
+    return None if name in names else unknown(name, "a scene", names)
 
 
 def _group_of(facts: Mapping[str, Any]) -> Group:
