@@ -504,8 +504,8 @@ def test_a_file_that_cannot_be_written_is_one_sentence(
     ("arguments", "words"),
     [
         (["nowhere"], "there is no scene 'nowhere'; the scenes are article, gas"),
-        (["gas", "--n", "0"], "--n is 0; it must be at least 1"),
-        (["gas", "--n", "3000000"], "--n is 3000000; it must be at most 2,000,000"),
+        (["gas", "--n", "0"], "-n is 0; it must be a whole number from 1 to 2,000,000"),
+        (["gas", "--n", "3000000"], "-n is 3000000; it must be a whole number from 1"),
         (["gas", "--n", "few"], "Invalid value for '-n'"),
         (["gas", "--rounds", "0"], "--rounds is 0"),
         (["gas", "--threads", "0"], "--threads is 0"),
