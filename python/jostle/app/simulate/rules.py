@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 FARTHEST = 1e18  # the largest coordinate, velocity and force of the library
+SMALLEST = 1e-6  # the shortest side of a view, as a share of its coordinates
 LONGEST = 60  # characters of a value that a sentence shows
 
 Key = tuple[str | int, ...]  # names of fields, and numbers within lists
@@ -189,15 +190,16 @@ def range_of(low: float, high: float = FARTHEST) -> Rule:
     )
 
 
-def rect(*, empty: bool = False) -> Rule:
-    """Return the rule of a rectangle; `empty` allows sides of length 0."""
-    corners = each(real(), "min_x", "min_y", "max_x", "max_y")
+def rect(farthest: float = FARTHEST, *, least: float = SMALLEST) -> Rule:
+    """Return the rule of a rectangle; `least` is the shortest side, as a share of coordinates."""
+    corners = each(real(-farthest, farthest), "min_x", "min_y", "max_x", "max_y")
 
     def fits(value: Any) -> bool:
         if not corners.fits(value):
             return False
-        (x0, y0, x1, y1) = value
-        return bool(x0 <= x1 and y0 <= y1 if empty else x0 < x1 and y0 < y1)
+        x0, y0, x1, y1 = value
+        shortest = least * max(1.0, *map(abs, value))
+        return bool(x1 - x0 >= shortest and y1 - y0 >= shortest)
 
     return Rule(f"{corners.words}, the smaller ones first", fits)
 

@@ -102,7 +102,7 @@ RULES: dict[str, Rule] = {
 
 GROUP_RULES: dict[str, Rule] = {
     "count": PARTICLES,
-    "region": or_none(rect(empty=True)),
+    "region": or_none(rect(least=0.0)),
     "radius": range_of(1e-6),
     "density": range_of(1e-6),
     "velocity": each(real(), "x", "y"),

@@ -19,13 +19,25 @@ from jostle.app.simulate.checking import (
 from jostle.app.simulate.columns import Columns
 from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.packing import blob, pack, unpack
-from jostle.app.simulate.rules import Fields, Rule, one_of, or_none, real, require, shown
+from jostle.app.simulate.rules import (
+    FARTHEST,
+    Fields,
+    Rule,
+    one_of,
+    or_none,
+    real,
+    rect,
+    require,
+    shown,
+)
 from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settings, settings_of
 from jostle.app.simulate.simulation import Rect
 from jostle.app.simulate.walls import Home
 
+# A scene may be scaled by up to 100, and its view then still has to be a view.
+HOME_RECT = rect(FARTHEST / 1_000)
 HOME = Fields(
-    {"view": VIEW, "rect": VIEW, "kind": one_of(*CONTAINERS), "n": or_none(PARTICLES)},
+    {"view": HOME_RECT, "rect": HOME_RECT, "kind": one_of(*CONTAINERS), "n": or_none(PARTICLES)},
 )
 EMITTERS = Rule(
     "[cap, emitted, debt], two whole numbers and one from 0 to 1",
