@@ -242,6 +242,7 @@ class ArticleSimulation:
     ) -> Tags:
         """Add particles, on whole numbers as the article has them; all of them can move."""
         places = np.asarray(positions, np.float64).reshape(-1, 2)
+        within("positions", places, -FARTHEST, FARTHEST)
         n = len(places)
         rows = zip(
             places.tolist(),
