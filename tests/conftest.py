@@ -13,6 +13,7 @@ BESIDE_THE_LIBRARY = [
     "test_cli.py",
     "test_emitters.py",
     "test_examples.py",
+    "test_interrupt.py",
     "test_rooms.py",
     "test_tune.py",
 ]

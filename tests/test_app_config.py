@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -11,15 +13,19 @@ import pytest
 pytest.importorskip("pygame")
 
 from jostle.app.draw.shown import ColourBy, Shown, TreeView
+from jostle.app.keep import config
 from jostle.app.keep.config import (
     WINDOW_RULES,
     Config,
     ConfigError,
-    lines_of,
+    line_of,
     read_config,
 )
 from jostle.app.simulate.settings import GROUP_RULES, RULES, Group, Settings
 from jostle.app.simulate.start import start
+
+TOML = "tomllib" if sys.version_info >= (3, 11) else "tomli"
+pytest.importorskip(TOML)
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
 
@@ -113,26 +119,29 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("n = true", "scene.toml, line 1: n is true; it must be a whole number from 0 to"),
         ("n = 1.5", "line 1: n is 1.5; it must be a whole number"),
         ("n = -1", "line 1: n is -1; it must be a whole number"),
-        ("drag = nan", "line 1: drag is nan; it must be a number of at least 0"),
+        ("drag = nan", "line 1: drag is nan; it must be a number from 0 to 1e+18"),
         (
             "gravity = [\n  0,\n  1,\n  2,\n]",
-            "line 1: gravity is [0, 1, 2]; it must be two finite numbers",
+            "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number",
         ),
-        ("n = 1\n\n[window]\nsize = [\n 0, 10]", "line 4: size is [0, 10]; it must be two whole"),
+        (
+            "n = 1\n\n[window]\nsize = [\n 0, 10]",
+            "line 4: size is [0, 10]; it must be [width, height], each a whole",
+        ),
         ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
-        ("window = 3", "line 1: window is written as a table, [window]"),
-        ("window.size = 3", "line 1: size is 3; it must be two whole"),
+        ("window = 3", "line 1: window is 3; it must be a table, [window]"),
+        ("window.size = 3", "line 1: size is 3; it must be [width, height]"),
         ("[shown]\ntrees = true", "line 2: trees is not something to show; did you mean tree?"),
         ("[shown]\ntree = true", "line 2: tree is true; it must be one of off, outline,"),
         ('[shown]\nlabels = "yes"', "line 2: labels is 'yes'; it must be true or false"),
-        ("particles = 3", "line 1: particles is written as [[particles]]"),
+        ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),
         (
             "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
             "line 5: colour is not a property of particles; did you mean count?",
         ),
-        ("[[particles]]\nradius = [3, 1]", "line 2: radius is [3, 1]; it must be a number of at"),
+        ("[[particles]]\nradius = [3, 1]", "line 2: radius is [3, 1]; it must be a number from"),
         ("[[particles]]\nregion = [0, 0, -1, 1]", "line 2: region is [0, 0, -1, 1]; it must be"),
-        ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be two finite numbers"),
+        ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be [x, y]"),
         (
             'method = "article-quadtree"\ngravity = [0, 1]',
             "line 2: gravity cannot be set here: the article's rules are fixed",
@@ -161,32 +170,103 @@ def test_a_file_that_is_no_text(tmp_path: Path) -> None:
         read_config(tmp_path / "missing.toml")
 
 
-def test_lines_are_those_of_the_statements() -> None:
-    text = '''a = """
+LINES = '''a = """
 b = 1
 [c]
 """
-b = [ # not the end
+b = [ # not = the "end"
   [1, 2],
 ]
-[c.d]
-"e f".g = 1
-h = {i = 2}
+[c.d] # = [x]
+"e f".g = {i = 2, "j.=" = "}"}
+h = \'\'\'
+[k]\'\'\'\'\'
 [[k]]
-[[k]]
-l = 1'''
-    assert lines_of(text) == {
-        ("a",): 1,
-        ("b",): 5,
-        ("c", "d"): 8,
-        ("c", "d", "e f"): 9,
-        ("c", "d", "e f", "g"): 9,
-        ("c", "d", "h"): 10,
-        ("c", "d", "h", "i"): 10,
-        ("k", 0): 11,
-        ("k", 1): 12,
-        ("k", 1, "l"): 13,
-    }
+[[ "k" ]]
+l = [{m = 1}, # [
+  {m = 2}]
+[k.n]
+o = 1
+[[k.p]]
+q = 1'''
+
+
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        (("a",), 1),
+        (("b",), 5),
+        (("c",), 8),
+        (("c", "d"), 8),
+        (("c", "d", "e f", "g"), 9),
+        (("c", "d", "e f", "g", "j.="), 9),
+        (("c", "d", "h"), 10),
+        (("k", 0), 12),
+        (("k", 1), 13),
+        (("k", 1, "l"), 14),
+        (("k", 1, "l", 1, "m"), 14),
+        (("k", 1, "n"), 16),
+        (("k", 1, "n", "o"), 17),
+        (("k", 1, "p", 0, "q"), 19),
+    ],
+)
+def test_a_line_is_that_of_the_statement(key, line: int) -> None:
+    importlib.import_module(TOML).loads(LINES)
+    assert line_of(LINES, key) == line
+    assert line_of(LINES.replace("\n", "\n# [x] = {\n"), key) >= line
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("seed = 1\nn = 1" + "0" * 400, "line 2: n is 1000000000000"),
+        ("n = 0x1" + "0" * 900, "line 1: n is 51048665"),
+        ("n = 1" + "0" * 5_000, "line 1: a key or a value has more than 1,000 characters"),
+        ("gravity = [1, 1" + "0" * 400 + "]", "line 1: gravity is [1, 10000"),
+        ("# [[[\nn = " + "[" * 3_000, "line 2: more than 100 brackets are open"),
+        ("n = " + "{a=" * 3_000, "line 1: more than 100 brackets are open"),
+        ("n = 1\na" + ".a" * 100_000 + " = 1", "line 2: a key or a value has more than"),
+        ("[a" + ' . "a"' * 100_000 + "]", "line 1: a key or a value has more than"),
+        ('"' + "x" * 10_000 + '" = 1', "is not a setting; there are scene, n,"),
+        ('"line\\nbreak" = 1', r"line 1: 'line\nbreak' is not a setting"),
+        ('scene = "' + "x" * 10_000 + '"', "x… is not a scene; there are"),
+        ("[[particles]]\n" * 1_001, "line 1: particles has 1,001 entries; there may be at most"),
+        ("drag = 1e400", "line 1: drag is inf; it must be a number"),
+        ('a = """\n\\', "scene.toml, line 2: "),
+    ],
+    ids=map(str, range(14)),
+)
+def test_what_is_too_much_is_refused_in_one_sentence(
+    tmp_path: Path, text: str, sentence: str
+) -> None:
+    said = refusal(tmp_path, text)
+    assert sentence in said
+    assert said.startswith("scene.toml, line ") and len(said) < 400 and "\n" not in said
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "n = [\n" + "1,\n" * 20_000 + "]",
+        "[[particles]]\n" * 5_000 + "colour = 1",
+        "k = 1\n[a]\n" + "".join(f"k{i} = 1\n" for i in range(5_000)),
+        'a = "\\"""' * 1_000 + '"""\\' * 10_000,
+    ],
+    ids=["one list", "many groups", "many keys", "strings that do not end"],
+)
+def test_no_part_of_a_file_is_read_often(tmp_path: Path, monkeypatch, text: str) -> None:
+    """The reader gets the file once, and a line is found by single keys."""
+    toml = config._reader()
+    loads, read = toml.loads, 0
+
+    def counted(text: str, **options: object) -> object:
+        nonlocal read
+        read += len(text)
+        return loads(text, **options)
+
+    monkeypatch.setattr(toml, "loads", counted)
+    assert "scene.toml, line " in refusal(tmp_path, text)
+    assert read <= 2 * len(text)
 
 
 def test_the_mark_that_some_editors_put_first_is_no_mistake(tmp_path: Path) -> None:

@@ -431,3 +431,56 @@ def test_an_edit_beside_the_window_shows_without_another(paused: bool, monkeypat
     job.exception(30)
     hands.frames(1)
     assert len(hands.session.frame) == 1
+
+
+# ---- what goes on for ever -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", BOTH)
+def test_a_key_held_for_ever_and_a_point_beyond_the_world_end_in_a_sentence(make) -> None:
+    session = Hands(make([(200, 250), (600, 250)])).session
+    for _ in range(900):
+        session.gravity.scale(3.0)
+    assert "gravity" in session.notice or "fixed" in session.notice
+    for point in ((1e300, -1e300), (0.0, 1e19)):
+        session.deeds.create(point)
+        session.deeds.wall((0.0, 0.0), point)
+        session.pulls.place(point)
+        session.pulls.pull_to(point)
+        session.advance(FRAME)
+    assert len(session.pulls.placed) == 2
+    assert (abs(session.frame.positions) <= 1e18).all()
+
+
+def test_the_app_writes_into_no_column_that_a_world_returns() -> None:
+    """They are copies, and may be read-only."""
+    world = jostle.scenes.create("gas", n=5)
+    columns = [name for name in dir(type(world)) if isinstance(getattr(world, name), np.ndarray)]
+    assert {"positions", "radii"} <= set(columns)
+
+    class ReadOnly:
+        def __getattr__(self, name: str) -> object:
+            value = getattr(world, name)
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+            return value
+
+        def __setattr__(self, name: str, value: object) -> None:
+            setattr(world, name, value)
+
+        def __len__(self) -> int:
+            return len(world)
+
+    simulation = WorldSimulation(Settings("gas", 5), VIEW, ReadOnly)
+    session = Hands(simulation).session
+    session.deeds.create((50.0, 50.0))
+    session.deeds.clone(session.frame.tags[:2])
+    session.deeds.stop(session.frame.tags[:1])
+    session.deeds.fix(session.frame.tags[1:2], movable=False)
+    session.adjust("world_size", 1.5)
+    session.adjust("n", 3)
+    session.deeds.scramble()
+    session.deeds.dance()
+    for _ in range(3):
+        session.advance(FRAME)
+    assert "read-only" not in session.notice and len(session.frame) == 4

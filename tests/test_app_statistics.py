@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -284,6 +285,7 @@ def test_lines_of_energy_begin_where_the_rules_changed() -> None:
 
 
 def run(session: Session, seconds: float) -> None:
+    session.engine.short = math.inf  # no step is made in a thread, which may be slow
     for _ in range(round(seconds / FRAME)):
         session.now += FRAME
         session.advance(FRAME)

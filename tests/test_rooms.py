@@ -146,7 +146,7 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 # ---- the Python package --------------------------------------------------------------------------
 
-COMMAND = {"cli.py", "tables.py"}
+COMMAND = {"cli.py", "interrupt.py", "tables.py"}
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
 # The files of the app that act on a simulation; all others look at it.
 ACTING = {
@@ -173,7 +173,9 @@ def imports(path: Path) -> Iterator[str]:
 @pytest.mark.parametrize("path", LIBRARY, ids=names_of(LIBRARY, PACKAGE))
 def test_library_never_imports_the_app(path: Path) -> None:
     assert not [
-        name for name in imports(path) if re.match(r"jostle\.(app|bench|tune|cli|tables)\b", name)
+        name
+        for name in imports(path)
+        if re.match(r"jostle\.(app|bench|tune|cli|interrupt|tables)\b", name)
     ]
 
 

@@ -22,7 +22,17 @@ except ImportError as missing:
     raise SystemExit("jostle: " + _INSTALL.format(missing.name)) from None
 
 import jostle
-from jostle.app.simulate.settings import METHODS, RENDERERS, Settings
+from jostle import interrupt
+from jostle.app.simulate.rules import Rule, check, one_of, whole
+from jostle.app.simulate.settings import (
+    METHODS,
+    RENDERERS,
+    RULES,
+    SEED,
+    STEPS,
+    THREADS,
+    Settings,
+)
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
 
@@ -30,8 +40,9 @@ if TYPE_CHECKING:
     from jostle.app.keep.config import Config
 
 DEFAULT_SCENE = "mixed"
-MOST_PARTICLES = 100_000_000
-MOST_TUNED = 2_000_000
+TUNED = whole(1, 2_000_000)  # particles
+RACED = whole(10, 10_000_000)  # shapes
+ROUNDS = whole(1, 1_000)
 
 app = typer.Typer(
     help="A quadtree that finds every touching pair, and a particle simulator on top of it.",
@@ -107,22 +118,20 @@ def run(
     """Run a scene in a window, or as a film where there is no display."""
     if scene is not None:
         _check_scene(scene)
-    _check_method(method or METHODS[0], leaf_capacity, max_depth)
-    _check_range("-n", n, 0, MOST_PARTICLES)
-    _check_range("--leaf-capacity", leaf_capacity, 1, 2**31 - 1)
-    _check_range("--max-depth", max_depth, 0, 2**31 - 1)
-    _check_range("--seed", seed, 0, 2**63 - 1)
-    _check_range("--steps", steps, 1, 2**31 - 1)
-    _check_renderer(renderer)
-    _check_extra()
-    wishes = _config(config)
     options: dict[str, Any] = {
         **{"scene": scene, "n": n, "seed": seed, "method": method},
         **{"leaf_capacity": leaf_capacity, "max_depth": max_depth},
     }
     given = {name: value for name, value in options.items() if value is not None}
+    for name, value in given.items():
+        _check(name, value, RULES[name])
+    _check("steps", steps, STEPS)
+    _check("renderer", renderer, one_of(*RENDERERS))
+    _check_extra()
+    wishes = _config(config)
     settings = replace(wishes.settings, **given)
-    _check_method(settings.method, settings.leaf_capacity, settings.max_depth)
+    if settings.by_article and not settings.leaf_capacity is settings.max_depth is None:
+        _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
     why_no_window = None
     if not headless:
         why_no_window = (
@@ -158,7 +167,8 @@ def tour(
             _refuse(f"there is no stop {name!r}; the stops are {', '.join(names())}")
     _check_folder(out)
     try:
-        show_tour(out, only or [], films=not stills, console=console)
+        with interrupt.raised():
+            show_tour(out, only or [], films=not stills, console=console)
     except OSError as error:
         _refuse(f"the tour could not be written: {str(error).splitlines()[0]}")
 
@@ -184,10 +194,10 @@ def tune(
 ) -> None:
     """Find out which settings suit a scene: leaf capacity, depth, world size, particles."""
     _check_scene(scene)
-    _check_range("--n", n, 1, MOST_TUNED)
-    _check_range("--rounds", rounds, 1, 1000)
-    _check_range("--threads", threads, 1, 1024)
-    _check_range("--seed", seed, 0, 2**63 - 1)
+    _check("n", n, TUNED)
+    _check("rounds", rounds, ROUNDS)
+    _check("threads", threads, THREADS)
+    _check("seed", seed, SEED)
     if importlib.util.find_spec("matplotlib") is None:
         _refuse(_INSTALL.format("matplotlib"))
     from jostle.tune import command
@@ -197,18 +207,19 @@ def tune(
     for path in command.files(scene, work, out):
         _check_file("--out", path)
     try:
-        finished = command.tune(
-            *(scene, n, out, console),
-            work=work,
-            threads=threads,
-            rounds=rounds,
-            quick=quick,
-            seed=seed,
-        )
+        with interrupt.raised():
+            finished = command.tune(
+                *(scene, n, out, console),
+                work=work,
+                threads=threads,
+                rounds=rounds,
+                quick=quick,
+                seed=seed,
+            )
     except OSError as error:
         _refuse(f"the tuning could not be written: {str(error).splitlines()[0]}")
     if not finished:
-        raise typer.Exit(130)
+        raise typer.Exit(interrupt.CODE)
 
 
 @app.command()
@@ -228,17 +239,18 @@ def bench(
     """Race jostle against the libraries that are installed, on this machine."""
     from jostle.bench import command
 
-    _check_range("-n", n, 10, 10_000_000)
-    _check_range("--rounds", rounds, 1, 1_000)
-    _check_range("--threads", threads, 1, 1_024)
+    _check("n", n, RACED)
+    _check("rounds", rounds, ROUNDS)
+    _check("threads", threads, THREADS)
     if csv is not None:
         _check_new_file("--csv", csv)
     try:
-        finished = command.bench(n, rounds, sorted({1, threads}), csv, console)
+        with interrupt.raised():
+            finished = command.bench(n, rounds, sorted({1, threads}), csv, console)
     except OSError as error:
         _refuse(f"the figures could not be written: {str(error).splitlines()[0]}")
     if not finished:
-        raise typer.Exit(130)
+        raise typer.Exit(interrupt.CODE)
 
 
 def _config(path: Path | None) -> Config:
@@ -272,7 +284,8 @@ def _show(settings: Settings, steps: int | None, renderer: str, wishes: Config) 
     except pygame.error as error:
         return str(error)
     wishes.show(window.session.shown)
-    window.run()
+    with interrupt.raised():
+        window.run()
     return None
 
 
@@ -288,15 +301,16 @@ def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> N
 
     simulation = _start(settings)
     try:
-        film = make_film(
-            *(simulation, steps or default_steps(simulation), out, console),
-            size=wishes.size or SIZE,
-            shown=shown,
-        )
+        with interrupt.raised():
+            film = make_film(
+                *(simulation, steps or default_steps(simulation), out, console),
+                size=wishes.size or SIZE,
+                shown=shown,
+            )
     except OSError as error:
         _refuse(f"the film could not be written: {str(error).splitlines()[0]}")
     except KeyboardInterrupt:
-        console.print(f"Stopped. What was filmed so far is in {out}.")
+        console.print(f"Stopped. What was filmed so far, if anything, is in {out}.")
         raise
     console.print(report(simulation, film, settings))
     console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
@@ -327,25 +341,11 @@ def _check_scene(scene: str) -> None:
         _refuse(f"there is no scene {scene!r}; {hint}the scenes are {', '.join(names)}")
 
 
-def _check_method(method: str, leaf_capacity: int | None, max_depth: int | None) -> None:
-    if method not in METHODS:
-        _refuse(f"--method is {method!r}; it must be one of {', '.join(METHODS)}")
-    if method.startswith("article-") and not leaf_capacity is max_depth is None:
-        _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
-
-
-def _check_renderer(renderer: str | None) -> None:
-    if renderer is not None and renderer not in RENDERERS:
-        _refuse(f"--renderer is {renderer!r}; it must be one of {', '.join(RENDERERS)}")
-
-
-def _check_range(name: str, value: int | None, least: int, most: int) -> None:
-    if value is None:
-        return
-    if value < least:
-        _refuse(f"{name} is {value}; it must be at least {least}")
-    if value > most:
-        _refuse(f"{name} is {value}; it must be at most {most:,}")
+def _check(name: str, value: object, rule: Rule) -> None:
+    """Refuse an option that is given and breaks its rule."""
+    option = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
+    if value is not None and (refusal := check(option, value, rule)):
+        _refuse(refusal)
 
 
 def _check_folder(out: Path, *, make: bool = True) -> None:
@@ -405,6 +405,22 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # what it has no letter for becomes "?"
             stream.reconfigure(errors="replace")
+    with interrupt.handled():
+        code = _exit_code()
+    sys.exit(code)
+
+
+def command() -> None:
+    """Run `main` as a process; after Ctrl-C it ends even where threads are still at work."""
+    try:
+        main()
+    except SystemExit as end:
+        if end.code == interrupt.CODE:
+            interrupt.leave()
+        raise
+
+
+def _exit_code() -> int:
     # The base class of every complaint about arguments; which package holds it depends on
     # typer's version.
     complaint: type[Exception] = typer.BadParameter.__mro__[2]
@@ -413,11 +429,11 @@ def main() -> None:
     except complaint as error:
         if sentence := error.format_message():  # type: ignore[attr-defined]
             print(f"jostle: {sentence}", file=sys.stderr)
-        code = 2
+        return 2
     except (typer.Abort, KeyboardInterrupt):
-        code = 130
-    sys.exit(code if isinstance(code, int) else 0)
+        return interrupt.CODE
+    return code if isinstance(code, int) else 0
 
 
 if __name__ == "__main__":
-    main()
+    command()

@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from jostle import interrupt
 from jostle.app.draw.camera import Camera, Size
 from jostle.app.draw.picture import Picture
 from jostle.app.draw.readout import SPACE, Readout
@@ -89,6 +90,7 @@ def make_film(
     with Recorder(video, size, FRAMES_A_SECOND) as recorder, _progress(console) as progress:
         task = progress.add_task(f"filming {name}", total=steps)
         for step in range(steps + 1):
+            interrupt.check()
             if step:
                 engine.step()
                 spent += engine.last_seconds

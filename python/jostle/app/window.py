@@ -9,6 +9,7 @@ from contextlib import ExitStack
 
 import pygame
 
+from jostle import interrupt
 from jostle.app.act.input import Input
 from jostle.app.draw.backdrop import Backdrop
 from jostle.app.draw.camera import Camera, Size
@@ -90,11 +91,15 @@ class Window:
         clock, last = pygame.time.Clock(), time.perf_counter()
         try:
             while self.session.open:
+                interrupt.check()
                 clock.tick(FRAMES_A_SECOND if self._seen else FRAMES_UNSEEN)
                 self._rate = clock.get_fps() or None
                 now = time.perf_counter()  # the clock's own answer is in whole milliseconds
                 self.frame(now - last)
                 last = now
+        except KeyboardInterrupt:
+            self.session.engine.abandon()  # a step may take many seconds
+            raise
         finally:
             self.close()
 
@@ -231,10 +236,11 @@ class Window:
         if not self._lively and self._since_panels < PANELS_EVERY:
             self.gui.again()
             return
-        self.gui.begin(self._since_panels, self.screen.size, self.screen.scale)
-        for build in self.builders:
-            build(self.session, self.gui)
-        self.gui.end()
+        with interrupt.held():  # ImGui does not survive a frame that is broken off
+            self.gui.begin(self._since_panels, self.screen.size, self.screen.scale)
+            for build in self.builders:
+                build(self.session, self.gui)
+            self.gui.end()
         self._lively, self._since_panels = max(self._lively - 1, 0), 0.0
 
 

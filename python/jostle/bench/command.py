@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from jostle import interrupt
 from jostle.bench import pairs, steps
 from jostle.bench.machine import Results, Row, describe, version_of
 from jostle.tables import print_whole
@@ -100,7 +101,8 @@ def _run(
                 ):
                     rows += group
                     if results:
-                        results.add([_kept(race, row) for row in group])
+                        with interrupt.held():  # no row is written in part
+                            results.add([_kept(race, row) for row in group])
                     bar.advance(task)
             except KeyboardInterrupt:
                 return False

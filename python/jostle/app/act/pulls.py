@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.rules import FARTHEST
 from jostle.app.simulate.simulation import Frame, Point, Pull, Simulation, Tags
 
 STRENGTH = 4.0  # 1/s²: what starts at rest is there after three quarters of a second
@@ -32,13 +33,13 @@ class Pulls:
     def pull_to(self, point: Point | None) -> None:
         """Pull everything to a point as long as this is called; None lets go."""
         ended = point is None and self._cursor is not None
-        self._cursor = point
+        self._cursor = point and _within_reach(point)
         if ended:
             self._engine.edit(self.apply)
 
     def place(self, point: Point, strength: float = STRENGTH) -> None:
         """Put an attractor at a place."""
-        self._set((*self.placed, Pull(strength, point)))
+        self._set((*self.placed, Pull(strength, _within_reach(point))))
 
     def near(self, point: Point, reach: float) -> Pull | None:
         """Return the attractor at a place, if there is one within reach."""
@@ -98,3 +99,9 @@ class Pulls:
     def _set(self, pulls: tuple[Pull, ...]) -> None:
         self.placed = pulls
         self._engine.edit(self.apply)
+
+
+def _within_reach(point: Point) -> Point:
+    """Return the nearest point that a world can have: a camera may look farther."""
+    x, y = (min(max(side, -FARTHEST), FARTHEST) for side in point)
+    return x, y

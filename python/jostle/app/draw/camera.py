@@ -115,9 +115,9 @@ class Camera:
         return self._at_home
 
     def aim(self, center: Point, scale: float) -> None:
-        """Show the surroundings of a world point, at a scale."""
+        """Show the surroundings of a world point, at a scale within the limits of the zoom."""
         self._at_home = False
-        self.center, self.scale = center, scale
+        self.center, self.scale = center, self._limited(scale)
 
     def on(self, size: Size) -> Camera:
         """Return a camera that shows the same on a screen of another size, without a readout."""
@@ -163,13 +163,16 @@ class Camera:
         """Scale by `factor`; the world point under `pixel` stays there."""
         self._at_home = False
         before = self.to_world(pixel)
-        low, high = self._fit_scale * ZOOM_OUT_LIMIT, self._fit_scale * ZOOM_IN_LIMIT
-        self.scale = min(max(self.scale * factor, low), high)
+        self.scale = self._limited(self.scale * factor)
         after = self.to_world(pixel)
         self.center = (
             self.center[0] + before[0] - after[0],
             self.center[1] + before[1] - after[1],
         )
+
+    def _limited(self, scale: float) -> float:
+        low, high = self._fit_scale * ZOOM_OUT_LIMIT, self._fit_scale * ZOOM_IN_LIMIT
+        return min(max(scale, low), high)
 
     def rect_to_screen(self, rect: Rect) -> Rect:
         """Return a world rectangle in pixels."""

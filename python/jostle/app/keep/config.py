@@ -1,28 +1,44 @@
 """A scene described in a TOML file, for `jostle run --config`; docs/files.md lists its entries.
 
-Entries that are unknown or wrong are refused by name and line. TOML's own reader gives no lines, so
-they are found by reading statement after statement: a statement ends where it can be read alone.
+Entries that are unknown or wrong are refused by name and line. Reading and finding a line take time
+in proportion to the length of the file.
 """
 
 from __future__ import annotations
 
 import importlib
+import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
-import jostle
 from jostle.app.draw.camera import Size
 from jostle.app.draw.shown import Shown
-from jostle.app.simulate.rules import Rule, check, one_of, unknown, whole
-from jostle.app.simulate.settings import GROUP_RULES, RENDERERS, RULES, TRUTH, Settings, settings_of
-
-Key = tuple[str | int, ...]  # names of tables, and numbers within arrays of tables
+from jostle.app.simulate.rules import (
+    Fields,
+    Key,
+    Rule,
+    each,
+    one_of,
+    refusals,
+    shorten,
+    whole,
+)
+from jostle.app.simulate.settings import (
+    RENDERERS,
+    SETTINGS,
+    TRUTH,
+    Settings,
+    settings_of,
+    unknown_scene,
+)
 
 LARGEST, SMALLEST = 16_384, 64  # pixels
+DEEPEST = 100  # brackets within each other
+LONGEST = 1_000  # characters of a key or a number
 
 # What the article's programs have no choice of.
 OUR_RULES = (
@@ -31,16 +47,24 @@ OUR_RULES = (
 )
 
 WINDOW_RULES: dict[str, Rule] = {
-    "size": Rule(
-        f"two whole numbers [width, height] from {SMALLEST} to {LARGEST:,}",
-        lambda value: (
-            isinstance(value, list)
-            and len(value) == 2
-            and all(whole(SMALLEST, LARGEST).fits(side) for side in value)
-        ),
-    ),
+    "size": each(whole(SMALLEST, LARGEST), "width", "height"),
     "renderer": one_of(*RENDERERS),
 }
+SHOWN_RULES: dict[str, Rule] = {
+    switch.name: one_of(*(kind.name.lower() for kind in type(switch.default)))
+    if isinstance(switch.default, Enum)
+    else TRUTH
+    for switch in fields(Shown)
+}
+ENTRIES = Fields(
+    {
+        **SETTINGS.rules,
+        "window": Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", complete=False),
+        "shown": Fields(SHOWN_RULES, "something to show", "a table, [shown]", complete=False),
+    },
+    SETTINGS.what,
+    complete=False,
+)
 
 
 class ConfigError(ValueError):
@@ -65,18 +89,13 @@ class Config:
 
 def read_config(path: Path) -> Config:
     """Return what a file says; a ConfigError or an OSError says why it cannot be taken."""
-    toml = _reader()
     try:
         text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
-        entries = toml.loads(text)
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path.name} is not a text in UTF-8") from error
-    except toml.TOMLDecodeError as error:
-        raise ConfigError(_syntax(path.name, text, str(error))) from error
+    entries = _parsed(path.name, text)
     for key, refusal in _refusals(entries):
-        line = lines_of(text).get(key)
-        where = f"{path.name}, line {line}" if line else path.name
-        raise ConfigError(f"{where}: {refusal}")
+        raise ConfigError(f"{path.name}, line {line_of(text, key)}: {refusal}")
     window, shown = entries.pop("window", {}), entries.pop("shown", {})
     size = window.get("size")
     return Config(
@@ -88,117 +107,142 @@ def read_config(path: Path) -> Config:
     )
 
 
-def lines_of(text: str) -> dict[Key, int]:
-    """Return the line, from 1, on which each key of a text in TOML is set."""
-    toml, lines, found = _reader(), text.split("\n"), dict[Key, int]()
-    table: Key = ()
-    start = 0
-    for end in range(1, len(lines) + 1):
-        try:
-            entries = toml.loads("\n".join(lines[start:end]))
-        except toml.TOMLDecodeError:
-            continue  # a value goes on in the next line
-        if entries and lines[start].lstrip().startswith("["):
-            table = _table(entries, found)
-            found[table] = start + 1
-        else:
-            for key in _paths(entries):
-                found[table + key] = start + 1
-        start = end
-    return found
-
-
-def _table(entries: Mapping[str, Any], found: Mapping[Key, int]) -> Key:
-    """Return which table a line such as [a.b] or [[a]] begins."""
-    key: Key = ()
-    inner: Any = entries
-    while inner:
-        (name,) = inner
-        key, inner = (*key, name), inner[name]
-        if isinstance(inner, list):  # one more of an array of tables
-            number = 0
-            while (*key, number) in found:
-                number += 1
-            return (*key, number)
-    return key
-
-
-def _paths(entries: Mapping[str, Any]) -> Iterator[Key]:
-    """Return every key of nested tables, the outer ones before the inner ones."""
-    for name, value in entries.items():
-        yield (name,)
-        if isinstance(value, Mapping):
-            for key in _paths(value):
-                yield (name, *key)
-
-
 def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
-    """Return what is wrong, each with its key."""
-    known = (*RULES, "particles", "window", "shown")
-    for name, value in entries.items():
-        if name in RULES:
-            yield from _refusal((name,), value, RULES[name])
-        elif name not in known:
-            yield (name,), unknown(name, "a setting", known)
-    scenes = jostle.scenes.names()
-    if (scene := entries.get("scene", scenes[0])) not in scenes:
-        yield ("scene",), unknown(str(scene), "a scene", scenes)
+    """Yield what is wrong, each with its key."""
+    for key, why in refusals(entries, ENTRIES):
+        name = next(part for part in reversed(key) if isinstance(part, str))
+        yield key, f"{shorten(name)} {why}"
+    if unheard := unknown_scene(entries.get("scene", Settings.scene)):
+        yield ("scene",), unheard
     if str(entries.get("method")).startswith("article-"):
         for name in OUR_RULES:
             if name in entries:
                 yield (name,), f"{name} cannot be set here: the article's rules are fixed"
-    groups = entries.get("particles", [])
-    if not isinstance(groups, list) or not all(isinstance(group, dict) for group in groups):
-        yield ("particles",), "particles is written as [[particles]], once for each group"
-    else:
-        for number, group in enumerate(groups):
-            yield from _wrong(("particles", number), group, GROUP_RULES, "a property of particles")
-    yield from _section(entries, "window", WINDOW_RULES, "an entry of [window]")
-    yield from _section(entries, "shown", _shown_rules(), "something to show")
-
-
-def _section(
-    entries: Mapping[str, Any], name: str, rules: Mapping[str, Rule], what: str
-) -> Iterator[tuple[Key, str]]:
-    section = entries.get(name, {})
-    if not isinstance(section, dict):
-        yield (name,), f"{name} is written as a table, [{name}]"
-    else:
-        yield from _wrong((name,), section, rules, what)
-
-
-def _wrong(
-    key: Key, entries: Mapping[str, Any], rules: Mapping[str, Rule], what: str
-) -> Iterator[tuple[Key, str]]:
-    for name, value in entries.items():
-        if name in rules:
-            yield from _refusal((*key, name), value, rules[name])
-        else:
-            yield (*key, name), unknown(name, what, rules)
-
-
-def _refusal(key: Key, value: object, rule: Rule) -> Iterator[tuple[Key, str]]:
-    refusal = check(str(key[-1]), value, rule)
-    if refusal:
-        yield key, refusal
-
-
-def _shown_rules() -> dict[str, Rule]:
-    """Return what each switch may be: true or false, or one of its kinds in lower case."""
-    rules = {}
-    for switch in fields(Shown):
-        default = switch.default
-        rules[switch.name] = (
-            one_of(*(kind.name.lower() for kind in type(default)))
-            if isinstance(default, Enum)
-            else TRUTH
-        )
-    return rules
 
 
 def _switch(name: str, value: Any) -> Any:
     default = getattr(Shown(), name)
     return type(default)[value.upper()] if isinstance(default, Enum) else value
+
+
+# ---- TOML ----------------------------------------------------------------------------------------
+
+# What a line is found by: strings and comments, which hide the rest, brackets, = and separators. A
+# string that does not end goes to the end of the text or of the line, so no text is read twice.
+_TOKEN = re.compile(
+    r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
+    r"|'''.*?(?:'{3,5}|\Z)"
+    r'|"(?:\\.|[^"\\\n])*"?'
+    r"|'[^'\n]*'?"
+    r"|\#[^\n]*"
+    r"|[\[\]{}=,\n]",
+    re.DOTALL,
+)
+_BARE = re.compile(r"\s*([\w-]+(?:\.[\w-]+)*)\s*")
+
+
+def _parsed(name: str, text: str) -> dict[str, Any]:
+    """Return the entries of a TOML text; a ConfigError says where it cannot be read."""
+    if wrong := _too_much(text):
+        line, why = wrong
+        raise ConfigError(f"{name}, line {line}: {why}")
+    toml = _reader()
+    try:
+        entries: dict[str, Any] = toml.loads(text)
+    except toml.TOMLDecodeError as error:
+        raise ConfigError(_syntax(name, text, str(error))) from error
+    return entries
+
+
+def _too_much(text: str) -> tuple[int, str] | None:
+    """Return the line and the reason where a text is beyond what TOML's reader can take.
+
+    It calls itself for each bracket, takes time with the square of a key's parts, and Python reads
+    no whole number of thousands of digits.
+    """
+    word, end = 0, 0  # characters outside strings since the last separator
+    for token, line, depth in _tokens(text):
+        word, end = word + token.start() - end, token.end()
+        if depth > DEEPEST:
+            return line, f"more than {DEEPEST} brackets are open"
+        if word > LONGEST:
+            return line, f"a key or a value has more than {LONGEST:,} characters outside quotes"
+        if token[0][0] not in "\"'":
+            word = 0
+    return None
+
+
+def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
+    """Yield each token with its line, from 1, and the number of brackets open behind it."""
+    line, depth = 1, 0
+    for token in _TOKEN.finditer(text + "\n"):
+        mark = token[0]
+        depth += (mark in "[{") - (mark in "]}")
+        yield token, line, depth
+        line += mark.count("\n")
+
+
+def line_of(text: str, key: Key) -> int:
+    """Return the line, from 1, that sets a key of a TOML text, or the nearest table around it."""
+    table: Key = ()
+    numbers: dict[Key, int] = {}  # of the last table in each array of tables
+    most, found = 0, 1
+    for line, words in _heads(text):
+        if words.startswith("[["):
+            *around, last = _names(words[2:-2])
+            array = (*_numbered(around, numbers), last)
+            numbers[array] = numbers.get(array, -1) + 1
+            table = here = (*array, numbers[array])
+        elif words.startswith("["):
+            table = here = _numbered(_names(words[1:-1]), numbers)
+        else:
+            here = table + _names(words)
+        if (shared := _shared(here, key)) > most:
+            most, found = shared, line
+            if most == len(key):
+                break
+    return found
+
+
+def _heads(text: str) -> Iterator[tuple[int, str]]:
+    """Yield what stands before each =, and each table in brackets, with its line."""
+    begin, told = 0, False
+    for token, line, depth in _tokens(text):
+        mark = token[0]
+        if depth or mark[0] not in "=]}#\n":
+            continue
+        if mark in "=]" and not told:
+            yield line, text[begin : token.start() if mark == "=" else token.end()].strip()
+            told = True
+        elif mark[0] in "#\n":
+            begin, told = token.end(), False
+
+
+def _names(words: str) -> tuple[str, ...]:
+    """Return the parts of a key."""
+    if bare := _BARE.fullmatch(words):
+        return tuple(bare[1].split("."))
+    names, inner = [], _reader().loads(f"{words} = 0")
+    while inner:
+        name, inner = next(iter(inner.items()))
+        names.append(name)
+    return tuple(names)
+
+
+def _numbered(names: Iterable[str], numbers: Mapping[Key, int]) -> Key:
+    """Return a key with the number of the last table behind each array of tables in it."""
+    key: Key = ()
+    for name in names:
+        key = (*key, name)
+        if key in numbers:
+            key = (*key, numbers[key])
+    return key
+
+
+def _shared(one: Key, other: Key) -> int:
+    """Return how many parts two keys have in common from the left."""
+    pairs = zip(one, other, strict=False)
+    return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
 
 
 def _syntax(name: str, text: str, complaint: str) -> str:

@@ -25,11 +25,13 @@ class Recorder:
 
     def __init__(self, path: Path, size: Size, fps: int = 30) -> None:
         self.path = path
+        self.frames = 0
         self._encoder = Encoder(path, size, fps)
 
     def add(self, canvas: pygame.Surface) -> None:
         """Append one frame."""
         self._encoder.add(canvas.get_buffer().raw)
+        self.frames += 1
 
     def __enter__(self) -> Recorder:
         return self
@@ -40,7 +42,14 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._encoder.close()
+        """Close the film; after an exception without a word, and without an empty file."""
+        try:
+            self._encoder.close()
+        except OSError:
+            if kind is None:
+                raise
+        if kind is not None and not self.frames:
+            self.path.unlink(missing_ok=True)
 
 
 def save_png(canvas: pygame.Surface, path: Path) -> None:

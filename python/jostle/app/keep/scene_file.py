@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import struct
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from enum import Enum
@@ -12,8 +10,10 @@ from typing import Any
 
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.shown import Shown
+from jostle.app.simulate.checking import bytes_of
 from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
-from jostle.app.simulate.settings import Settings, settings_of
+from jostle.app.simulate.rules import Fields, each, one_of, real, require, whole
+from jostle.app.simulate.settings import SETTINGS, TRUTH, settings_of
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import resume
 
@@ -21,10 +21,27 @@ SUFFIX = ".jostle"
 KIND = "scene"
 PASSING = ("help", "panels")  # switches that belong to the window, not to the scene
 
-DAMAGE = (
-    *(ValueError, KeyError, IndexError, TypeError, ArithmeticError, RecursionError),
-    struct.error,
+TINY, HUGE = 1e-30, 1e30  # pixels a world unit, and world units
+
+CAMERA = Fields(
+    {
+        "center": each(real(-HUGE, HUGE), "x", "y"),
+        "scale": real(TINY, HUGE),
+        "size": each(whole(1, 1_000_000), "width", "height"),
+        "at_home": TRUTH,
+    }
 )
+SHOWN = Fields(
+    {
+        switch.name: one_of(*(kind.value for kind in type(switch.default)))
+        if isinstance(switch.default, Enum)
+        else TRUTH
+        for switch in fields(Shown)
+    },
+    "something to show",
+    complete=False,
+)
+FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
 
 
 @dataclass(frozen=True)
@@ -39,8 +56,6 @@ class SavedScene:
         """Let a camera look where the saved one did, at whatever size its screen has."""
         (x, y), (width, height) = self.camera["center"], self.camera["size"]
         scale = self.camera["scale"] * min(camera.size[0] / width, camera.size[1] / height)
-        if not all(map(math.isfinite, (x, y, scale))) or scale <= 0:
-            raise ValueError("its camera looks nowhere")
         camera.look_at(self.simulation.view)
         if not self.camera["at_home"]:
             camera.aim((float(x), float(y)), float(scale))
@@ -75,14 +90,14 @@ def read_scene(path: Path) -> SavedScene:
         raise ValueError(f"{path.name} is not a scene of this version of jostle.")
     try:
         facts, arrays = unpack(KIND, unseal(data))
-        settings: Settings = settings_of(facts["settings"])
-        simulation = resume(settings, arrays["state"].tobytes())
-        saved = SavedScene(simulation, facts["camera"], facts["shown"])
-        saved.look(Camera((800, 600), simulation.view))  # what is wrong with it shows now,
-        saved.show(Shown())  # while nothing has changed yet
-    except DAMAGE as error:
-        raise ValueError(f"{path.name} cannot be loaded: {error}.") from error
-    return saved
+        require(facts, FACTS)
+        settings = settings_of(facts["settings"])
+        simulation = resume(settings, bytes_of(arrays, "state"))
+        if simulation.settings != settings:
+            raise ValueError("settings are not those of its state")
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
+    return SavedScene(simulation, facts["camera"], facts["shown"])
 
 
 def _plain(value: object) -> object:

@@ -13,9 +13,18 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulate.checking import count_of, particles_of, pulls_of
+from jostle.app.simulate.checking import (
+    COUNT,
+    PULLS,
+    Arrays,
+    column,
+    particles_of,
+    pulls_of,
+    within,
+)
 from jostle.app.simulate.packing import pack, unpack
-from jostle.app.simulate.settings import Settings, settings_of
+from jostle.app.simulate.rules import FARTHEST, Fields, each, one_of, require, whole
+from jostle.app.simulate.settings import SETTINGS, Settings, settings_of
 from jostle.app.simulate.simulation import (
     Energies,
     Facts,
@@ -35,6 +44,20 @@ GRAVITY = 0.5  # pixels a frame, each frame
 DEFAULT_N = 500
 WINDOW = (800, 500)  # pixels
 NUMBERS = ("x", "y", "speed", "angle")  # of a particle, in full precision
+LARGEST = 1e9  # radius in pixels, and density: masses stay below 1e30, as in a world
+MOST_PIXELS = 10**9  # of a side of the display
+
+FACTS = Fields(
+    {
+        "settings": SETTINGS,
+        "method": one_of(*article.METHODS),
+        "size": each(whole(article.SMALLEST_SIDE, MOST_PIXELS), "width", "height"),
+        "counters": each(COUNT, "tests", "repeats", "hits"),
+        "frames": COUNT,
+        "next_tag": COUNT,
+        "pulls": PULLS,
+    }
+)
 
 
 class ArticleSimulation:
@@ -159,13 +182,32 @@ class ArticleSimulation:
 
     def step(self) -> None:
         """Go on by one frame of the article."""
-        start = time.perf_counter()
-        for pull in self._pulls:
-            self._feel(pull)
-        self.program.frame()
-        self.program.release()  # `drag` holds for one frame
+        start, program = time.perf_counter(), self.program
+        before = [(p.x, p.y, p.speed, p.angle, p.rectangle) for p in program.particles]
+        counted = program.tests, program.repeats, program.hits, program.leaves
+        if wrong := self._try_frame():
+            for p, state in zip(program.particles, before, strict=True):
+                p.x, p.y, p.speed, p.angle, p.rectangle = state
+            program.tests, program.repeats, program.hits, program.leaves = counted
+            raise ValueError(f"{wrong}; the step was not made.")
         self._frames += 1
         self._milliseconds = (time.perf_counter() - start) * 1e3
+
+    def _try_frame(self) -> str:
+        """Make one frame; return what is wrong with it, or nothing."""
+        failed = ""
+        try:
+            for pull in self._pulls:
+                self._feel(pull)
+            self.program.frame()
+        except (ValueError, OverflowError) as error:  # of a number that is infinite by now
+            failed = str(error)
+        self.program.release()  # `drag` holds for one frame
+        for row, p in enumerate(self.program.particles):
+            if not (abs(p.x) <= FARTHEST and abs(p.y) <= FARTHEST and abs(p.speed) <= FARTHEST):
+                state = f"at ({p.x:.4g}, {p.y:.4g}) with speed {p.speed:.4g}"
+                return f"Particle {self._tags[row]} would be {state}, beyond {FARTHEST:g}"
+        return failed
 
     def _feel(self, pull: Pull) -> None:
         """Accelerate everything by distance × strength, before the frame moves it."""
@@ -200,6 +242,7 @@ class ArticleSimulation:
     ) -> Tags:
         """Add particles, on whole numbers as the article has them; all of them can move."""
         places = np.asarray(positions, np.float64).reshape(-1, 2)
+        within("positions", places, -FARTHEST, FARTHEST)
         n = len(places)
         rows = zip(
             places.tolist(),
@@ -288,33 +331,50 @@ class ArticleSimulation:
 
     def load(self, state: bytes) -> None:
         """Go back to a state; a ValueError says what is wrong with other bytes."""
-        facts, columns = unpack("article", state)
-        next_tag = count_of("the number of tags", facts["next_tag"])
-        tags, born = particles_of(columns, len(columns["numbers"]), next_tag)
-        if not np.isfinite(columns["numbers"]).all():
-            raise ValueError("its particles are nowhere")
-        particles = []
-        rows = zip(columns["numbers"].tolist(), columns["sizes"].tolist(), strict=True)
-        for (x, y, speed, angle), (radius, density, *rectangle) in rows:
-            particle = article.Particle(x, y, radius, density, speed, angle)
-            left, top, width, height = rectangle
-            particle.rectangle = left, top, width, height
-            particles.append(particle)
-        width, height = facts["size"]
-        program = article.Simulation.of(particles, facts["method"], width, height)
+        facts, arrays = unpack("article", state)
+        require(facts, FACTS)
+        settings, method = settings_of(facts["settings"]), facts["method"]
+        if settings.method != f"article-{method}":
+            raise ValueError(f"method is {method!r}, but settings.method {settings.method!r}")
+        particles = _particles_of(arrays)
+        tags, born = particles_of(arrays, len(particles), facts["next_tag"])
+        leaves = column(arrays, "leaves", "<i8", (_rows(arrays, "leaves"), 5))
+        within("leaves", leaves, 0, MOST_PIXELS)
+        program = article.Simulation.of(particles, method, *facts["size"])
         program.tests, program.repeats, program.hits = facts["counters"]
-        leaves = columns["leaves"].tolist()
-        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves]
-        frames, pulls = count_of("the number of frames", facts["frames"]), pulls_of(facts["pulls"])
-        self.program, self.settings = program, settings_of(facts["settings"])
+        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
+        self.program, self.settings = program, settings
         self._take_size()
-        self._pulls, self._frames, self._next_tag = pulls, frames, next_tag
-        self._tags, self._born = tags, born
+        self._pulls, self._frames = pulls_of(facts["pulls"]), facts["frames"]
+        self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:
         """Let view and walls be those of the program's display."""
         self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
         self.container = jostle.Box(*self.view)
+
+
+def _particles_of(arrays: Arrays) -> list[article.Particle]:
+    """Return the particles of a saved state; a ValueError says which number cannot be."""
+    n = _rows(arrays, "numbers")
+    numbers = column(arrays, "numbers", "<f8", (n, len(NUMBERS)))
+    sizes = column(arrays, "sizes", "<i8", (n, 6))
+    within("numbers", numbers, -FARTHEST, FARTHEST)
+    within("sizes", sizes[:, :2], 1, LARGEST)
+    within("sizes", sizes, -4 * FARTHEST, 4 * FARTHEST)
+    particles = []
+    for (x, y, speed, angle), (radius, density, *rectangle) in zip(
+        numbers.tolist(), sizes.tolist(), strict=True
+    ):
+        particle = article.Particle(x, y, radius, density, speed, angle)
+        left, top, width, height = rectangle
+        particle.rectangle = left, top, width, height
+        particles.append(particle)
+    return particles
+
+
+def _rows(arrays: Arrays, name: str) -> int:
+    return len(arrays[name]) if name in arrays and arrays[name].ndim else 0
 
 
 def _energies(frame: Frame) -> Energies:

@@ -2,61 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jostle.app.simulate.rules import Rule, check, real, whole
+from jostle.app.simulate.rules import FARTHEST, Fields, Many, each, or_none, real, rect, whole
+from jostle.app.simulate.settings import TRUTH
 from jostle.app.simulate.simulation import Pull, Rect, Tags
 
-MOST = 2**62  # tags, and steps: more than there will ever be
+Arrays = Mapping[str, NDArray[Any]]
+
+COUNT = whole(0, 2**62)  # of tags, of steps: more than there will ever be
+STRONGEST = 1e6  # 1/s², of an attraction; a person places at most 40
+VIEW = rect()
+PULLS = Many(
+    Fields(
+        {
+            "strength": real(-STRONGEST, STRONGEST),
+            "point": or_none(each(real(), "x", "y")),
+            "tag": or_none(COUNT),
+            "passing": TRUTH,
+        }
+    )
+)
 
 
-def checked(name: str, value: Any, rule: Rule) -> Any:
-    """Return a value that its rule allows; a ValueError says why not."""
-    refusal = check(name, value, rule)
-    if refusal:
-        raise ValueError(refusal)
-    return value
-
-
-def count_of(name: str, value: Any, most: int = MOST) -> int:
-    """Return a whole number from 0 to another."""
-    return int(checked(name, value, whole(0, most)))
-
-
-def rect_of(name: str, value: Sequence[Any]) -> Rect:
-    """Return the corners of a rectangle."""
-    x0, y0, x1, y1 = (float(checked(name, side, real())) for side in value)
-    if x0 > x1 or y0 > y1:
-        raise ValueError(f"{name} has its corners the wrong way round")
+def rect_of(corners: Sequence[Any]) -> Rect:
+    """Return the corners of a rectangle that has been checked."""
+    x0, y0, x1, y1 = map(float, corners)
     return x0, y0, x1, y1
 
 
-def pulls_of(values: Sequence[Any]) -> tuple[Pull, ...]:
-    """Return attractions from their fields."""
-    pulls = tuple(map(Pull.of, values))
-    for pull in pulls:
-        checked("an attraction", pull.strength, real())
-        for side in pull.point or ():
-            checked("the place of an attraction", side, real())
-        if pull.tag is not None:
-            count_of("what attracts", pull.tag)
-    return pulls
+def pulls_of(values: Sequence[Mapping[str, Any]]) -> tuple[Pull, ...]:
+    """Return attractions from fields that have been checked."""
+    return tuple(map(Pull.of, values))
 
 
-def particles_of(
-    columns: dict[str, NDArray[Any]], n: int, next_tag: int
-) -> tuple[Tags, NDArray[np.float64]]:
-    """Return the tags and the times of birth of so many particles."""
-    tags, born = columns["tags"], columns["born"]
-    of_a_kind = tags.dtype == np.int64 and born.dtype == np.float64
-    if not of_a_kind or tags.shape != (n,) or born.shape != (n,):
-        raise ValueError(f"it has not one tag and one time for each of {n:,} particles")
-    if n and ((np.diff(tags) <= 0).any() or tags[0] < 0 or tags[-1] >= next_tag):
-        raise ValueError("its tags are not in the order of adding")
-    if not np.isfinite(born).all():
-        raise ValueError("its times are no numbers")
+def particles_of(arrays: Arrays, n: int, next_tag: int) -> tuple[Tags, NDArray[np.float64]]:
+    """Return the tags and the times of birth of n particles."""
+    tags, born = column(arrays, "tags", "<i8", (n,)), column(arrays, "born", "<f8", (n,))
+    within("tags", tags, 0, next_tag - 1)
+    falling = np.flatnonzero(np.diff(tags) <= 0)
+    if len(falling):
+        row = int(falling[0]) + 1
+        raise ValueError(f"tags[{row}] is {tags[row]}; it must be above tags[{row - 1}]")
+    within("born", born, -FARTHEST, FARTHEST)
     return tags, born
+
+
+def column(arrays: Arrays, name: str, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return an array, which must have a type and a shape."""
+    if name not in arrays:
+        raise ValueError(f"{name} is missing")
+    array = arrays[name]
+    if (array.dtype.str, array.shape) != (kind, shape):
+        raise ValueError(
+            f"{name} is an array {array.shape} of {array.dtype.str}; it must be {shape} of {kind}"
+        )
+    return array
+
+
+def bytes_of(arrays: Arrays, name: str) -> bytes:
+    """Return an array of bytes."""
+    length = arrays[name].size if name in arrays else 0
+    return column(arrays, name, "|u1", (length,)).tobytes()
+
+
+def within(name: str, array: NDArray[Any], low: float, high: float) -> None:
+    """Raise a ValueError that names the first number of an array that is not between two others."""
+    wrong = np.argwhere(~((array >= low) & (array <= high)))
+    if len(wrong):
+        at = tuple(wrong[0].tolist())
+        where = ", ".join(map(str, at))
+        raise ValueError(f"{name}[{where}] is {array[at]}; it must be from {low:g} to {high:g}")

@@ -7,6 +7,7 @@ shapes, then the arrays' bytes in that order, little-endian. Nothing in it is ev
 from __future__ import annotations
 
 import json
+import math
 import zlib
 from collections.abc import Mapping
 from typing import Any
@@ -45,8 +46,9 @@ def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], dict[str, Array]]:
         for name, kind_of_number, shape in table:
             if kind_of_number not in _TYPES:
                 raise ValueError("it holds what no jostle has written")
-            count = int(np.prod([int(side) for side in shape], dtype=object))
-            column = np.frombuffer(data, kind_of_number, count, at)
+            if not all(isinstance(side, int) and side >= 0 for side in shape):
+                raise ValueError("it has an array of an impossible shape")
+            column = np.frombuffer(data, kind_of_number, math.prod(shape), at)
             arrays[str(name)] = column.reshape(shape).copy()
             at += column.nbytes
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:

@@ -6,13 +6,28 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from jostle.app.simulate.rules import Rule, check, one_of, pair, range_of, real, whole
+import jostle
+from jostle.app.simulate.rules import (
+    Fields,
+    Many,
+    Rule,
+    each,
+    one_of,
+    or_none,
+    range_of,
+    real,
+    rect,
+    require,
+    unknown,
+    whole,
+)
 
 METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
 RENDERERS = ("auto", "opengl", "software")
 CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
 MOST_PARTICLES = 100_000_000
+MOST_GROUPS = 1_000  # of particles that a file adds
 
 OnTouch = Literal["bounce", "merge", "ignore"]
 Range = tuple[float, float]
@@ -61,71 +76,76 @@ class Settings:
 TEXT = Rule("a text", lambda value: isinstance(value, str))
 TRUTH = Rule("true or false", lambda value: isinstance(value, bool))
 
+PARTICLES = whole(0, MOST_PARTICLES)
+SEED = whole(0, 2**63 - 1)
+STEPS = whole(1, 2**31 - 1)
+THREADS = whole(1, 1_024)
+
+# Of a scene: a file, the command and the sliders set them.
 RULES: dict[str, Rule] = {
     "scene": TEXT,
-    "n": whole(0, MOST_PARTICLES),
-    "seed": whole(0, 2**63 - 1),
+    "n": or_none(PARTICLES),
+    "seed": SEED,
     "method": one_of(*METHODS),
-    "leaf_capacity": whole(1, 2**31 - 1),
-    "max_depth": whole(0, 2**31 - 1),
+    "leaf_capacity": or_none(whole(1, 2**31 - 1)),
+    "max_depth": or_none(whole(0, 2**31 - 1)),
     "world_size": real(0.01, 100),
-    "container": one_of(*CONTAINERS),
-    "gravity": pair("x, y"),
-    "drag": real(0),
-    "restitution": real(0, 1),
-    "substeps": whole(1, 1_000),
-    "threads": whole(1, 1_024),
-    "on_touch": one_of(*ON_TOUCH),
+    "container": or_none(one_of(*CONTAINERS)),
+    "gravity": or_none(each(real(), "x", "y")),
+    "drag": or_none(real(0)),
+    "restitution": or_none(real(0, 1)),
+    "substeps": or_none(whole(1, 1_000)),
+    "threads": or_none(THREADS),
+    "on_touch": or_none(one_of(*ON_TOUCH)),
     "time_scale": real(0.001, 100),
 }
 
 GROUP_RULES: dict[str, Rule] = {
-    "count": whole(0, MOST_PARTICLES),
-    "region": Rule(
-        "four finite numbers [min_x, min_y, max_x, max_y], the smaller ones first",
-        lambda value: (
-            isinstance(value, list | tuple)
-            and len(value) == 4
-            and all(real().fits(v) for v in value)
-            and value[0] <= value[2]
-            and value[1] <= value[3]
-        ),
-    ),
+    "count": PARTICLES,
+    "region": or_none(rect(least=0.0)),
     "radius": range_of(1e-6),
     "density": range_of(1e-6),
-    "velocity": pair("x, y"),
+    "velocity": each(real(), "x", "y"),
     "speed": range_of(0.0),
     "movable": TRUTH,
 }
 
+GROUPS = Many(
+    Fields(GROUP_RULES, "a property of particles", complete=False),
+    "written as [[particles]], once for each group",
+    MOST_GROUPS,
+)
+SETTINGS = Fields({**RULES, "particles": GROUPS}, "a setting", complete=False)
+
 
 def settings_of(facts: Mapping[str, Any]) -> Settings:
     """Return settings from their fields, as JSON and TOML give them; a ValueError says why not."""
-    given = dict(facts)
-    groups = given.pop("particles", ())
-    plain = _checked(given, RULES, "a setting")
-    return Settings(**plain, particles=tuple(group_of(group) for group in groups))
+    require(facts, SETTINGS)
+    if why := unknown_scene(facts.get("scene", Settings.scene)):
+        raise ValueError(why)
+    groups = tuple(map(_group_of, facts.get("particles", ())))
+    return Settings(**{**_tidy(facts), "particles": groups})
 
 
-def group_of(facts: Mapping[str, Any]) -> Group:
+def unknown_scene(name: str) -> str | None:
+    """Return why a scene is refused, or None."""
+    names = jostle.scenes.names()
+    return None if name in names else unknown(name, "a scene", names)
+
+
+def _group_of(facts: Mapping[str, Any]) -> Group:
     """Return a group from its fields; one number for a range stands for both of its ends."""
-    plain = _checked(facts, GROUP_RULES, "a property of particles")
+    plain = _tidy(facts)
     for name in ("radius", "density", "speed"):
         if isinstance(plain.get(name), int | float):
             plain[name] = (plain[name], plain[name])
     return Group(**plain)
 
 
-def _checked(facts: Mapping[str, Any], rules: Mapping[str, Rule], what: str) -> dict[str, Any]:
-    """Return the values as the fields want them; a ValueError says which cannot be."""
-    for name, value in facts.items():
-        if name not in rules:
-            raise ValueError(f"{name} is not {what}")
-        if value is not None and (refusal := check(name, value, rules[name])):
-            raise ValueError(refusal)
-    return {name: tidy(value) for name, value in facts.items()}
-
-
-def tidy(value: Any) -> Any:
+def _tidy(facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return lists as tuples of real numbers, and everything else as it is."""
-    return tuple(map(float, value)) if isinstance(value, list | tuple) else value
+    return {
+        name: tuple(map(float, value)) if isinstance(value, list | tuple) else value
+        for name, value in facts.items()
+        if name != "particles"
+    }

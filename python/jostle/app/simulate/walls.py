@@ -60,8 +60,8 @@ class Home:
 
     @classmethod
     def read(cls, facts: Mapping[str, Any]) -> Home:
-        """Return it from its fields."""
-        return cls(tuple(facts["view"]), tuple(facts["rect"]), str(facts["kind"]), facts["n"])
+        """Return it from fields that have been checked."""
+        return cls(tuple(facts["view"]), tuple(facts["rect"]), facts["kind"], facts["n"])
 
     def fitted(self, kind: str | None, factor: float) -> tuple[Container, Rect]:
         """Return walls of a kind (None: the scene's own), scaled, and the view on them.

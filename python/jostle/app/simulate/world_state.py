@@ -2,20 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import jostle
 from jostle.app.simulate.attractions import Attractions
-from jostle.app.simulate.checking import checked, count_of, particles_of, pulls_of, rect_of
+from jostle.app.simulate.checking import (
+    COUNT,
+    PULLS,
+    VIEW,
+    bytes_of,
+    particles_of,
+    pulls_of,
+    rect_of,
+)
 from jostle.app.simulate.columns import Columns
 from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.packing import blob, pack, unpack
-from jostle.app.simulate.rules import one_of, real
-from jostle.app.simulate.settings import CONTAINERS, MOST_PARTICLES, Settings, settings_of
+from jostle.app.simulate.rules import (
+    FARTHEST,
+    Fields,
+    Rule,
+    one_of,
+    or_none,
+    real,
+    rect,
+    require,
+    shown,
+)
+from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settings, settings_of
 from jostle.app.simulate.simulation import Rect
 from jostle.app.simulate.walls import Home
+
+# A scene may be scaled by up to 100, and its view then still has to be a view.
+HOME_RECT = rect(FARTHEST / 1_000)
+HOME = Fields(
+    {"view": HOME_RECT, "rect": HOME_RECT, "kind": one_of(*CONTAINERS), "n": or_none(PARTICLES)},
+)
+EMITTERS = Rule(
+    "[cap, emitted, debt], two whole numbers and one from 0 to 1",
+    lambda value: (
+        isinstance(value, list)
+        and len(value) == 3
+        and all(
+            rule.fits(one) for rule, one in zip((PARTICLES, COUNT, real(0, 1)), value, strict=True)
+        )
+    ),
+)
+FACTS = Fields(
+    {
+        "settings": SETTINGS,
+        "view": VIEW,
+        "next_tag": COUNT,
+        "own_forces": COUNT,
+        "pulls": PULLS,
+        "home": HOME,
+        "emitters": or_none(EMITTERS),
+    }
+)
 
 
 @dataclass
@@ -49,39 +93,32 @@ class WorldState:
     def load(cls, state: bytes) -> WorldState:
         """Return it from bytes; a ValueError says what is wrong with others."""
         facts, arrays = unpack("world", state)
-        world = jostle.World.restore(arrays["world"].tobytes())
-        settings, home = settings_of(facts["settings"]), _home(facts["home"])
-        next_tag = count_of("the number of tags", facts["next_tag"])
-        tags, born = particles_of(arrays, len(world), next_tag)
-        own = count_of("the number of forces", facts["own_forces"], len(world.forces))
+        require(facts, FACTS)
+        world = jostle.World.restore(bytes_of(arrays, "world"))
+        settings, home = settings_of(facts["settings"]), Home.read(facts["home"])
+        if world.method != settings.method:
+            raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
+        tags, born = particles_of(arrays, len(world), facts["next_tag"])
+        own = facts["own_forces"]
+        if own > len(world.forces):
+            raise ValueError(f"own_forces is {own}; its world has {len(world.forces)} forces")
         return cls(
             settings=settings,
-            view=rect_of("the view", facts["view"]),
+            view=rect_of(facts["view"]),
             home=home,
             world=world,
-            columns=Columns.read(world, tags, born, next_tag),
+            columns=Columns.read(world, tags, born, facts["next_tag"]),
             attractions=Attractions(own, pulls_of(facts["pulls"])),
-            emitters=_emitters(facts["emitters"], home, settings.seed),
+            emitters=_emitters(facts["emitters"], home, settings),
         )
 
 
-def _home(facts: Mapping[str, Any]) -> Home:
-    """Return the walls, the view and the number at the beginning."""
-    home = Home.read(facts)
-    rect_of("the first view", home.view)
-    rect_of("the first walls", home.rect)
-    checked("the first container", home.kind, one_of(*CONTAINERS))
-    if home.n is not None:
-        count_of("the first number", home.n, MOST_PARTICLES)
-    return home
-
-
-def _emitters(state: Any, home: Home, seed: int) -> Emitters | None:
+def _emitters(state: Any, home: Home, settings: Settings) -> Emitters | None:
     """Return the nozzles of the number that the scene began with, in their state."""
+    if (state is None) != (settings.scene != "emitters"):
+        raise ValueError(f"emitters is {shown(state)} in the scene {settings.scene}")
     if state is None:
         return None
-    emitters, (cap, emitted, debt) = Emitters(home.n, seed), state
-    emitters.cap = count_of("the cap", cap, MOST_PARTICLES)
-    emitters.emitted = count_of("the number of drops", emitted)
-    emitters.debt = float(checked("the part of a drop", debt, real(0, 1)))
+    emitters = Emitters(home.n, settings.seed)
+    emitters.cap, emitters.emitted, emitters.debt = state
     return emitters

@@ -1,0 +1,17 @@
+"""Starts the command `jostle`.
+
+Importing it takes a moment, and Ctrl-C during an import would print a traceback. So this package
+stands outside `jostle` and imports nothing before Ctrl-C ends the process quietly.
+"""
+
+import os
+import signal
+
+
+def main() -> None:
+    """Run `jostle.cli.command`."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, lambda number, frame: os._exit(130))
+    from jostle import cli
+
+    cli.command()

@@ -1,0 +1,180 @@
+"""Ctrl-C: the command always ends with 130 and without a traceback, whatever it was doing."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
+    pytest.importorskip(extra)
+
+from jostle import interrupt  # noqa: E402
+
+if sys.platform == "win32":
+    pytest.skip("there is no SIGINT to send to one process", allow_module_level=True)
+
+# SDL takes the first driver of such a list, while a single "offscreen" means a film.
+A_DISPLAY = {"SDL_VIDEODRIVER": "offscreen,dummy", "DISPLAY": ":0"}
+
+
+class LeftError(Exception):
+    """Stands for the end of the process."""
+
+
+@pytest.fixture
+def handled(monkeypatch):
+    """Handle Ctrl-C as the command does; where the process would end, there is a LeftError."""
+
+    def leave() -> None:
+        raise LeftError
+
+    monkeypatch.setattr(interrupt, "leave", leave)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    with interrupt.handled():
+        yield
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    signal.signal(signal.SIGINT, before)
+
+
+def press() -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def test_with_nothing_to_finish_the_process_ends_at_once(handled) -> None:
+    with pytest.raises(LeftError):
+        press()
+
+
+def test_what_has_something_to_finish_is_interrupted_once(handled) -> None:
+    with pytest.raises(KeyboardInterrupt), interrupt.raised():
+        try:
+            press()
+        finally:
+            with pytest.raises(LeftError):
+                press()
+
+
+def test_it_waits_for_the_end_of_a_block(handled) -> None:
+    done = []
+    with pytest.raises(KeyboardInterrupt), interrupt.raised(), interrupt.held():
+        with interrupt.held():
+            press()
+        done.append("inner")
+    assert done == ["inner"]
+
+
+def test_a_library_that_swallows_it_cannot_hide_it(handled) -> None:
+    with pytest.raises(KeyboardInterrupt), interrupt.raised():
+        with contextlib.suppress(BaseException):
+            press()
+        interrupt.check()
+
+
+def test_a_finaliser_that_swallows_it_prints_nothing(handled, capsys) -> None:
+    class Pressed:
+        def __del__(self) -> None:
+            press()
+
+    with pytest.raises(KeyboardInterrupt), interrupt.raised():
+        Pressed()
+    assert not capsys.readouterr().err
+
+
+def test_a_process_that_ignores_it_goes_on_ignoring_it(handled) -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with interrupt.handled(), interrupt.raised():
+        press()
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("moment", ["begin", "build", "end", "step", "draw"])
+def test_a_window_closes_in_an_orderly_way_at_any_moment_of_a_frame(
+    handled, monkeypatch, moment: str
+) -> None:
+    pytest.importorskip("imgui_bundle")
+    from jostle.app import window as windows
+    from jostle.app.panels import sliders
+    from jostle.app.simulate.settings import Settings
+    from jostle.app.simulate.start import start
+    from jostle.app.window import Window
+
+    window = Window(start(Settings("gas", 5)), (640, 360), renderer="software")
+    frames, closed = [], []
+    close = window.close
+    monkeypatch.setattr(window, "close", lambda: closed.append(close()))
+
+    def pressing(act):
+        def pressed(*arguments: object, **options: object) -> object:
+            result = act(*arguments, **options)
+            frames.append(1)
+            if len(frames) == 3:
+                press()
+            return result
+
+        return pressed
+
+    if moment in ("begin", "end"):
+        monkeypatch.setattr(window.gui, moment, pressing(getattr(window.gui, moment)))
+    elif moment == "build":
+        monkeypatch.setattr(sliders, "_track", pressing(sliders._track))
+    elif moment == "step":
+        window.session.engine.before.append(pressing(lambda simulation: None))
+    else:
+        monkeypatch.setattr(windows, "draw_hint", pressing(windows.draw_hint))
+    with pytest.raises(KeyboardInterrupt), interrupt.raised():
+        window.run()
+    assert len(closed) == 1
+
+
+def run(*arguments: str, after: float, **environment: str) -> subprocess.Popen[str]:
+    """Start the command, and press Ctrl-C so many seconds later."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "jostle_command", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env={**os.environ, **environment},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    time.sleep(after)
+    process.send_signal(signal.SIGINT)
+    return process
+
+
+def test_during_imports_and_in_a_window_it_ends_without_a_word(tmp_path: Path) -> None:
+    window = ("run", "gas", "-n", "50")
+    processes = [run(*window, after=after, **A_DISPLAY) for after in (0.15, 0.3, 0.6)]
+    for process in processes:
+        said, _ = process.communicate(timeout=60)
+        assert (process.returncode, said.strip()) == (130, "")
+
+
+def test_a_film_that_is_stopped_can_be_played(tmp_path: Path) -> None:
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "jostle_command", "run", "gas", "-n", "20", "--headless"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        cwd=tmp_path,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    film, patience = tmp_path / "out" / "gas.mp4", time.monotonic() + 60
+    while not film.exists() and time.monotonic() < patience:
+        time.sleep(0.02)
+    time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 130 and "Traceback" not in said, said
+    assert "Stopped." in said
+    if film.exists():
+        reader = imageio_ffmpeg.read_frames(str(film))
+        assert next(reader)["size"] == (1280, 720) and next(reader)
