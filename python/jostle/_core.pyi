@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import (
     Any,
     Final,
@@ -19,7 +19,17 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import Contacts, GaltonBoard, Neighbors, Nodes, Nozzle, RayHit, Stats
+from jostle.results import (
+    Contacts,
+    GaltonBoard,
+    Hits,
+    Neighbors,
+    Nodes,
+    Nozzle,
+    RayHit,
+    RayHits,
+    Stats,
+)
 
 __all__ = [
     "Attractor",
@@ -61,8 +71,49 @@ class _Vector(Protocol):
     @property
     def y(self) -> float: ...
 
-_Point: TypeAlias = tuple[_Number, _Number] | _Vector
-_Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
+class _Rect(Protocol):
+    """A rectangle that knows its sides, such as one of pygame."""
+
+    @property
+    def left(self) -> float: ...
+    @property
+    def top(self) -> float: ...
+    @property
+    def right(self) -> float: ...
+    @property
+    def bottom(self) -> float: ...
+
+class _Array(Protocol):
+    """An array, or what NumPy makes one of, such as a table of pandas; a number is none."""
+
+    def __array__(self) -> NDArray[Any]: ...
+    def __len__(self) -> int: ...
+
+# One or many: a query given one point answers `RayHit` or an array of ids, given many `RayHits` or
+# `Hits`. Its overloads stand in this order, in which mypy and pyright choose alike:
+#
+# 1. One: a tuple or a vector. A tuple of two values of type Any is one.
+# 2. Many: an array, or a sequence of anything but numbers. A list of values of type Any is many.
+# 3. One: any other sequence of numbers.
+# 4. An argument of type Any, which matches every overload. mypy then answers Any; pyright does so
+#    only if the last result is a union with Any, else strict mode reports an unknown type.
+#
+# Type checkers rarely know how many dimensions an array has, so an array is many. A point that is
+# an array is passed as `tuple(array)`.
+@final
+class _Undecided:
+    """Stands for an argument of type Any; no value has this type."""
+
+# `_Number` does not do where a number is told from an array, which has `__float__` and `__index__`.
+_Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
+_Id: TypeAlias = int | np.integer[Any]
+_Reals: TypeAlias = _Array | Sequence[_Real]
+_IdList: TypeAlias = _Array | Sequence[_Id]
+_Point: TypeAlias = tuple[_Real, _Real] | _Vector
+_Points: TypeAlias = _Array | Sequence[Sequence[_Real] | _Vector | _Array]
+_AnyPoint: TypeAlias = _Point | Sequence[_Real]
+_OneOrMorePoints: TypeAlias = _AnyPoint | _Points
+_Vectors: TypeAlias = ArrayLike | _Vector | Sequence[_Vector]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
@@ -70,7 +121,7 @@ _Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
 
 def abandon_threads() -> None: ...
 def find_pairs(
-    centers: ArrayLike,
+    centers: _Vectors,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
@@ -96,7 +147,7 @@ def sprite_dict(
 class Quadtree:
     def __new__(
         cls,
-        centers: ArrayLike,
+        centers: _Vectors,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -116,25 +167,75 @@ class Quadtree:
     ) -> NDArray[np.uint32]: ...
     def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts: ...
     @overload
-    def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    def query_rect(
+        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
     @overload
-    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_rect(
+        self,
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> Hits: ...
+    @overload
+    def query_rect(self, rect: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_rect(
+        self, rect: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_circle(
-        self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
+        self, center: _Point, radius: _Real, *, mask: SupportsIndex | None = None
     ) -> _Ids: ...
     @overload
     def query_circle(
-        self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> Any: ...
+        self, center: _Points, radius: _Real | _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: _OneOrMorePoints, radius: _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: Sequence[_Real], radius: _Real, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self,
+        center: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_point(self, point: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
-    def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_point(self, point: _Points, *, mask: SupportsIndex | None = None) -> Hits: ...
+    @overload
+    def query_point(self, point: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_point(
+        self, point: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Array | Sequence[_Point], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[_Points], *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[Sequence[_Real]], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     def nearest(
         self,
-        point: ArrayLike | _Vector,
+        point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
         max_distance: _Number = math.inf,
@@ -152,18 +253,45 @@ class Quadtree:
     @overload
     def raycast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     @overload
     def circle_cast(
         self,
         origin: _Point,
         direction: _Point,
-        radius: _Number,
+        radius: _Real,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
@@ -171,13 +299,53 @@ class Quadtree:
     @overload
     def circle_cast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
-        radius: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        radius: _Real | _Reals,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        radius: _Real | _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _OneOrMorePoints,
+        radius: _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        radius: _Real,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     def nodes(self) -> Nodes: ...
     @property
     def stats(self) -> Stats: ...
@@ -206,25 +374,39 @@ class Space:
     @overload
     def add(
         self,
-        centers: ArrayLike | _Vector,
+        centers: _Points,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
-    ) -> Any: ...
-    def move(self, ids: ArrayLike, centers: ArrayLike | _Vector) -> None: ...
-    def resize(
+    ) -> _Ids: ...
+    @overload
+    def add(
         self,
-        ids: ArrayLike,
-        radii: ArrayLike | None = None,
+        centers: Sequence[_Real],
+        radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
+        *,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        centers: _Undecided,
+        radii: ArrayLike = 0.0,
+        half_sizes: ArrayLike | None = None,
+        *,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int | _Ids | Any: ...
+    def move(self, ids: ArrayLike, centers: _Vectors) -> None: ...
+    def resize(
+        self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None: ...
     def set_filter(
-        self,
-        ids: ArrayLike,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
+        self, ids: ArrayLike, categories: ArrayLike | None = None, masks: ArrayLike | None = None
     ) -> None: ...
     def remove(self, ids: ArrayLike) -> None: ...
     def update(self, *, max_pairs: SupportsIndex = 134217728) -> Events: ...
@@ -236,25 +418,75 @@ class Space:
         mask: SupportsIndex | None = None,
     ) -> _Pairs: ...
     @overload
-    def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    def query_rect(
+        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
     @overload
-    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_rect(
+        self,
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> Hits: ...
+    @overload
+    def query_rect(self, rect: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_rect(
+        self, rect: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_circle(
-        self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
+        self, center: _Point, radius: _Real, *, mask: SupportsIndex | None = None
     ) -> _Ids: ...
     @overload
     def query_circle(
-        self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> Any: ...
+        self, center: _Points, radius: _Real | _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: _OneOrMorePoints, radius: _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: Sequence[_Real], radius: _Real, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self,
+        center: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_point(self, point: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
-    def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_point(self, point: _Points, *, mask: SupportsIndex | None = None) -> Hits: ...
+    @overload
+    def query_point(self, point: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_point(
+        self, point: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Array | Sequence[_Point], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[_Points], *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[Sequence[_Real]], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     def nearest(
         self,
-        point: ArrayLike | _Vector,
+        point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
         max_distance: _Number = math.inf,
@@ -272,18 +504,45 @@ class Space:
     @overload
     def raycast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     @overload
     def circle_cast(
         self,
         origin: _Point,
         direction: _Point,
-        radius: _Number,
+        radius: _Real,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
@@ -291,27 +550,73 @@ class Space:
     @overload
     def circle_cast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
-        radius: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        radius: _Real | _Reals,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        radius: _Real | _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _OneOrMorePoints,
+        radius: _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        radius: _Real,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     @overload
-    def radii(self, ids: SupportsIndex) -> float: ...
+    def radii(self, ids: _Id) -> float: ...
     @overload
-    def radii(self, ids: ArrayLike | None = None) -> Any: ...
+    def radii(self, ids: _IdList | None = None) -> NDArray[np.floating[Any]]: ...
     @overload
-    def categories(self, ids: SupportsIndex) -> int: ...
+    def radii(self, ids: _Undecided) -> float | NDArray[np.floating[Any]] | Any: ...
     @overload
-    def categories(self, ids: ArrayLike | None = None) -> Any: ...
+    def categories(self, ids: _Id) -> int: ...
     @overload
-    def masks(self, ids: SupportsIndex) -> int: ...
+    def categories(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
     @overload
-    def masks(self, ids: ArrayLike | None = None) -> Any: ...
+    def categories(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
+    @overload
+    def masks(self, ids: _Id) -> int: ...
+    @overload
+    def masks(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
+    @overload
+    def masks(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
     @property
     def ids(self) -> _Ids: ...
     @property
@@ -333,14 +638,14 @@ class Events:
 class World:
     def __new__(
         cls,
-        positions: ArrayLike,
-        velocities: ArrayLike,
+        positions: _Vectors,
+        velocities: _Vectors,
         radii: ArrayLike,
         *,
         masses: ArrayLike | None = None,
         densities: ArrayLike = 1.0,
         movable: ArrayLike | None = None,
-        gravity: ArrayLike = (0.0, 0.0),
+        gravity: _Vectors = (0.0, 0.0),
         drag: _Number = 0.0,
         restitution: ArrayLike = 1.0,
         container: _Container | None = None,
@@ -355,8 +660,8 @@ class World:
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None: ...
     def add(
         self,
-        positions: ArrayLike,
-        velocities: ArrayLike,
+        positions: _Vectors,
+        velocities: _Vectors,
         radii: ArrayLike,
         *,
         masses: ArrayLike | None = None,
@@ -369,8 +674,8 @@ class World:
         self,
         ids: ArrayLike,
         *,
-        positions: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
+        positions: _Vectors | None = None,
+        velocities: _Vectors | None = None,
         radii: ArrayLike | None = None,
         masses: ArrayLike | None = None,
         restitutions: ArrayLike | None = None,
@@ -379,11 +684,11 @@ class World:
     @property
     def positions(self) -> NDArray[np.float32]: ...
     @positions.setter
-    def positions(self, value: ArrayLike) -> None: ...
+    def positions(self, value: _Vectors) -> None: ...
     @property
     def velocities(self) -> NDArray[np.float32]: ...
     @velocities.setter
-    def velocities(self, value: ArrayLike) -> None: ...
+    def velocities(self, value: _Vectors) -> None: ...
     @property
     def radii(self) -> NDArray[np.float32]: ...
     @radii.setter
@@ -403,7 +708,7 @@ class World:
     @property
     def gravity(self) -> tuple[float, float]: ...
     @gravity.setter
-    def gravity(self, value: ArrayLike) -> None: ...
+    def gravity(self, value: _Vectors) -> None: ...
     @property
     def drag(self) -> float: ...
     @drag.setter
@@ -489,7 +794,7 @@ class Box:
 @final
 class Circle:
     __match_args__: Final = ("center", "radius")
-    def __new__(cls, center: ArrayLike, radius: _Number) -> Self: ...
+    def __new__(cls, center: ArrayLike | _Vector, radius: _Number) -> Self: ...
     @property
     def center(self) -> tuple[float, float]: ...
     @property
@@ -514,7 +819,7 @@ class Torus:
 class Attractor:
     def __new__(
         cls,
-        point: ArrayLike | None = None,
+        point: ArrayLike | _Vector | None = None,
         strength: _Number | None = None,
         law: Literal["harmonic", "inverse_square"] = "harmonic",
         *,
