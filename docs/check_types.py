@@ -1,10 +1,10 @@
-"""Check the types of the library, the examples and the code of the documents, with mypy and pyright.
+"""Check types with mypy and pyright: the library, the examples and the code of the documents.
 
     python docs/check_types.py
 
-The code of a document is written to target/documents/NAME.py, each line at its own number, and what
-the checkers say about that file is said about the document. What both check and how strictly stands
-in pyproject.toml.
+The code of a document is written to a file below target/documents, each line at its own number, and
+an error in that file is reported for the document. How strictly each checker works is set in
+pyproject.toml.
 """
 
 from __future__ import annotations

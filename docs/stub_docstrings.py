@@ -3,8 +3,8 @@
     python docs/stub_docstrings.py          writes python/jostle/_core.pyi
     python docs/stub_docstrings.py --check  fails if that would change it
 
-The docstrings stand in crates/jostle-py; install the wheel that was built from it first. Of a method
-with overloads the first has the docstring, which editors show for all of them.
+The docstrings are written in crates/jostle-py, so the wheel has to be built and installed first
+(make setup). Of several overloads only the first has the docstring: editors show it for all.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 STUB = Path(__file__).parents[1] / "python" / "jostle" / "_core.pyi"
 
