@@ -1,4 +1,4 @@
-"""The stub of the compiled module has its docstrings, and the code of documents is found for mypy."""
+"""The stub has the docstrings of the compiled module; type checkers get the code of documents."""
 
 import ast
 import sys
