@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable
 from itertools import combinations
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import pygame
@@ -56,6 +56,11 @@ __all__ = [
 ]
 
 Rule: TypeAlias = Literal["rect", "circle", "mask"]
+
+if TYPE_CHECKING:  # a group of pygame says what it holds to type checkers alone
+    _AnyGroup = pygame.sprite.Group[Any]
+else:
+    _AnyGroup = pygame.sprite.Group
 
 _TYPES = (pygame.Rect, pygame.FRect)
 # They take any collection of sprites; their annotations speak of groups alone.
@@ -348,7 +353,7 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
     return collide_rect_objects(rects, range(len(taken)), key=taken.__getitem__)
 
 
-class Group(pygame.sprite.Group):  # type: ignore[type-arg]
+class Group(_AnyGroup):
     """A group that answers questions about places, always for the rects as they are now.
 
     It does whatever `pygame.sprite.Group` does. Nothing has to be told when sprites move:
