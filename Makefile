@@ -48,7 +48,8 @@ lint: setup  ## check format, style and types
 	cargo fmt --all --check
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/mypy
+	$(BIN)/python docs/check_types.py
+	$(BIN)/python docs/stub_docstrings.py --check
 	$(BIN)/python -m mypy.stubtest jostle._core
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy --package jostle --no-default-features --all-targets -- -D warnings

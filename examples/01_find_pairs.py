@@ -16,4 +16,4 @@ touching = np.unique(pairs)
 with show.axes(f"{len(centers)} discs, {len(pairs)} pairs") as axes:
     show.discs(axes, centers, radii, show.BLUE, alpha=0.55)
     show.discs(axes, centers[touching], radii[touching], show.TEAL)
-    axes.add_collection(LineCollection(centers[pairs], colors=show.GROUND, linewidths=2))
+    axes.add_collection(LineCollection(list(centers[pairs]), colors=show.GROUND, linewidths=2))

@@ -17,10 +17,8 @@ for screen in show.frames("Mouse picking"):
     for event in pygame.event.get((pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP)):
         corner = event.pos if event.type == pygame.MOUSEBUTTONDOWN else None
 
-    selected = set()
-    if corner:
-        rect = *np.minimum(corner, mouse), *np.maximum(corner, mouse)
-        selected = set(tree.query_rect(rect).tolist())
+    rect = *np.minimum(corner or mouse, mouse), *np.maximum(corner or mouse, mouse)
+    selected = set(tree.query_rect(rect).tolist()) if corner else set()
     under = tree.query_point(mouse)  # ascending, so the last is the one drawn on top
     picked = under[-1] if len(under) else None
 

@@ -7,10 +7,10 @@ import pyglet
 
 import jostle
 
-options = argparse.ArgumentParser(description=__doc__)
-options.add_argument("--frames", type=int, help="so many frames without a display, then end")
-options.add_argument("--out", help="keep the last of them as a picture")
-options = options.parse_args()
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--frames", type=int, help="so many frames without a display, then end")
+parser.add_argument("--out", help="keep the last of them as a picture")
+options = parser.parse_args()
 pyglet.options.headless = options.frames is not None
 
 WIDTH, HEIGHT, COUNT = 960, 600, 3_000
@@ -28,8 +28,10 @@ window = pyglet.window.Window(WIDTH, HEIGHT, "jostle and pyglet")
 gl = pyglet.gl
 rng = np.random.default_rng(0)
 places = rng.uniform((330, 40), (630, 1_900), (COUNT, 2))
-rules = {"gravity": (0, -400), "restitution": 0.4, "container": jostle.Box(0, 0, WIDTH, 2_000)}
-world = jostle.World(places, 0 * places, rng.uniform(3, 7, COUNT), **rules)
+box = jostle.Box(0, 0, WIDTH, 2_000)
+world = jostle.World(
+    places, 0 * places, rng.uniform(3, 7, COUNT), gravity=(0, -400), restitution=0.4, container=box
+)
 
 kinds = pyglet.graphics.shader
 stages = kinds.Shader(VERTEX, "vertex"), kinds.Shader(FRAGMENT, "fragment")

@@ -10,10 +10,10 @@ from raylib import ffi, rl
 
 import jostle
 
-options = argparse.ArgumentParser(description=__doc__)
-options.add_argument("--frames", type=int, help="so many frames, then end")
-options.add_argument("--out", help="keep the last of them as a picture")
-options = options.parse_args()
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--frames", type=int, help="so many frames, then end")
+parser.add_argument("--out", help="keep the last of them as a picture")
+options = parser.parse_args()
 
 WIDTH, HEIGHT, COUNT = 960, 600, 2_000
 JOINED, AROUND = 28.0, 110.0  # pixels
@@ -32,7 +32,8 @@ rl.rlEnableSmoothLines()
 frames = 0
 while not rl.WindowShouldClose() and frames != options.frames:
     frames += 1
-    places = (places + speeds / 60) % np.array([WIDTH, HEIGHT], np.float32)
+    places += speeds / 60
+    places %= np.array([WIDTH, HEIGHT], np.float32)
     tree = jostle.Quadtree(places, np.float32(JOINED / 2))
     pairs = tree.pairs()
     gaps = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)

@@ -19,7 +19,17 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import Contacts, GaltonBoard, Neighbors, Nodes, Nozzle, RayHit, Stats
+from jostle.results import (
+    Contacts,
+    GaltonBoard,
+    Hits,
+    Neighbors,
+    Nodes,
+    Nozzle,
+    RayHit,
+    RayHits,
+    Stats,
+)
 
 __all__ = [
     "Attractor",
@@ -62,7 +72,7 @@ class _Vector(Protocol):
     def y(self) -> float: ...
 
 class _Rect(Protocol):
-    """Four sides with names, as pygame's Rect and FRect have them."""
+    """A rectangle that knows its sides, such as one of pygame."""
 
     @property
     def left(self) -> float: ...
@@ -73,8 +83,37 @@ class _Rect(Protocol):
     @property
     def bottom(self) -> float: ...
 
-_Point: TypeAlias = tuple[_Number, _Number] | _Vector
-_Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
+class _Array(Protocol):
+    """An array, or what NumPy makes one of, such as a table of pandas; a number is none."""
+
+    def __array__(self) -> NDArray[Any]: ...
+    def __len__(self) -> int: ...
+
+# One or many: a query given one point answers `RayHit` or an array of ids, given many `RayHits` or
+# `Hits`. Its overloads stand in this order, in which mypy and pyright choose alike:
+#
+# 1. One: a tuple or a vector. A tuple of two values of type Any is one.
+# 2. Many: an array, or a sequence of anything but numbers. A list of values of type Any is many.
+# 3. One: any other sequence of numbers.
+# 4. An argument of type Any, which matches every overload. mypy then answers Any; pyright does so
+#    only if the last result is a union with Any, else strict mode reports an unknown type.
+#
+# Type checkers rarely know how many dimensions an array has, so an array is many. A point that is
+# an array is passed as `tuple(array)`.
+@final
+class _Undecided:
+    """Stands for an argument of type Any; no value has this type."""
+
+# `_Number` does not do where a number is told from an array, which has `__float__` and `__index__`.
+_Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
+_Id: TypeAlias = int | np.integer[Any]
+_Reals: TypeAlias = _Array | Sequence[_Real]
+_IdList: TypeAlias = _Array | Sequence[_Id]
+_Point: TypeAlias = tuple[_Real, _Real] | _Vector
+_Points: TypeAlias = _Array | Sequence[Sequence[_Real] | _Vector | _Array]
+_AnyPoint: TypeAlias = _Point | Sequence[_Real]
+_OneOrMorePoints: TypeAlias = _AnyPoint | _Points
+_Vectors: TypeAlias = ArrayLike | _Vector | Sequence[_Vector]
 _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
@@ -82,8 +121,9 @@ _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
 
 def abandon_threads() -> None: ...
+
 def find_pairs(
-    centers: ArrayLike | None = None,
+    centers: _Vectors | None = None,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
@@ -101,16 +141,19 @@ def sprite_pairs(
     types: tuple[type, type],
     radius_of: Callable[[Any], float] | None = None,
 ) -> tuple[NDArray[np.uint32], NDArray[np.bool_] | None] | None: ...
+
 def sprite_sides(sprites: list[Any], types: tuple[type, type]) -> NDArray[np.float64] | None: ...
+
 def sprite_dict(
     pairs: NDArray[np.uint32], keys: list[Any], values: list[Any]
 ) -> dict[Any, list[Any]]: ...
 
 @final
 class Quadtree:
+
     def __new__(
         cls,
-        centers: ArrayLike | None = None,
+        centers: _Vectors | None = None,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -131,25 +174,75 @@ class Quadtree:
     ) -> _Pairs: ...
     def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts: ...
     @overload
-    def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    def query_rect(
+        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
     @overload
-    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_rect(
+        self,
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> Hits: ...
+    @overload
+    def query_rect(self, rect: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_rect(
+        self, rect: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_circle(
-        self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
+        self, center: _Point, radius: _Real, *, mask: SupportsIndex | None = None
     ) -> _Ids: ...
     @overload
     def query_circle(
-        self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> Any: ...
+        self, center: _Points, radius: _Real | _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: _OneOrMorePoints, radius: _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: Sequence[_Real], radius: _Real, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self,
+        center: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_point(self, point: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
-    def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_point(self, point: _Points, *, mask: SupportsIndex | None = None) -> Hits: ...
+    @overload
+    def query_point(self, point: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_point(
+        self, point: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Array | Sequence[_Point], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[_Points], *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[Sequence[_Real]], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     def nearest(
         self,
-        point: ArrayLike | _Vector,
+        point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
         max_distance: _Number = math.inf,
@@ -167,18 +260,45 @@ class Quadtree:
     @overload
     def raycast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     @overload
     def circle_cast(
         self,
         origin: _Point,
         direction: _Point,
-        radius: _Number,
+        radius: _Real,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
@@ -186,13 +306,53 @@ class Quadtree:
     @overload
     def circle_cast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
-        radius: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        radius: _Real | _Reals,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        radius: _Real | _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _OneOrMorePoints,
+        radius: _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        radius: _Real,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     def nodes(self) -> Nodes: ...
     @property
     def stats(self) -> Stats: ...
@@ -200,6 +360,7 @@ class Quadtree:
 
 @final
 class Space:
+
     def __new__(
         cls,
         *,
@@ -222,14 +383,36 @@ class Space:
     @overload
     def add(
         self,
-        centers: ArrayLike | _Vector,
+        centers: _Points,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
         boxes: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
-    ) -> Any: ...
+    ) -> _Ids: ...
+    @overload
+    def add(
+        self,
+        centers: Sequence[_Real],
+        radii: ArrayLike = 0.0,
+        half_sizes: ArrayLike | None = None,
+        *,
+        boxes: None = None,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        centers: _Undecided,
+        radii: ArrayLike = 0.0,
+        half_sizes: ArrayLike | None = None,
+        *,
+        boxes: None = None,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int | _Ids | Any: ...
     @overload
     def add(
         self,
@@ -237,7 +420,7 @@ class Space:
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
-        boxes: _Four | _Rect,
+        boxes: tuple[_Real, _Real, _Real, _Real] | _Rect,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int: ...
@@ -248,28 +431,44 @@ class Space:
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
-        boxes: _Boxes,
+        boxes: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
-    ) -> Any: ...
+    ) -> _Ids: ...
+    @overload
+    def add(
+        self,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: Sequence[_Real],
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Undecided,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int | _Ids | Any: ...
     def move(
         self,
         ids: ArrayLike,
-        centers: ArrayLike | _Vector | None = None,
+        centers: _Vectors | None = None,
         *,
         boxes: _Boxes | _Rect | None = None,
     ) -> None: ...
     def resize(
-        self,
-        ids: ArrayLike,
-        radii: ArrayLike | None = None,
-        half_sizes: ArrayLike | None = None,
+        self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None: ...
     def set_filter(
-        self,
-        ids: ArrayLike,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
+        self, ids: ArrayLike, categories: ArrayLike | None = None, masks: ArrayLike | None = None
     ) -> None: ...
     def remove(self, ids: ArrayLike) -> None: ...
     def update(self, *, max_pairs: SupportsIndex = 134217728) -> Events: ...
@@ -281,25 +480,75 @@ class Space:
         mask: SupportsIndex | None = None,
     ) -> _Pairs: ...
     @overload
-    def query_rect(self, rect: _Four, *, mask: SupportsIndex | None = None) -> _Ids: ...
+    def query_rect(
+        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
     @overload
-    def query_rect(self, rect: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_rect(
+        self,
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> Hits: ...
+    @overload
+    def query_rect(self, rect: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_rect(
+        self, rect: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_circle(
-        self, center: _Point, radius: _Number, *, mask: SupportsIndex | None = None
+        self, center: _Point, radius: _Real, *, mask: SupportsIndex | None = None
     ) -> _Ids: ...
     @overload
     def query_circle(
-        self, center: ArrayLike, radius: ArrayLike, *, mask: SupportsIndex | None = None
-    ) -> Any: ...
+        self, center: _Points, radius: _Real | _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: _OneOrMorePoints, radius: _Reals, *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_circle(
+        self, center: Sequence[_Real], radius: _Real, *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self,
+        center: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+    ) -> _Ids | Hits | Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids: ...
     @overload
-    def query_point(self, point: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
-    def query_polygon(self, vertices: ArrayLike, *, mask: SupportsIndex | None = None) -> Any: ...
+    def query_point(self, point: _Points, *, mask: SupportsIndex | None = None) -> Hits: ...
+    @overload
+    def query_point(self, point: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
+    @overload
+    def query_point(
+        self, point: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Array | Sequence[_Point], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[_Points], *, mask: SupportsIndex | None = None
+    ) -> Hits: ...
+    @overload
+    def query_polygon(
+        self, vertices: Sequence[Sequence[_Real]], *, mask: SupportsIndex | None = None
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self, vertices: _Undecided, *, mask: SupportsIndex | None = None
+    ) -> _Ids | Hits | Any: ...
     def nearest(
         self,
-        point: ArrayLike | _Vector,
+        point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
         max_distance: _Number = math.inf,
@@ -317,18 +566,45 @@ class Space:
     @overload
     def raycast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     @overload
     def circle_cast(
         self,
         origin: _Point,
         direction: _Point,
-        radius: _Number,
+        radius: _Real,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
@@ -336,28 +612,74 @@ class Space:
     @overload
     def circle_cast(
         self,
-        origin: ArrayLike,
-        direction: ArrayLike,
-        radius: ArrayLike,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        radius: _Real | _Reals,
         *,
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> Any: ...
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        radius: _Real | _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _OneOrMorePoints,
+        radius: _Reals,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        radius: _Real,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def circle_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     @overload
-    def radii(self, ids: SupportsIndex) -> float: ...
+    def radii(self, ids: _Id) -> float: ...
     @overload
-    def radii(self, ids: ArrayLike | None = None) -> Any: ...
+    def radii(self, ids: _IdList | None = None) -> NDArray[np.floating[Any]]: ...
     @overload
-    def categories(self, ids: SupportsIndex) -> int: ...
+    def radii(self, ids: _Undecided) -> float | NDArray[np.floating[Any]] | Any: ...
     @overload
-    def categories(self, ids: ArrayLike | None = None) -> Any: ...
+    def categories(self, ids: _Id) -> int: ...
     @overload
-    def masks(self, ids: SupportsIndex) -> int: ...
+    def categories(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
     @overload
-    def masks(self, ids: ArrayLike | None = None) -> Any: ...
+    def categories(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
+    @overload
+    def masks(self, ids: _Id) -> int: ...
+    @overload
+    def masks(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
+    @overload
+    def masks(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
     @property
     def ids(self) -> _Ids: ...
     @property
@@ -367,6 +689,7 @@ class Space:
 
 @final
 class Events:
+
     @property
     def entered(self) -> _Pairs: ...
     @property
@@ -377,16 +700,17 @@ class Events:
 
 @final
 class World:
+
     def __new__(
         cls,
-        positions: ArrayLike,
-        velocities: ArrayLike,
+        positions: _Vectors,
+        velocities: _Vectors,
         radii: ArrayLike,
         *,
         masses: ArrayLike | None = None,
         densities: ArrayLike = 1.0,
         movable: ArrayLike | None = None,
-        gravity: ArrayLike = (0.0, 0.0),
+        gravity: _Vectors = (0.0, 0.0),
         drag: _Number = 0.0,
         restitution: ArrayLike = 1.0,
         container: _Container | None = None,
@@ -401,8 +725,8 @@ class World:
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None: ...
     def add(
         self,
-        positions: ArrayLike,
-        velocities: ArrayLike,
+        positions: _Vectors,
+        velocities: _Vectors,
         radii: ArrayLike,
         *,
         masses: ArrayLike | None = None,
@@ -415,8 +739,8 @@ class World:
         self,
         ids: ArrayLike,
         *,
-        positions: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
+        positions: _Vectors | None = None,
+        velocities: _Vectors | None = None,
         radii: ArrayLike | None = None,
         masses: ArrayLike | None = None,
         restitutions: ArrayLike | None = None,
@@ -425,11 +749,11 @@ class World:
     @property
     def positions(self) -> NDArray[np.float32]: ...
     @positions.setter
-    def positions(self, value: ArrayLike) -> None: ...
+    def positions(self, value: _Vectors) -> None: ...
     @property
     def velocities(self) -> NDArray[np.float32]: ...
     @velocities.setter
-    def velocities(self, value: ArrayLike) -> None: ...
+    def velocities(self, value: _Vectors) -> None: ...
     @property
     def radii(self) -> NDArray[np.float32]: ...
     @radii.setter
@@ -449,7 +773,7 @@ class World:
     @property
     def gravity(self) -> tuple[float, float]: ...
     @gravity.setter
-    def gravity(self, value: ArrayLike) -> None: ...
+    def gravity(self, value: _Vectors) -> None: ...
     @property
     def drag(self) -> float: ...
     @drag.setter
@@ -518,6 +842,7 @@ class World:
 
 @final
 class Box:
+
     __match_args__: Final = ("min_x", "min_y", "max_x", "max_y")
     def __new__(cls, min_x: _Number, min_y: _Number, max_x: _Number, max_y: _Number) -> Self: ...
     @property
@@ -534,8 +859,9 @@ class Box:
 
 @final
 class Circle:
+
     __match_args__: Final = ("center", "radius")
-    def __new__(cls, center: ArrayLike, radius: _Number) -> Self: ...
+    def __new__(cls, center: ArrayLike | _Vector, radius: _Number) -> Self: ...
     @property
     def center(self) -> tuple[float, float]: ...
     @property
@@ -546,6 +872,7 @@ class Circle:
 
 @final
 class Torus:
+
     __match_args__: Final = ("width", "height")
     def __new__(cls, width: _Number, height: _Number) -> Self: ...
     @property
@@ -558,9 +885,10 @@ class Torus:
 
 @final
 class Attractor:
+
     def __new__(
         cls,
-        point: ArrayLike | None = None,
+        point: ArrayLike | _Vector | None = None,
         strength: _Number | None = None,
         law: Literal["harmonic", "inverse_square"] = "harmonic",
         *,
@@ -582,6 +910,7 @@ class Attractor:
 
 @final
 class Gravitation:
+
     __match_args__: Final = ("G", "softening", "theta")
     def __new__(cls, G: _Number, softening: _Number = 0.0, theta: _Number = 0.5) -> Self: ...
     @property
@@ -596,6 +925,7 @@ class Gravitation:
 
 @final
 class Springs:
+
     __match_args__: Final = ("pairs", "lengths", "stiffness", "damping", "max_stretch")
     def __new__(
         cls,
@@ -622,6 +952,7 @@ class Springs:
 
 @final
 class Thermostat:
+
     __match_args__: Final = ("speed", "rate")
     def __new__(cls, speed: _Number, rate: _Number) -> Self: ...
     @property
@@ -633,10 +964,17 @@ class Thermostat:
     def __getnewargs__(self) -> tuple[float, float]: ...
 
 def scene_names() -> list[str]: ...
+
 def describe_scene(name: str) -> str: ...
+
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World: ...
+
 def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float, float, float]: ...
+
 def scene_default_count(name: str) -> int: ...
+
 def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]: ...
+
 def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard: ...
+
 def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float32]: ...

@@ -22,7 +22,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Sized
 from functools import cached_property
 from itertools import combinations
-from typing import Any, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
 import numpy as np
 import pygame
@@ -64,6 +64,11 @@ __all__ = [
 
 Rule: TypeAlias = Literal["rect", "circle", "mask", "within"]
 _Point: TypeAlias = tuple[float, float] | pygame.Vector2
+
+if TYPE_CHECKING:  # a group of pygame says what it holds to type checkers alone
+    _AnyGroup = pygame.sprite.Group[Any]
+else:
+    _AnyGroup = pygame.sprite.Group
 
 _TYPES = (pygame.Rect, pygame.FRect)
 # They take any collection of sprites; their annotations speak of groups alone.
@@ -524,7 +529,7 @@ class Snapshot:
         return [self._sprites[row] if row >= 0 else None for row in hit.ids.tolist()], hit.distances
 
 
-class Group(pygame.sprite.Group):  # type: ignore[type-arg]
+class Group(_AnyGroup):  # type: ignore[type-arg]
     """A group with queries, always for the rects as they are now.
 
     It does whatever `pygame.sprite.Group` does. Each query takes one rect, point or ray

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle._core import Quadtree
-from jostle.results import Hits
 
 __all__ = ["Index", "Quad"]
 
@@ -355,7 +354,7 @@ class _Built:
     def meeting_each(self, boxes: list[_Floats]) -> list[list[int]]:
         """Return the numbers of the boxes that each of some meets."""
         asked = np.array(boxes, np.float64).reshape(-1, 4)
-        offsets, rows = cast(Hits, self.tree.query_rect(asked))
+        offsets, rows = self.tree.query_rect(asked)
         fits = _meets(self.corners[rows], asked.repeat(np.diff(offsets), axis=0))
         numbers = self.numbers[rows[fits]].tolist()
         ends = np.append(0, np.cumsum(fits))[offsets].tolist()

@@ -1,0 +1,153 @@
+"""What a type checker makes of a query: one or many, by the type of its arguments."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+from typing_extensions import assert_type
+
+from jostle import Hits, Neighbors, Quadtree, RayHit, RayHits, Space
+
+Ids = NDArray[np.int64]
+
+
+def one_by_literals(tree: Quadtree) -> None:
+    assert_type(tree.query_rect((0, 0, 2.5, 1)), Ids)
+    assert_type(tree.query_rect([0, 0, 2.5, 1], mask=2), Ids)
+    assert_type(tree.query_circle((0, 0.5), 1), Ids)
+    assert_type(tree.query_circle([0, 0.5], 1.0), Ids)
+    assert_type(tree.query_point((1, 2)), Ids)
+    assert_type(tree.query_point([1.0, 2.0]), Ids)
+    assert_type(tree.query_point((np.float32(1), np.int64(2))), Ids)
+    assert_type(tree.query_polygon([(0, 0), (1, 0), (1, 1.5)]), Ids)
+    assert_type(tree.query_polygon([[0, 0], [1, 0], [1, 1.5]]), Ids)
+    assert_type(tree.nearest((1, 2), k=3), Neighbors)
+    assert_type(tree.raycast((0, 0), (1, 0)), RayHit)
+    assert_type(tree.raycast([0, 0], (1, 0), max_distance=5), RayHit)
+    assert_type(tree.raycast((0, 0), [1.5, 0]), RayHit)
+    assert_type(tree.circle_cast((0, 0), (1, 0), 0.5), RayHit)
+    assert_type(tree.circle_cast([0, 0], [1, 0], np.float32(0.5), mask=1), RayHit)
+
+
+def one_by_objects(
+    tree: Quadtree, vector: pygame.Vector2, rect: pygame.Rect, frect: pygame.FRect
+) -> None:
+    assert_type(tree.query_rect(rect), Ids)
+    assert_type(tree.query_rect(frect), Ids)
+    assert_type(tree.query_circle(vector, 5), Ids)
+    assert_type(tree.query_point(vector), Ids)
+    assert_type(tree.query_polygon([vector, vector, vector]), Ids)
+    assert_type(tree.nearest(vector), Neighbors)
+    assert_type(tree.raycast(vector, vector), RayHit)
+    assert_type(tree.raycast(vector, (1, 0)), RayHit)
+    assert_type(tree.circle_cast((0, 0), vector, 3), RayHit)
+
+
+def many_by_arrays(tree: Quadtree, single: NDArray[np.float32], k: int) -> None:
+    double = np.zeros((5, 2))
+    for points in (single, double):
+        assert_type(tree.query_circle(points, 1.0), Hits)
+    assert_type(tree.query_rect(np.zeros((3, 4))), Hits)
+    assert_type(tree.query_rect(single), Hits)
+    assert_type(tree.query_circle(single, np.ones(4)), Hits)
+    assert_type(tree.query_circle((0, 0), single), Hits)
+    assert_type(tree.query_circle(single, [1, 2, 3.5]), Hits)
+    assert_type(tree.query_point(single), Hits)
+    assert_type(tree.query_polygon([single, single]), Hits)
+    assert_type(tree.query_polygon(single), Ids)
+    assert_type(tree.nearest(single, k), Neighbors)
+    assert_type(tree.raycast(single, single), RayHits)
+    assert_type(tree.raycast((0, 0), single), RayHits)
+    assert_type(tree.raycast(single, (0, 1)), RayHits)
+    assert_type(tree.raycast(single, [0, 1]), RayHits)
+    assert_type(tree.circle_cast(single, single, 1), RayHits)
+    assert_type(tree.circle_cast((0, 0), single, 1), RayHits)
+    assert_type(tree.circle_cast(single, (0, 1), 1), RayHits)
+    assert_type(tree.circle_cast((0, 0), (0, 1), single), RayHits)
+
+
+def many_by_sequences(
+    tree: Quadtree, points: list[tuple[float, float]], rects: list[pygame.Rect]
+) -> None:
+    assert_type(tree.query_rect([(0, 0, 1, 1), (1, 1, 2, 2.5)]), Hits)
+    assert_type(tree.query_rect(rects), Hits)
+    assert_type(tree.query_circle(points, 2), Hits)
+    assert_type(tree.query_circle([(0, 0), (1, 1)], [1, 2]), Hits)
+    assert_type(tree.query_point([[0, 0], [1, 1.5]]), Hits)
+    assert_type(tree.query_point(((0, 0), (1, 1.5))), Hits)
+    assert_type(tree.query_point([pygame.Vector2(), pygame.Vector2()]), Hits)
+    assert_type(tree.query_polygon([[(0, 0), (1, 0), (1, 1)]]), Hits)
+    assert_type(tree.nearest(points), Neighbors)
+    assert_type(tree.raycast(points, (0, 1)), RayHits)
+    assert_type(tree.raycast((0, 0), [(0, 1), (1, 0)]), RayHits)
+    assert_type(tree.circle_cast(points, points, 1), RayHits)
+
+
+def any_is_left_open(tree: Quadtree, given: dict[str, Any]) -> None:
+    """What is Any may be one or many, so the answer is used as either."""
+    loaded = np.load("centers.npy")
+    assert_type(tree.query_rect(loaded), Any)
+    assert_type(tree.query_circle(loaded, 1.0), Any)
+    assert_type(tree.query_circle((0, 0), given["radius"]), Any)
+    assert_type(tree.query_point(loaded), Any)
+    assert_type(tree.query_polygon(loaded), Any)
+    assert_type(tree.nearest(given["point"]), Neighbors)
+    assert_type(tree.raycast(loaded, given["direction"]), Any)
+    assert_type(tree.raycast((0, 0), given["direction"]), Any)
+    assert_type(tree.circle_cast(loaded, (1, 0), given["radius"]), Any)
+    for ids in tree.query_circle(loaded, given["radius"]).lists():
+        print(ids.tolist())
+    for row in tree.query_point(given["mouse"]):
+        print(row + 1)
+    print(tree.raycast(given["eye"], (1, 0)).id, tree.raycast(loaded, loaded).ids.max())
+
+
+def any_beside_an_array_is_many(tree: Quadtree, given: Any, single: NDArray[np.float32]) -> None:
+    assert_type(tree.query_circle(single, given), Hits)
+    assert_type(tree.raycast(given, single), RayHits)
+    assert_type(tree.raycast(single, given), RayHits)
+    assert_type(tree.circle_cast(single, given, given), RayHits)
+
+
+def any_within_a_sequence_can_be_used(
+    tree: Quadtree, given: dict[str, Any], rows: list[Any], single: NDArray[np.float32]
+) -> None:
+    """pyright takes a pair for one and a list for many; mypy answers Any."""
+    print(tree.query_point((given["x"], given["y"])).tolist())
+    print(tree.query_point(tuple(single)).tolist())
+    print(tree.raycast((given["x"], 0), (1, 0)).distance)
+    print(tree.query_point(rows).lists())
+    print(tree.query_circle([(row["x"], row["y"]) for row in rows], 3).lists())
+    assert_type(tree.nearest(rows), Neighbors)
+
+
+def hits(tree: Quadtree, centers: Any) -> Hits:
+    """An answer to a question of any type may be given a type."""
+    found: Hits = tree.query_circle(centers, 1.0)
+    return found
+
+
+def a_space_answers_alike(space: Space, single: NDArray[np.float32], given: Any) -> None:
+    assert_type(space.query_rect((0, 0, 1, 1)), Ids)
+    assert_type(space.query_rect(single), Hits)
+    assert_type(space.query_rect(given), Any)
+    assert_type(space.query_circle((0, 0), 1), Ids)
+    assert_type(space.query_circle(single, 1), Hits)
+    assert_type(space.query_circle(given, 1), Any)
+    assert_type(space.query_point((0, 0)), Ids)
+    assert_type(space.query_point(single), Hits)
+    assert_type(space.query_point(given), Any)
+    assert_type(space.query_polygon([(0, 0), (1, 0), (1, 1)]), Ids)
+    assert_type(space.nearest(single), Neighbors)
+    assert_type(space.raycast((0, 0), (1, 0)), RayHit)
+    assert_type(space.raycast(single, (1, 0)), RayHits)
+    assert_type(space.raycast(given, (1, 0)), Any)
+    assert_type(space.circle_cast((0, 0), (1, 0), 2), RayHit)
+    assert_type(space.circle_cast(single, single, 2), RayHits)
+    assert_type(space.circle_cast(given, given, 2), Any)
+
+
+def a_point_of_any_kind(tree: Quadtree, point: Sequence[float]) -> None:
+    assert_type(tree.query_point(point), Ids)

@@ -1,0 +1,38 @@
+"""What may be given as shapes and particles, as a type checker sees it."""
+
+from typing import Any
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+from typing_extensions import assert_type
+
+import jostle
+from jostle import Quadtree, World
+
+
+def trees(
+    single: NDArray[np.float32], points: list[tuple[float, float]], given: dict[str, Any]
+) -> None:
+    assert_type(Quadtree(single, 1.0), Quadtree)
+    assert_type(Quadtree(points, radii=[1, 2]), Quadtree)
+    assert_type(Quadtree(np.load("centers.npy"), given["radii"]), Quadtree)
+    assert_type(Quadtree([pygame.Vector2(), pygame.Vector2()], 2), Quadtree)
+    assert_type(Quadtree(points).pairs(Quadtree(points)), NDArray[np.uint32])
+    print(jostle.find_pairs(single, 1).shape, jostle.find_pairs(given["centers"]).tolist())
+    contacts = Quadtree(single, 1.0).contacts()
+    print(contacts.pairs[contacts.depths > 0.5].tolist())
+
+
+def worlds(points: list[tuple[float, float]], given: Any) -> None:
+    world = World(points, np.zeros((3, 2)), 1.0, gravity=(0, 9.8), container=jostle.Box(0, 0, 9, 9))
+    assert_type(World(given, given, given, forces=[jostle.Gravitation(1.0)]), World)
+    assert_type(world.positions, NDArray[np.float32])
+    assert_type(world.movable, NDArray[np.bool_])
+    world.velocities = np.zeros((3, 2))
+    world.velocities = 2 * world.velocities
+    world.velocities *= 2
+    world.gravity = pygame.Vector2(0, 9.8)
+    world.step(1 / 60, steps=10)
+    world.set([0], positions=[(1, 2)])
+    assert_type(jostle.scenes.create("pile", 100), World)
