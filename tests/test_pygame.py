@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations, product
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
@@ -34,7 +35,7 @@ from pygame.sprite import (  # noqa: E402
 )
 
 import jostle.pygame as ours  # noqa: E402
-from jostle._core import sprite_pairs  # noqa: E402
+from jostle._core import Quadtree, sprite_pairs  # noqa: E402
 
 theirs = pygame.sprite
 
@@ -101,6 +102,11 @@ def named(answer: dict[Any, list[Any]]) -> list[tuple[str, list[str]]]:
     return [(sprite.name, names(hits)) for sprite, hits in answer.items()]
 
 
+def odd(left: Any, right: Any) -> bool:
+    """A function of one's own."""
+    return bool((left.rect.x + right.rect.y) % 2 >= 1)
+
+
 Collided = Callable[[Any, Any], Any] | None
 BUILT_IN: dict[str, Collided] = {
     "none": None,
@@ -114,6 +120,8 @@ BUILT_IN: dict[str, Collided] = {
     "circle ratio": collide_circle_ratio(0.8),
     "circle ratio 2": collide_circle_ratio(2),
     "circle ratio -1": collide_circle_ratio(-1),
+    "prefilter": ours.prefilter(odd),
+    "prefilter 2.5": ours.prefilter(odd, reach=2.5),
 }
 
 # ---- beside pygame -------------------------------------------------------------------------------
@@ -149,8 +157,8 @@ def same_others(make: Callable[[], Scene], kill: bool, collided: Collided) -> No
 @pytest.mark.parametrize("kind", RECTS)
 @pytest.mark.parametrize("rule", BUILT_IN)
 def test_ten_thousand_random_scenes(rule: str, kind: str) -> None:
-    """About 310 scenes of two groups for each of 33 cases."""
-    for seed in range(310):
+    """About 260 scenes of two groups for each of 39 cases."""
+    for seed in range(260):
         kill_a, kill_b = bool(seed & 1), bool(seed & 2)
 
         def make(seed: int = seed) -> Scene:
@@ -206,6 +214,7 @@ rules = st.one_of(
     st.sampled_from([None, collide_rect, collide_circle]),
     ratios.map(collide_rect_ratio),
     ratios.map(collide_circle_ratio),
+    st.sampled_from([0.0, 1.0, 3.25, 1e5, 1e30]).map(lambda reach: ours.prefilter(odd, reach)),
 )
 radii = st.none() | st.integers(-3, 9) | st.floats(-3, 9) | st.sampled_from([10**17, 1e200, -1e200])
 
@@ -304,58 +313,132 @@ def test_masks_are_asked_only_where_they_may_meet() -> None:
     assert asked == []
 
 
-def odd(left: Any, right: Any) -> bool:
-    """A function of one's own."""
-    return (left.rect.x + right.rect.y) % 2 >= 1
+@pytest.mark.parametrize("collided", [odd, lambda left, right: False, collide_circle.__call__])
+def test_a_function_of_ones_own_is_called_for_every_pair(collided: Any) -> None:
+    """With pygame's arguments, in pygame's order, as often as pygame does."""
+    calls: list[tuple[str, str]] = []
 
+    def told(left: Any, right: Any) -> Any:
+        calls.append((left.name, right.name))
+        return collided(left, right)
 
-@pytest.mark.parametrize("kind", RECTS)
-def test_a_function_of_ones_own_is_asked_where_rects_overlap(kind: str) -> None:
-    """In pygame's order, and with what `dokillb` has killed no more."""
+    def asked(call: Callable[[], Any]) -> list[tuple[str, str]]:
+        calls.clear()
+        call()
+        return calls.copy()
 
-    def both(left: Any, right: Any) -> bool:
-        return left.rect.colliderect(right.rect) and odd(left, right)
-
-    for seed in range(300):
+    for seed in range(60):
+        want, got = (Scene(seed, "mixed") for _ in range(2))
         kills = bool(seed & 1), bool(seed & 2)
-        calls: dict[str, list[Any]] = {"want": [], "got": []}
-
-        def told(which: str, calls: Any = calls) -> Callable[[Any, Any], bool]:
-            def collided(left: Any, right: Any) -> bool:
-                if left.rect.colliderect(right.rect):
-                    calls[which].append((left.name, right.name))
-                return both(left, right)
-
-            return collided
-
-        expected, found = Scene(seed, kind), Scene(seed, kind)
-        want = theirs.groupcollide(expected.a, expected.b, *kills, told("want"))
-        got = ours.groupcollide(found.a, found.b, *kills, told("got"))
-        assert named(got) == named(want)
-        assert found.state() == expected.state()
-        assert calls["got"] == calls["want"]
-        same_others(lambda seed=seed: Scene(seed, kind), kills[0], both)
+        for scene, library in ((want, theirs), (got, ours)):
+            scene.calls = asked(lambda s=scene, x=library: x.groupcollide(s.a, s.b, *kills, told))
+            for mine in scene.every[:2]:
+                scene.calls += asked(lambda s=scene, x=library: x.spritecollideany(mine, s.b, told))
+                scene.calls += asked(lambda s=scene, x=library: x.spritecollide(mine, s.b, 0, told))
+        assert got.calls == want.calls
+        assert got.state() == want.state()
+        pairs = [(a.name, b.name) for a, b in combinations(got.a, 2)]
+        assert asked(lambda s=got: ours.selfcollide(s.a, told)) == pairs
 
 
-def test_broad_phase_can_be_turned_off() -> None:
-    """Then a function sees every pair, and pygame's answer is reached beyond the rects."""
+def test_what_a_function_of_ones_own_raises_gets_through() -> None:
+    class Refused(Exception):
+        pass
 
-    def within_100(left: Any, right: Any) -> bool:
-        return abs(left.rect.x - right.rect.x) < 100
+    def refuse(left: Any, right: Any) -> Any:
+        raise Refused
 
+    sprites = [Named(f"s{x}", Rect(x, 0, 5, 5)) for x in (0, 900)]
+    for collided in (refuse, ours.prefilter(refuse, reach=1000)):
+        with pytest.raises(Refused):
+            ours.groupcollide(sprites[:1], sprites[1:], False, False, collided)
+        with pytest.raises(Refused):
+            ours.spritecollide(sprites[0], sprites[1:], False, collided)
+        with pytest.raises(Refused):
+            ours.spritecollideany(sprites[0], sprites[1:], collided)
+        with pytest.raises(Refused):
+            ours.selfcollide(sprites, collided)
+    assert ours.selfcollide(sprites, ours.prefilter(refuse, reach=894)) == []
+
+
+def within_100(left: Any, right: Any) -> bool:
+    return abs(left.rect.x - right.rect.x) < 100
+
+
+@pytest.mark.parametrize("collided", [within_100, ours.prefilter(within_100, reach=95)])
+@pytest.mark.parametrize("broad_phase", [False, True])
+def test_a_function_may_look_farther_than_the_rects(collided: Any, broad_phase: bool) -> None:
     a = theirs.Group(Named(f"a{x}", Rect(x, 0, 5, 5)) for x in (0, 300))
     b = theirs.Group(Named(f"b{x}", Rect(x, 0, 5, 5)) for x in (50, 60, 390))
     ship = Named("ship", Rect(0, 0, 5, 5))
-    assert ours.groupcollide(a, b, False, False, within_100) == {}
-    everything = {"broad_phase": False}
-    found = ours.groupcollide(a, b, False, False, within_100, **everything)
+    named_only: Any = {"broad_phase": broad_phase}
+    found = ours.groupcollide(a, b, False, False, collided, **named_only)
     assert named(found) == [("a0", ["b50", "b60"]), ("a300", ["b390"])]
-    assert names(ours.spritecollide(ship, b, False, within_100, **everything)) == ["b50", "b60"]
-    assert ours.spritecollideany(ship, b, within_100, **everything).name == "b50"
-    assert len(ours.selfcollide(b, within_100, **everything)) == 1
-    assert ours.spritecollide(ship, b, False, within_100) == []
-    assert ours.spritecollideany(ship, b, within_100) is None
-    assert ours.selfcollide(b, within_100) == []
+    assert names(ours.spritecollide(ship, b, False, collided, **named_only)) == ["b50", "b60"]
+    assert ours.spritecollideany(ship, b, collided, **named_only).name == "b50"
+    assert len(ours.selfcollide(b, collided, **named_only)) == 1
+
+
+@pytest.mark.parametrize("kind", [Rect, FRect])
+@pytest.mark.parametrize(
+    ("place", "reach", "called"),
+    [
+        ((10, 0, 5, 5), 0, True),  # they touch
+        ((11, 0, 5, 5), 0, False),
+        ((11, 0, 5, 5), 1, True),
+        ((11, 12, 5, 5), 1, False),
+        ((11, 12, 5, 5), 2, True),
+        ((-7, 3, 5, 5), 2, True),
+        ((-7, 3, 5, 5), 1.999, False),
+        ((19, 0, -5, 5), 4, True),  # backwards: from 14 to 19
+        ((19, 0, -5, 5), 3.999, False),
+        ((12, 5, 0, 0), 2, True),  # without area
+        ((12, 5, 0, 0), 1.5, False),
+        ((2, 2, 1, 1), 0, True),
+    ],
+)
+def test_what_reach_means(kind: Any, place: Any, reach: float, called: bool) -> None:
+    """A gap of `reach` belongs to it, on each axis by itself, from both sides."""
+    seen: list[Any] = []
+    collided = ours.prefilter(lambda *pair: seen.append(pair) or True, reach=reach)
+    left, right = Named("a", kind(0, 0, 10, 10)), Named("b", kind(place))
+    for pair in ((left, right), (right, left)):
+        seen.clear()
+        assert bool(ours.groupcollide(pair[:1], pair[1:], False, False, collided)) == called
+        assert seen == [pair] * called
+        assert bool(theirs.spritecollide(pair[0], pair[1:], False, collided)) == called
+
+
+def test_a_prefilter_never_leaves_out_what_collides() -> None:
+    """Even where float32 rounds a rect into another one."""
+    draw = random.Random(1)
+    for _ in range(300):
+        a, b = (Named(name, FRect(draw.uniform(0, 9), 0, draw.uniform(0, 9), 1)) for name in "ab")
+        b.rect.x = a.rect.x + a.rect.w
+        want = bool(a.rect.colliderect(b.rect))
+        assert bool(ours.selfcollide([a, b], ours.prefilter(collide_rect))) == want
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((3,), "collided must be callable, not int"),
+        ((odd, -1), r"reach is -1; it must be finite and at least 0"),
+        ((odd, math.nan), r"reach is nan; it must be finite and at least 0"),
+        ((odd, math.inf), r"reach is inf; it must be finite and at least 0"),
+        ((odd, "far"), "reach must be a number, not str"),
+        ((odd, True), "reach must be a number, not bool"),
+    ],
+)
+def test_what_a_prefilter_refuses(arguments: Any, message: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=message):
+        ours.prefilter(*arguments)
+
+
+def test_a_prefilter_says_what_it_is() -> None:
+    made = ours.prefilter(odd, reach=3)
+    assert (made.collided, made.reach) == (odd, 3.0)
+    assert repr(made).endswith("reach=3.0)")
 
 
 def test_sprites_without_rects_are_for_a_function_that_needs_none() -> None:
@@ -405,7 +488,9 @@ def test_who_is_killed(library: Any) -> None:
     assert len(b) == 0
 
 
-@pytest.mark.parametrize("collided", [None, collide_circle, collide_mask, odd])
+@pytest.mark.parametrize(
+    "collided", [None, collide_circle, collide_mask, odd, ours.prefilter(odd, reach=3)]
+)
 @pytest.mark.parametrize("kill_b", [False, True])
 def test_a_kill_of_ones_own_may_do_anything(collided: Collided, kill_b: bool) -> None:
     """Here it moves others, lets some of them into the group, and may refuse to die."""
@@ -433,11 +518,6 @@ def test_a_kill_of_ones_own_may_do_anything(collided: Collided, kill_b: bool) ->
         found = named(library.groupcollide(a, b, True, kill_b, collided))
         return found, names(a), names(b), [repr(sprite) for sprite in made]
 
-    def overlapping(left: Any, right: Any) -> bool:
-        return bool(left.rect.colliderect(right.rect) and odd(left, right))
-
-    if collided is odd:
-        collided = overlapping
     assert run(ours) == run(theirs)
 
 
@@ -592,7 +672,9 @@ def test_a_sprite_without_a_rect_is_refused_as_pygame_does(
     assert list(refusals(ours)) == list(refusals(theirs))
 
 
-@pytest.mark.parametrize("collided", [None, collide_rect, collide_circle, odd])
+@pytest.mark.parametrize(
+    "collided", [None, collide_rect, collide_circle, odd, ours.prefilter(odd)]
+)
 def test_nothing_collides_with_nothing(collided: Collided) -> None:
     sprites = one_place(2)
     for library in (theirs, ours):
@@ -641,7 +723,6 @@ def test_strange_radii(radius: Any) -> None:
 
 
 def test_radii_of_numpy_are_computed_as_numpy_does() -> None:
-    np = pytest.importorskip("numpy")
     for kind in (np.float32, np.float64, np.int64, np.float16):
         for gap in range(1, 40):
             left, right = one_place(1)[0], one_place(1)[0]
@@ -732,14 +813,107 @@ def test_a_group_is_asked_about_the_present() -> None:
     assert group.raycast((0, 1), (5, 0), max_distance=9) == (None, math.inf)
     second.rect = Never(1, 0, 2, 2)
     assert group.nearest((0, 0), k=5) == [second, first]
-    first.rect = None
-    with pytest.raises(AttributeError):
-        group.nearest((0, 0))
+    second.rect = (1, 0, 2, 2)
+    assert group.nearest((0, 0), k=5) == [second, first]
 
 
-def test_a_tree_is_kept_while_nothing_moves() -> None:
+def test_a_tree_is_built_only_if_a_rect_has_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    built = []
+    monkeypatch.setattr(ours, "Quadtree", lambda *x, **y: built.append(x) or Quadtree(*x, **y))
     group = ours.Group(one_place(3))
     group.nearest((0, 0))
-    tree = group._kept.tree
     group.raycast((0, 0), (1, 0))
-    assert group._kept.tree is tree
+    group.snapshot()
+    assert len(built) == 1
+    group.sprites()[1].rect.x += 1
+    group.nearest((0, 0))
+    assert len(built) == 2
+
+
+@given(st.lists(ints | halves, max_size=9), st.lists(places, max_size=5), st.integers(1, 4))
+def test_many_points_and_rays_at_once(rects: list[Any], points: list[Any], k: int) -> None:
+    """A row of many is what the query answers for that row alone."""
+    sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
+    group = ours.Group(sprites)
+    now = group.snapshot()
+    vectors = [pygame.Vector2(point) for point in points]
+    directions = [(1 + row, -row) for row in range(len(points))]
+    near = [group.nearest(point, k, max_distance=4) for point in points]
+    rays = [group.raycast(*ray) for ray in zip(points, directions, strict=True)]
+    for asked in (group, now):
+        for many in (points, np.reshape(points, (-1, 2)), vectors):
+            assert asked.nearest(many, k, max_distance=4) == near
+            hits, distances = asked.raycast(many, directions)
+            assert list(zip(hits, distances.tolist(), strict=True)) == rays
+    if points:
+        hits, distances = group.raycast(points[0], [(1, 0), (0, 1)])
+        assert [hits[0], distances[0]] == list(group.raycast(points[0], (1, 0)))
+
+
+@given(some_rects, st.lists(ints | halves | anything, max_size=4))
+def test_query_many_rects(rects: list[Any], asked: list[Any]) -> None:
+    group = ours.Group(Named(f"s{row}", rect) for row, rect in enumerate(rects))
+    want = [group.query_rect(rect) for rect in asked]
+    assert group.query_rect(asked) == group.query_rect(tuple(asked)) == want
+    assert group.query_rect([Named("x", rect) for rect in asked]) == want
+    if all(isinstance(rect, FRect) for rect in asked):
+        rows = [tuple(rect) for rect in asked]
+        assert group.query_rect(rows) == group.query_rect(np.reshape(rows, (-1, 4))) == want
+
+
+@given(some_rects, st.lists(ints | halves | anything, min_size=1, max_size=4))
+def test_a_snapshot_answers_as_the_group_did(rects: list[Any], asked: list[Any]) -> None:
+    assume(all(math.isfinite(side) for rect in rects for side in rect))
+    sprites = [Named(f"s{row}", rect.copy()) for row, rect in enumerate(rects)]
+    group = ours.Group(sprites)
+    want = group.query_rect(asked), group.nearest((0, 0), 3), group.raycast((0, 0), (1, 2))
+    then = group.snapshot()
+    for sprite in sprites:
+        sprite.rect.update(7, 7, 1, 1)
+    group.add(Named("late", Rect(0, 0, 5, 5)))
+    if sprites:
+        sprites[0].kill()
+    got = then.query_rect(asked), then.nearest((0, 0), 3), then.raycast((0, 0), (1, 2))
+    assert got == want
+    assert then.query_rect(asked[0]) == want[0][0]
+    assert len(then) == len(sprites)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda g: g.nearest((1, 2, 3)), "point"),
+        (lambda g: g.nearest("here"), "point must hold real numbers"),
+        (lambda g: g.nearest([(0, 0), (0, math.nan)]), r"point\[1\] is .*nan"),
+        (lambda g: g.nearest((0, 0), 0), "k is 0"),
+        (lambda g: g.nearest((0, 0), max_distance=-1), "max_distance is -1"),
+        (lambda g: g.raycast((0, 0), (0, 0)), "direction is"),
+        (lambda g: g.raycast([(0, 0)] * 3, [(1, 0)] * 2), "direction"),
+        (lambda g: g.raycast(None, (1, 0)), "origin must hold real numbers"),
+        (lambda g: g.query_rect(3), "rect is 3; it must be a pygame.Rect"),
+        (lambda g: g.query_rect((1, 2, 3)), r"rect is \(1, 2, 3\); it must be a pygame.Rect"),
+        (lambda g: g.query_rect([Rect(0, 0, 1, 1), "abcd"]), r"rect\[1\] is 'abcd'; it must be"),
+        (lambda g: g.query_rect(np.zeros((2, 3))), r"rect\[0\] is .*; it must be"),
+    ],
+)
+def test_what_a_group_refuses_is_named(call: Any, message: str) -> None:
+    group = ours.Group(one_place(2))
+    for asked in (group, group.snapshot()):
+        with pytest.raises((TypeError, ValueError), match=message):
+            call(asked)
+
+
+@pytest.mark.parametrize(
+    ("rect", "error", "message"),
+    [
+        (None, TypeError, r"sprites\[1\]\.rect is None; it must be a pygame.Rect"),
+        (FRect(0, math.inf, 1, 1), ValueError, r"sprites\[1\]\.rect is .*inf.*; it must be finite"),
+        (FRect(0, 0, math.nan, 1), ValueError, r"sprites\[1\]\.rect is .*nan.*; it must be finite"),
+    ],
+)
+def test_a_sprite_that_has_no_place_is_named(rect: Any, error: type, message: str) -> None:
+    group = ours.Group(one_place(3))
+    group.sprites()[1].rect = rect
+    for call in (group.snapshot, lambda: group.nearest((0, 0)), lambda: group.raycast((0, 0), (1, 1))):
+        with pytest.raises(error, match=message):
+            call()

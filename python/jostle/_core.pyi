@@ -82,8 +82,8 @@ def find_pairs(
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
-    rule: Literal["rect", "rects", "circle", "mask"],
-    ratio: float,
+    rule: Literal["rect", "rects", "circle", "mask", "within"],
+    scale: float,
     types: tuple[type, type],
     radius_of: Callable[[Any], float] | None = None,
 ) -> tuple[NDArray[np.uint32], NDArray[np.bool_] | None] | None: ...

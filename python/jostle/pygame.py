@@ -2,12 +2,14 @@
 
 `groupcollide`, `spritecollide`, `spritecollideany`
     As in `pygame.sprite`, on the same groups, with the same answers in the same order.
+`prefilter`
+    Makes a `collided` of your own fast: it is called only for sprites that are near.
 `selfcollide`
     The pairs within one group, each once.
 `collide_rect_objects`, `collide_rect_lists`
     `Rect.collideobjectsall` and `Rect.collidelistall` for many rects at once.
-`Group`
-    A `pygame.sprite.Group` that answers questions about places.
+`Group`, `Snapshot`
+    A `pygame.sprite.Group` with queries: rectangles, nearest sprites, rays.
 `collide_rect`, `collide_rect_ratio`, `collide_circle`, `collide_circle_ratio`, `collide_mask`
     pygame's own, for `collided`.
 
@@ -17,13 +19,14 @@ There is no index to keep: each call reads the rects as they are. Needs pygame-c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sized
+from functools import cached_property
 from itertools import combinations
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
 import pygame
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pygame.sprite import (
     AbstractGroup,
     Sprite,
@@ -35,13 +38,16 @@ from pygame.sprite import (
 )
 
 from jostle._core import Quadtree, sprite_dict, sprite_pairs, sprite_sides
-from jostle.sprites import Collided, Near, Radii
+from jostle.results import RayHit
+from jostle.sprites import Collided, Near, Prefilter, Radii
 
 if not hasattr(pygame, "FRect"):
     raise ImportError("jostle.pygame needs pygame-ce; what is installed here is pygame")
 
 __all__ = [
     "Group",
+    "Prefilter",
+    "Snapshot",
     "collide_circle",
     "collide_circle_ratio",
     "collide_mask",
@@ -50,12 +56,14 @@ __all__ = [
     "collide_rect_objects",
     "collide_rect_ratio",
     "groupcollide",
+    "prefilter",
     "selfcollide",
     "spritecollide",
     "spritecollideany",
 ]
 
-Rule: TypeAlias = Literal["rect", "circle", "mask"]
+Rule: TypeAlias = Literal["rect", "circle", "mask", "within"]
+_Point: TypeAlias = tuple[float, float] | pygame.Vector2
 
 _TYPES = (pygame.Rect, pygame.FRect)
 # They take any collection of sprites; their annotations speak of groups alone.
@@ -84,17 +92,22 @@ def groupcollide(
         Whether to kill the sprites of either group that collide.
     collided : callable, optional
         What colliding means, as in pygame; the rects overlap if left out. pygame's own
-        `collide_*` are answered without calling them, where that gives the same answer.
-        `collide_mask` is called where two masks may meet. **A function of your own is
-        called only for sprites whose rects overlap.**
+        `collide_*` are computed without calling them, except `collide_mask`, which is
+        called where two masks may overlap. A function of your own is called for every
+        pair, as in pygame, and takes as long; `prefilter` makes it faster.
     broad_phase : bool, default True
-        False leaves all to pygame: `collided` is called for every pair.
+        False calls pygame's own function.
 
     Returns
     -------
     dict of sprite to list of sprite
         The sprites of `groupa` that collide and what they collide with, both in the
         order of their groups.
+
+    See Also
+    --------
+    prefilter : Say how far a function of your own looks.
+    selfcollide : The pairs within one group.
 
     Notes
     -----
@@ -118,9 +131,9 @@ def groupcollide(
     >>> shots
     <Group(1 sprites)>
     """
+    if not (broad_phase and isinstance(groupb, Collection) and _rule_of(collided)):
+        return _their_groupcollide(groupa, groupb, dokilla, dokillb, collided)
     left = list(groupa)
-    if not (broad_phase and isinstance(groupb, Collection) and _can_be_asked(collided)):
-        return _their_groupcollide(left, groupb, dokilla, dokillb, collided)
     found = _met_and_killed(left, groupb, collided) if dokillb else _met(left, groupb, collided)
     if dokilla:
         for sprite in found:
@@ -149,7 +162,7 @@ def spritecollide(
     collided : callable, optional
         As for `groupcollide`.
     broad_phase : bool, default True
-        False leaves all to pygame.
+        False calls pygame's own function.
 
     Returns
     -------
@@ -172,16 +185,16 @@ def spritecollide(
     >>> len(spritecollide(ship, pygame.sprite.Group(mine), False, collide_circle))
     1
     """
+    if collided is None or not (broad_phase and _rule_of(collided)):
+        return _their_spritecollide(sprite, group, dokill, collided)
     sprites = list(group)
-    if collided is None or not (broad_phase and sprites and _can_be_asked(collided)):
-        return _their_spritecollide(sprite, sprites, dokill, collided)
-    if collided is collide_rect:  # by which pygame would take thrice as long
+    if collided is collide_rect and sprites:  # which pygame would call for each sprite
         return _their_spritecollide(sprite, sprites, dokill)
-    near = _near([sprite], sprites, collided)
+    near = _near([sprite], sprites, collided) if sprites else None
     if near is None:
         return _their_spritecollide(sprite, sprites, dokill, collided)
     near.radii.store([sprite, *sprites])
-    hits = [sprites[row] for row in near.decided([sprite], sprites, collided)[:, 1].tolist()]
+    hits = [sprites[row] for row in near.decided([sprite], sprites)[:, 1].tolist()]
     if dokill:
         for hit in hits:
             hit.kill()
@@ -206,7 +219,7 @@ def spritecollideany(
     collided : callable, optional
         As for `groupcollide`.
     broad_phase : bool, default True
-        False leaves all to pygame.
+        False calls pygame's own function.
 
     Returns
     -------
@@ -215,8 +228,8 @@ def spritecollideany(
 
     Notes
     -----
-    pygame, which stops at the first, is the quickest here: all that is added is that a
-    function of your own is called only where rects overlap.
+    pygame's own function stops at the first and is the fastest. Only a `prefilter` is
+    computed here.
 
     Examples
     --------
@@ -227,14 +240,14 @@ def spritecollideany(
     >>> spritecollideany(ship, pygame.sprite.Group(mine)) is mine
     True
     """
+    if not (broad_phase and isinstance(collided, Prefilter)):
+        return _their_spritecollideany(sprite, group, collided)
     sprites = list(group)
-    near = None
-    if broad_phase and collided is not None and sprites and _is_of_ones_own(collided):
-        near = _near([sprite], sprites, collided)
-    if near is not None and collided is not None:
-        candidates = (sprites[row] for row in near.pairs[:, 1].tolist())
-        return next((other for other in candidates if collided(sprite, other)), None)
-    return _their_spritecollideany(sprite, sprites, collided)
+    near = _near([sprite], sprites, collided) if sprites else None
+    if near is None:
+        return _their_spritecollideany(sprite, sprites, collided)
+    candidates = (sprites[row] for row in near.pairs[:, 1].tolist())
+    return next((other for other in candidates if collided.collided(sprite, other)), None)
 
 
 def selfcollide(
@@ -269,15 +282,65 @@ def selfcollide(
     [(0, 8)]
     """
     sprites = list(group)
-    near = None
-    if broad_phase and len(sprites) > 1 and _can_be_asked(collided):
-        near = _near(sprites, None, collided)
+    near = _near(sprites, None, collided) if broad_phase and len(sprites) > 1 else None
     if near is None:
         meet = collide_rect if collided is None else collided
         return [(a, b) for a, b in combinations(sprites, 2) if meet(a, b)]
     near.radii.store(sprites)
-    pairs = near.decided(sprites, sprites, collided)
+    pairs = near.decided(sprites, sprites)
     return [(sprites[i], sprites[j]) for i, j in pairs.tolist()]
+
+
+def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:
+    """Call a function of your own only for sprites whose rects are near.
+
+    Parameters
+    ----------
+    collided : callable
+        Takes two sprites, returns whether they collide. It must not move, add or remove
+        sprites.
+    reach : float, default 0.0
+        Largest gap between two rects, along x and along y, at which `collided` may
+        return true, in units of length, at least 0.
+
+    Returns
+    -------
+    Prefilter
+        A callable for the argument `collided` of the functions of this module and of
+        `pygame.sprite`. A pair is passed to your function if its rects overlap as in
+        `Rect.colliderect`, or if the gap is at most `reach` on both axes. The edge
+        belongs to it: rects that only touch have a gap of 0. All other pairs do not
+        collide.
+
+    Raises
+    ------
+    TypeError
+        If `collided` is not callable, or `reach` is not a number.
+    ValueError
+        If `reach` is negative or not finite.
+
+    Notes
+    -----
+    The gap along x is that from the `right` of one rect to the `left` of the other;
+    rects without area have one too. Without `prefilter` a function is called for every
+    pair, which takes as long as in pygame.
+
+    Examples
+    --------
+    >>> import pygame
+    >>> from jostle.pygame import groupcollide, prefilter
+    >>> def sprite(x):
+    ...     made = pygame.sprite.Sprite()
+    ...     made.rect = pygame.Rect(x, 0, 10, 10)
+    ...     return made
+    >>> def hears(guard, thief):
+    ...     return abs(guard.rect.centerx - thief.rect.centerx) < 40
+    >>> guards, thieves = [sprite(0), sprite(500)], [sprite(35), sprite(300)]
+    >>> found = groupcollide(guards, thieves, False, False, prefilter(hears, reach=40))
+    >>> [(guard.rect.x, [thief.rect.x for thief in near]) for guard, near in found.items()]
+    [(0, [35])]
+    """
+    return Prefilter(collided, reach)
 
 
 def collide_rect_objects(
@@ -310,8 +373,13 @@ def collide_rect_objects(
     >>> collide_rect_objects([Rect(4, 15, 2, 9), Rect(60, 0, 5, 5)], rooms, key=rooms.get)
     [['hall', 'cellar'], []]
     """
-    asked, things = list(rects), list(objects)
+    things = list(objects)
     taken = things if key is None else [key(thing) for thing in things]
+    return _collide_each(list(rects), things, taken)
+
+
+def _collide_each(asked: list[Any], things: list[Any], taken: list[Any]) -> list[list[Any]]:
+    """Find for each rect the things whose rect, in `taken`, it overlaps."""
     pairs = _pairs_of_rects(asked, taken)
     if pairs is None:
         each = [rect.collidelistall(taken) for rect in asked]
@@ -348,16 +416,132 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
     return collide_rect_objects(rects, range(len(taken)), key=taken.__getitem__)
 
 
-class Group(pygame.sprite.Group):  # type: ignore[type-arg]
-    """A group that answers questions about places, always for the rects as they are now.
+class Snapshot:
+    """The sprites of a `Group` with their rects as they were at one moment.
 
-    It does whatever `pygame.sprite.Group` does. Nothing has to be told when sprites move:
-    each question reads the rects, and builds a tree of them if one has changed.
+    `Group.snapshot` makes it. Its queries read no rect again, so many single queries are
+    fast; what moves, joins or leaves the group later does not change the answers.
+
+    Examples
+    --------
+    >>> import pygame
+    >>> from jostle.pygame import Group
+    >>> bird = pygame.sprite.Sprite()
+    >>> bird.rect = pygame.Rect(40, 0, 10, 10)
+    >>> seen = Group(bird).snapshot()
+    >>> bird.rect.x = 500
+    >>> [hit for y in (-5, 5, 15) for hit in seen.raycast((0, y), (1, 0))][1::2]
+    [inf, 40.0, inf]
+    """
+
+    def __init__(
+        self, sprites: list[Any], sides: NDArray[np.float64], tree: Quadtree | None = None
+    ) -> None:
+        self._sprites, self._sides = sprites, sides
+        self._tree = _tree_of(sprites, sides) if tree is None else tree
+
+    def __len__(self) -> int:
+        return len(self._sprites)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}({len(self)} sprites)>"
+
+    @cached_property
+    def _rects(self) -> list[Any]:
+        """Copies of the rects. An FRect of whole numbers collides as that Rect does."""
+        whole = (self._sides == np.trunc(self._sides)) & (np.abs(self._sides) < 2.0**31)
+        kinds = [pygame.Rect if fits else pygame.FRect for fits in whole.all(axis=1).tolist()]
+        return [kind(*sides) for kind, sides in zip(kinds, self._sides.tolist(), strict=True)]
+
+    def query_rect(self, rect: Any) -> list[Any]:
+        """Find the sprites whose rects overlap a rect, as `Group.query_rect` does.
+
+        Parameters
+        ----------
+        rect : pygame.Rect, pygame.FRect or what an FRect can be made of, or many of them
+            Where to look.
+
+        Returns
+        -------
+        list of sprite, or list of list of sprite
+            In the order of the group.
+        """
+        return _query_rect(rect, self._sprites, self._rects)
+
+    def nearest(self, point: Any, k: int = 1, *, max_distance: float = math.inf) -> list[Any]:
+        """Find the sprites whose rects are nearest to a point, as `Group.nearest` does.
+
+        Parameters
+        ----------
+        point : array_like, shape (2,) or (n, 2)
+            Where to measure from.
+        k : int, default 1
+            How many to find.
+        max_distance : float, default inf
+            Find nothing farther than this, in units of length.
+
+        Returns
+        -------
+        list of sprite, or list of list of sprite
+            At most k for each point, the nearest first.
+        """
+        ids = self._tree.nearest(point, k, max_distance=max_distance).ids
+        if ids.ndim == 1:
+            return self._named(ids.tolist())
+        return [self._named(row) for row in ids.tolist()]
+
+    def _named(self, rows: list[int]) -> list[Any]:
+        return [self._sprites[row] for row in rows if row >= 0]
+
+    @overload
+    def raycast(
+        self, origin: _Point, direction: _Point, *, max_distance: float = math.inf
+    ) -> tuple[Any, float]: ...
+    @overload
+    def raycast(
+        self, origin: ArrayLike, direction: ArrayLike, *, max_distance: float = math.inf
+    ) -> tuple[Any, Any]: ...
+    def raycast(
+        self, origin: Any, direction: Any, *, max_distance: float = math.inf
+    ) -> tuple[Any, Any]:
+        """Find the first sprite that a ray hits, or each of many, as `Group.raycast` does.
+
+        Parameters
+        ----------
+        origin, direction : array_like, shape (2,) or (n, 2)
+            Where each ray begins and where it goes.
+        max_distance : float, default inf
+            How far the rays go, in units of length.
+
+        Returns
+        -------
+        tuple of sprite and float, or of list of sprite and ndarray of float64, shape (n,)
+            What is hit and how far it is; None and infinity where nothing is hit.
+        """
+        hit = self._tree.raycast(origin, direction, max_distance=max_distance)
+        if isinstance(hit, RayHit):
+            return (self._sprites[hit.id] if hit.id >= 0 else None), hit.distance
+        return [self._sprites[row] if row >= 0 else None for row in hit.ids.tolist()], hit.distances
+
+
+class Group(pygame.sprite.Group):  # type: ignore[type-arg]
+    """A group with queries, always for the rects as they are now.
+
+    It does whatever `pygame.sprite.Group` does. Each query takes one rect, point or ray
+    and answers it, or takes many and answers all of them.
+
+    Each query reads all rects, about 0.2 µs a sprite, and compares them with the last
+    ones; a tree is built only if one has changed. Many queries are therefore fastest in
+    one call, or by `snapshot`, which reads the rects once.
 
     Parameters
     ----------
     *sprites : pygame.sprite.Sprite, or iterables of them
         The first members.
+
+    See Also
+    --------
+    Snapshot : The same queries without reading the rects again.
 
     Examples
     --------
@@ -380,95 +564,213 @@ class Group(pygame.sprite.Group):  # type: ignore[type-arg]
     (40, 20.0)
     """
 
-    _kept: _Kept | None = None
+    _kept: tuple[NDArray[np.float64], Quadtree] | None = None
 
-    def query_rect(self, rect: Any) -> list[Any]:
-        """Find the sprites whose rects overlap a rect.
-
-        Parameters
-        ----------
-        rect : pygame.Rect, pygame.FRect or what an FRect can be made of
-            Where to look. `collide_rect_objects` takes many at once.
+    def snapshot(self) -> Snapshot:
+        """Read the rects once, for any number of queries.
 
         Returns
         -------
-        list of sprite
-            In the order of the group. Touching is not overlapping, and a rect without
-            area overlaps nothing.
-        """
-        asked = rect if isinstance(rect, _TYPES) else pygame.FRect(rect)
-        sprites = self.sprites()
-        return [sprites[row] for row in asked.collidelistall([s.rect for s in sprites])]
+        Snapshot
+            With `query_rect`, `nearest` and `raycast` for the rects as they are now. It
+            does not change when sprites move: make a new one in each frame.
 
-    def nearest(self, point: Any, k: int = 1, *, max_distance: float = math.inf) -> list[Any]:
-        """Find the sprites whose rects are nearest to a point.
+        Raises
+        ------
+        TypeError
+            If a sprite's `rect` is not a rect.
+        ValueError
+            If a number of a rect is not finite.
+
+        Examples
+        --------
+        >>> import pygame
+        >>> from jostle.pygame import Group
+        >>> bird = pygame.sprite.Sprite()
+        >>> bird.rect = pygame.Rect(40, 0, 10, 10)
+        >>> now = Group(bird).snapshot()
+        >>> [len(now.nearest((x, 5), max_distance=20)) for x in (0, 30, 60, 90)]
+        [0, 1, 1, 0]
+        """
+        sprites, kept = self.sprites(), self._kept
+        sides = _sides(sprites)
+        if kept is not None and np.array_equal(kept[0], sides):
+            return Snapshot(sprites, sides, kept[1])
+        made = Snapshot(sprites, sides)
+        self._kept = sides, made._tree
+        return made
+
+    def query_rect(self, rect: Any) -> list[Any]:
+        """Find the sprites whose rects overlap a rect, or each of many.
 
         Parameters
         ----------
-        point : pair of float
+        rect : pygame.Rect, pygame.FRect or what an FRect can be made of, or many of them
+            Where to look. Many are a list or tuple of rects, or of x, y, width and
+            height, or an array of shape (n, 4).
+
+        Returns
+        -------
+        list of sprite, or list of list of sprite
+            In the order of the group; for many rects a list for each. Touching is not
+            overlapping, and a rect without area overlaps nothing.
+
+        Raises
+        ------
+        TypeError
+            If `rect` is neither a rect nor many.
+
+        Examples
+        --------
+        >>> import pygame
+        >>> from jostle.pygame import Group
+        >>> bird = pygame.sprite.Sprite()
+        >>> bird.rect = pygame.Rect(40, 0, 10, 10)
+        >>> views = [pygame.Rect(0, 0, 20, 20), pygame.Rect(30, 0, 20, 20)]
+        >>> [len(seen) for seen in Group(bird).query_rect(views)]
+        [0, 1]
+        """
+        sprites = self.sprites()
+        return _query_rect(rect, sprites, [sprite.rect for sprite in sprites])
+
+    def nearest(self, point: Any, k: int = 1, *, max_distance: float = math.inf) -> list[Any]:
+        """Find the sprites whose rects are nearest to a point, or to each of many.
+
+        Parameters
+        ----------
+        point : array_like, shape (2,) or (n, 2)
             Where to measure from.
         k : int, default 1
             How many to find.
         max_distance : float, default inf
-            Find nothing farther than this.
+            Find nothing farther than this, in units of length.
 
         Returns
         -------
-        list of sprite
-            At most k, the nearest first, of two as near the first in the group. Inside a
-            rect the distance is 0.
-        """
-        sprites, tree = self._index()
-        ids = tree.nearest(tuple(point), k, max_distance=max_distance).ids
-        return [sprites[row] for row in ids.tolist() if row >= 0]
+        list of sprite, or list of list of sprite
+            At most k, the nearest first, of two as near the first in the group; for many
+            points a list for each. Inside a rect the distance is 0.
 
+        Raises
+        ------
+        TypeError
+            If `point` holds no real numbers, or a sprite's `rect` is not a rect.
+        ValueError
+            If a number is not finite, `point` has another shape, or `k` or
+            `max_distance` is out of range.
+
+        Examples
+        --------
+        >>> import pygame
+        >>> from jostle.pygame import Group
+        >>> bird = pygame.sprite.Sprite()
+        >>> bird.rect = pygame.Rect(40, 0, 10, 10)
+        >>> [len(found) for found in Group(bird).nearest([(0, 0), (30, 0)], max_distance=20)]
+        [0, 1]
+        """
+        return self.snapshot().nearest(point, k, max_distance=max_distance)
+
+    @overload
+    def raycast(
+        self, origin: _Point, direction: _Point, *, max_distance: float = math.inf
+    ) -> tuple[Any, float]: ...
+    @overload
+    def raycast(
+        self, origin: ArrayLike, direction: ArrayLike, *, max_distance: float = math.inf
+    ) -> tuple[Any, Any]: ...
     def raycast(
         self, origin: Any, direction: Any, *, max_distance: float = math.inf
-    ) -> tuple[Any | None, float]:
-        """Find the first sprite that a ray hits.
+    ) -> tuple[Any, Any]:
+        """Find the first sprite that a ray hits, or each of many.
 
         Parameters
         ----------
-        origin, direction : pair of float
-            Where the ray begins and where it goes; the direction may have any length but 0.
+        origin, direction : array_like, shape (2,) or (n, 2)
+            Where each ray begins and where it goes; a direction may have any length but
+            0. One origin may have many directions, and many origins one.
         max_distance : float, default inf
-            How far it goes.
+            How far the rays go, in units of length.
 
         Returns
         -------
-        tuple of sprite and float
+        tuple of sprite and float, or of list of sprite and ndarray of float64, shape (n,)
             The sprite and how far its rect is along the ray; None and infinity where the
             ray hits nothing.
+
+        Raises
+        ------
+        TypeError
+            If an argument holds no real numbers, or a sprite's `rect` is not a rect.
+        ValueError
+            If a number is not finite, a direction is (0, 0), an argument has another
+            shape, or `max_distance` is negative.
+
+        Examples
+        --------
+        >>> import pygame
+        >>> from jostle.pygame import Group
+        >>> bird = pygame.sprite.Sprite()
+        >>> bird.rect = pygame.Rect(40, 0, 10, 10)
+        >>> hits, distances = Group(bird).raycast((0, 5), [(1, 0), (0, 1), (-1, 0)])
+        >>> [hit is bird for hit in hits], distances
+        ([True, False, False], array([40., inf, inf]))
         """
-        sprites, tree = self._index()
-        hit = tree.raycast(tuple(origin), tuple(direction), max_distance=max_distance)
-        return (sprites[hit.id] if hit.id >= 0 else None), hit.distance
-
-    def _index(self) -> tuple[list[Any], Quadtree]:
-        """Return the sprites and a tree of their rects, the last one if it still holds."""
-        sprites, kept = self.sprites(), self._kept
-        sides = _sides(sprites)
-        if kept is None or not np.array_equal(kept.sides, sides):
-            half_sizes = sides[:, 2:] / 2
-            tree = Quadtree(sides[:, :2] + half_sizes, half_sizes=np.abs(half_sizes))
-            self._kept = kept = _Kept(sides, tree)
-        return sprites, kept.tree
+        return self.snapshot().raycast(origin, direction, max_distance=max_distance)
 
 
-class _Kept(NamedTuple):
-    """A tree and what it was built from."""
+def _query_rect(rect: Any, sprites: list[Any], rects: list[Any]) -> list[Any]:
+    """Answer `query_rect` for one rect or many."""
+    if not _is_many(rect):
+        return [sprites[row] for row in _as_rect("rect", rect).collidelistall(rects)]
+    asked = [_as_rect(f"rect[{row}]", one) for row, one in enumerate(rect)]
+    return _collide_each(asked, sprites, rects)
 
-    sides: NDArray[np.float64]
-    tree: Quadtree
+
+def _is_many(rect: Any) -> bool:
+    """Whether it is a list, tuple or array of rects, and not one rect in whatever form."""
+    if isinstance(rect, np.ndarray):
+        return rect.ndim == 2
+    return isinstance(rect, (list, tuple)) and all(
+        isinstance(one, _TYPES) or hasattr(one, "rect") or (isinstance(one, Sized) and len(one) == 4)
+        for one in rect
+    )
+
+
+def _as_rect(name: str, rect: Any) -> Any:
+    """Return a rect, or an FRect of what one can be made of."""
+    if isinstance(rect, _TYPES):
+        return rect
+    try:
+        return pygame.FRect(rect)
+    except TypeError as error:
+        rule = "it must be a pygame.Rect, a pygame.FRect or x, y, width and height"
+        raise TypeError(f"{name} is {rect!r}; {rule}") from error
 
 
 def _sides(sprites: list[Any]) -> NDArray[np.float64]:
-    """Return x, y, width and height of each rect."""
+    """Return x, y, width and height of each rect, shape (n, 4)."""
     sides = sprite_sides(sprites, _TYPES)
     if sides is None:
-        rects = (sprite.rect for sprite in sprites)
-        sides = np.array([(r.x, r.y, r.w, r.h) for r in rects], np.float64)
+        rows = [_four(f"sprites[{row}].rect", s.rect) for row, s in enumerate(sprites)]
+        sides = np.array(rows, np.float64)
     return sides
+
+
+def _four(name: str, rect: Any) -> tuple[float, float, float, float]:
+    """Return x, y, width and height as a rect of one's own class states them."""
+    if not isinstance(rect, _TYPES):
+        rect = _as_rect(name, rect)
+    return rect.x, rect.y, rect.w, rect.h
+
+
+def _tree_of(sprites: list[Any], sides: NDArray[np.float64]) -> Quadtree:
+    """Build a tree of the rects."""
+    wrong = np.flatnonzero(~np.isfinite(sides).all(axis=1))
+    if wrong.size:
+        row = int(wrong[0])
+        raise ValueError(f"sprites[{row}].rect is {sprites[row].rect}; it must be finite")
+    half_sizes = sides[:, 2:] / 2
+    return Quadtree(sides[:, :2] + half_sizes, half_sizes=np.abs(half_sizes))
 
 
 # ---- what meets, and what is killed --------------------------------------------------------------
@@ -482,8 +784,7 @@ def _met(left: list[Any], groupb: Collection[Any], collided: Collided | None) ->
         return _their_groupcollide(left, right, False, False, collided)
     near.radii.store(left)
     near.radii.store(right)
-    pairs = near.decided(left, right, collided)
-    return sprite_dict(pairs, left, right)
+    return sprite_dict(near.decided(left, right), left, right)
 
 
 def _met_and_killed(
@@ -501,7 +802,7 @@ def _met_and_killed(
                     found[sprite] = hits
             break
         near.radii.store(right)
-        count = _kill_along(near, left[done:], right, groupb, collided, found)
+        count = _kill_along(near, left[done:], right, groupb, found)
         near.radii.store(left[done : done + count])
         done += count
     return found
@@ -512,7 +813,6 @@ def _kill_along(
     left: list[Any],
     right: list[Any],
     groupb: Collection[Any],
-    collided: Collided | None,
     found: dict[Any, list[Any]],
 ) -> int:
     """Kill what meets, and return how many of `left` had their turn.
@@ -521,6 +821,7 @@ def _kill_along(
     which nobody knows where the sprites are.
     """
     alive = groupb.has_internal if isinstance(groupb, AbstractGroup) else None
+    ask = near.collided
     remaining = len(right)
     for row, candidates in near.by_left():
         sprite = left[row]
@@ -528,7 +829,7 @@ def _kill_along(
             right[other]
             for _, other, sure in candidates
             if (alive is None or alive(right[other]))
-            and (sure or (collided is not None and collided(sprite, right[other])))
+            and (sure or (ask is not None and ask(sprite, right[other])))
         ]
         if not hits:
             continue
@@ -565,46 +866,33 @@ def _is_pygames(method: Any) -> bool:
 
 
 def _near(left: list[Any], right: list[Any] | None, collided: Collided | None) -> Near | None:
-    """Find who may meet whom; None where only pygame can tell."""
+    """Find the pairs that collide or have to be tested; None where only pygame can tell."""
     rule = _rule_of(collided)
+    if rule is None:
+        return None
     radii = Radii()
-    name, ratio = rule or ("rect", 1.0)
-    found = sprite_pairs(left, right, name, ratio, _TYPES, radii)
+    found = sprite_pairs(left, right, *rule, _TYPES, radii)
     if found is None:
         return None
-    pairs, sure = found
-    if rule is None:
-        sure = np.zeros(len(pairs), np.bool_)
-    return Near(pairs, sure, radii)
+    ask = collided.collided if isinstance(collided, Prefilter) else collided
+    return Near(*found, ask, radii)
 
 
 def _rule_of(collided: Collided | None) -> tuple[Rule, float] | None:
-    """Return the rule and the ratio of what pygame brings along, None for anything else."""
+    """Return the rule and its number for what can be computed here, None for the rest."""
+    if isinstance(collided, Prefilter):
+        return "within", collided.reach
     if collided is None or collided is collide_rect:
         return "rect", 1.0
     if collided is collide_circle:
         return "circle", 1.0
     if collided is collide_mask:
         return "mask", 1.0
-    if type(collided) is collide_rect_ratio:
-        return "rect", float(collided.ratio)
-    if type(collided) is collide_circle_ratio:
-        return "circle", float(collided.ratio)
-    return None
-
-
-def _is_of_ones_own(collided: Collided) -> bool:
-    """Whether it is a function that pygame did not bring along."""
-    return _can_be_asked(collided) and _rule_of(collided) is None
-
-
-def _can_be_asked(collided: Collided | None) -> bool:
-    """Whether there is anything to gain: what is wrong is left for pygame to refuse."""
-    if isinstance(collided, (collide_rect_ratio, collide_circle_ratio)):
+    if type(collided) in (collide_rect_ratio, collide_circle_ratio):
         ratio = collided.ratio
-        plain = type(ratio) in (int, float) and math.isfinite(ratio)
-        return plain and abs(ratio) <= _LARGEST_RATIO
-    return collided is None or callable(collided)
+        if type(ratio) in (int, float) and abs(ratio) <= _LARGEST_RATIO:
+            return ("rect" if type(collided) is collide_rect_ratio else "circle"), float(ratio)
+    return None
 
 
 def _pairs_of_rects(asked: list[Any], things: list[Any]) -> NDArray[np.uint32] | None:

@@ -1,7 +1,8 @@
-"""What `jostle.pygame` keeps in mind between finding sprites and answering; knows no pygame."""
+"""What `jostle.pygame` keeps between finding pairs of sprites and answering; knows no pygame."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 from operator import itemgetter
@@ -10,9 +11,49 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Collided", "Near", "Radii"]
+__all__ = ["Collided", "Near", "Prefilter", "Radii"]
 
 Collided: TypeAlias = Callable[[Any, Any], object]
+
+
+class Prefilter:
+    """A `collided` that calls another one only for sprites whose rects are near.
+
+    `jostle.pygame.prefilter` makes it. Calling it tests the rects and then calls
+    `collided`, so pygame's own functions give the same answers with it, only slower.
+
+    Attributes
+    ----------
+    collided : callable
+        What is called for the pairs that are left.
+    reach : float
+        Largest gap between two rects, along x and along y, in units of length.
+    """
+
+    __slots__ = ("collided", "reach")
+
+    def __init__(self, collided: Collided, reach: float) -> None:
+        if not callable(collided):
+            raise TypeError(f"collided must be callable, not {type(collided).__name__}")
+        if isinstance(reach, bool) or not hasattr(reach, "__float__"):
+            raise TypeError(f"reach must be a number, not {type(reach).__name__}")
+        self.collided, self.reach = collided, float(reach)
+        if not (math.isfinite(self.reach) and self.reach >= 0):
+            raise ValueError(f"reach is {reach}; it must be finite and at least 0")
+
+    def __repr__(self) -> str:
+        return f"prefilter({self.collided!r}, reach={self.reach!r})"
+
+    def __call__(self, left: Any, right: Any) -> object:
+        """Return False where the rects are not near, otherwise what `collided` returns."""
+        a, b = left.rect, right.rect
+        gap = max(_gap(a.left, a.right, b.left, b.right), _gap(a.top, a.bottom, b.top, b.bottom))
+        return (gap <= self.reach or a.colliderect(b)) and self.collided(left, right)
+
+
+def _gap(a: float, a_end: float, b: float, b_end: float) -> float:
+    """Return the gap between two intervals whose ends come in any order."""
+    return max(min(a, a_end) - max(b, b_end), min(b, b_end) - max(a, a_end))
 
 
 class Radii:
@@ -38,23 +79,34 @@ class Radii:
 
 
 class Near(NamedTuple):
-    """Pairs of rows, sorted, that meet or that have to be asked."""
+    """Sorted pairs of rows that collide, or for which `collided` has to be called.
+
+    Attributes
+    ----------
+    pairs : ndarray of uint32, shape (m, 2)
+        Rows of the left and of the right sprites.
+    sure : ndarray of bool, shape (m,), or None
+        Whether each pair collides without a call; None where all do.
+    collided : callable or None
+        Called for the others.
+    radii : Radii
+        Radii that were computed on the way.
+    """
 
     pairs: NDArray[np.uint32]
     sure: NDArray[np.bool_] | None
+    collided: Collided | None
     radii: Radii
 
-    def decided(
-        self, left: Sequence[Any], right: Sequence[Any], collided: Collided | None
-    ) -> NDArray[np.uint32]:
-        """Return the pairs that meet; asks where that is not sure."""
-        if self.sure is None or collided is None:
+    def decided(self, left: Sequence[Any], right: Sequence[Any]) -> NDArray[np.uint32]:
+        """Return the pairs that collide; calls `collided` where that is not sure."""
+        if self.sure is None or self.collided is None:
             return self.pairs
-        meet = self.sure.copy()
-        doubtful = np.flatnonzero(~meet)
+        collide = self.sure.copy()
+        doubtful = np.flatnonzero(~collide)
         for place, (i, j) in zip(doubtful.tolist(), self.pairs[doubtful].tolist(), strict=True):
-            meet[place] = bool(collided(left[i], right[j]))
-        return self.pairs[meet]
+            collide[place] = bool(self.collided(left[i], right[j]))
+        return self.pairs[collide]
 
     def by_left(self) -> Iterator[tuple[int, Iterator[tuple[int, int, bool]]]]:
         """Yield each row of the left with its (row, other row, whether that is sure)."""

@@ -27,12 +27,13 @@ type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>
 /// ----------
 /// left, right : list
 ///     Sprites. None for `right` asks for the pairs i < j within `left`.
-/// rule : {"rect", "rects", "circle", "mask"}
+/// rule : {"rect", "rects", "circle", "mask", "within"}
 ///     "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
-///     "mask" only says which masks are near enough to be asked; "rects" is "rect" for
-///     lists of rectangles instead of sprites.
-/// ratio : float
-///     By how much rectangles or radii are scaled; 1.0 leaves them as they are.
+///     "rects" is "rect" for lists of rectangles instead of sprites. No pair of "mask" and
+///     "within" is sure: "mask" finds masks that may overlap, "within" rectangles that
+///     collide or are at most `scale` apart along each axis.
+/// scale : float
+///     Factor for rectangles or radii, 1.0 leaves them as they are; of "within" the gap.
 /// types : tuple of type
 ///     `pygame.Rect` and `pygame.FRect`.
 /// radius_of : callable, optional
@@ -44,23 +45,23 @@ type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>
 ///     Rows of `left` and of `right`, sorted, and whether each pair is sure; None where
 ///     all are. None altogether where only pygame itself can tell.
 #[pyfunction]
-#[pyo3(signature = (left, right, rule, ratio, types, radius_of=None))]
+#[pyo3(signature = (left, right, rule, scale, types, radius_of=None))]
 pub fn sprite_pairs<'py>(
     py: Python<'py>,
     left: &Bound<'py, PyList>,
     right: Option<&Bound<'py, PyList>>,
     rule: &str,
-    ratio: f64,
+    scale: f64,
     types: (Bound<'py, PyType>, Bound<'py, PyType>),
     radius_of: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Option<Answer<'py>>> {
-    let mut reader = Reader::new(types, ratio, radius_of);
+    let mut reader = Reader::new(types, scale, radius_of);
     let found = match rule {
         "rect" | "rects" => {
             let read = if rule == "rect" { Reader::rect } else { Reader::itself };
             let sides = reader.both(left, right, read);
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
-            py.detach(|| search::rects(&a, b.as_deref(), ratio))
+            py.detach(|| search::rects(&a, b.as_deref(), scale))
         }
         "circle" => {
             let sides = reader.both(left, right, Reader::circle);
@@ -72,7 +73,15 @@ pub fn sprite_pairs<'py>(
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
             py.detach(|| search::masks(&a, b.as_deref()))
         }
-        other => return Err(value_error("rule", other, "'rect', 'rects', 'circle' or 'mask'")),
+        "within" => {
+            let sides = reader.both(left, right, Reader::rect);
+            let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
+            py.detach(|| search::within(&a, b.as_deref(), scale))
+        }
+        other => {
+            let rules = "'rect', 'rects', 'circle', 'mask' or 'within'";
+            return Err(value_error("rule", other, rules));
+        }
     };
     match found.map_err(refused)? {
         None => Ok(None),

@@ -8,10 +8,11 @@ use pyo3::types::{PyFloat, PyInt, PyList, PyString, PyType};
 use super::rules::{Circle, Kind, Rect};
 
 /// What a subclass of a rectangle must have left alone for its numbers to speak for it.
-const UNCHANGED: [&str; 14] = [
+const UNCHANGED: [&str; 18] = [
     "__getattribute__",
     "__getitem__",
     "__len__",
+    "bottom",
     "centerx",
     "centery",
     "collidelistall",
@@ -19,6 +20,9 @@ const UNCHANGED: [&str; 14] = [
     "h",
     "height",
     "inflate",
+    "left",
+    "right",
+    "top",
     "w",
     "width",
     "x",

@@ -1,7 +1,8 @@
-//! pygame-ce's arithmetic, to the bit: C ints for a Rect, C floats for an FRect.
+//! pygame-ce's arithmetic, to the bit: a Rect computes in C ints, an FRect in C floats,
+//! except `centerx`, `centery`, `right` and `bottom` of an FRect, which are doubles.
 //!
-//! A function answers None where C would overflow or meet what is no number: then only
-//! pygame can say what comes out.
+//! A function returns None where C would overflow or where a number is not finite: then
+//! only pygame can compute the answer.
 
 /// Which of pygame's two rectangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,12 @@ impl Edges {
     pub fn overlap(&self, other: &Self) -> bool {
         let along = |k: usize| self.min[k] < other.max[k] && self.max[k] > other.min[k];
         along(0) && along(1)
+    }
+
+    /// The larger of the two gaps along x and along y; negative where both overlap.
+    fn gap(&self, other: &Self) -> f64 {
+        let along = |k: usize| (self.min[k] - other.max[k]).max(other.min[k] - self.max[k]);
+        along(0).max(along(1))
     }
 }
 
@@ -131,16 +138,40 @@ impl Rect {
         }
     }
 
-    /// `centerx` and `centery`.
+    /// `centerx` and `centery`. Of an FRect, half the size is a float and the sum a double.
     pub fn center(&self) -> Option<[f64; 2]> {
         match *self {
             Self::Int([x, y, w, h]) => {
                 Some(pair(x.checked_add(w / 2), y.checked_add(h / 2))?.map(f64::from))
             }
             Self::Float([x, y, w, h]) => {
-                Some(pair(finite(x + w / 2.0), finite(y + h / 2.0))?.map(f64::from))
+                let sum = |start: f32, size: f32| f64::from(start) + f64::from(size / 2.0);
+                Some([sum(x, w), sum(y, h)])
             }
         }
+    }
+
+    /// From the smaller of `left` and `right` to the larger, and likewise along y. Unlike
+    /// [`Rect::edges`], the far edge of an FRect is a double.
+    pub fn bounds(&self) -> Option<Edges> {
+        let [x, y, w, h] = self.sides();
+        let end = match self {
+            Self::Int([x, y, w, h]) => pair(x.checked_add(*w), y.checked_add(*h))?.map(f64::from),
+            Self::Float(_) => [x + w, y + h],
+        };
+        Some(Edges::new([x, y], end))
+    }
+
+    /// `colliderect`: the kind of the left rectangle decides how both are compared.
+    fn collides(&self, other: &Self) -> Option<bool> {
+        let pair = (self.edges()?, other.as_kind(self.kind())?.edges()?);
+        Some(matches!(pair, (Some(a), Some(b)) if a.overlap(&b)))
+    }
+
+    /// Whether two rectangles collide or are at most `reach` apart along each axis; the
+    /// same as `Prefilter.__call__` of `jostle.sprites`.
+    pub fn within(&self, other: &Self, reach: f64) -> Option<bool> {
+        Some(self.bounds()?.gap(&other.bounds()?) <= reach || self.collides(other)?)
     }
 }
 

@@ -12,6 +12,14 @@ pub struct Found {
     pub sure: Option<Vec<bool>>,
 }
 
+impl Found {
+    /// Pairs none of which is sure.
+    fn to_be_asked(pairs: Vec<[u32; 2]>) -> Self {
+        let sure = vec![false; pairs.len()];
+        Self { pairs, sure: Some(sure) }
+    }
+}
+
 /// By how much a cover is larger than what it stands for: far more than all the rounding
 /// on the way, and too little to matter.
 const HAIR: f64 = 1e-9;
@@ -19,6 +27,9 @@ const HAIR: f64 = 1e-9;
 /// Whole numbers up to here, their halves and what the core makes of them are exact as
 /// float32, which is the quicker arithmetic.
 const SMALL: f64 = 1e6;
+
+/// More than the gap between any two rectangles whose numbers are float32.
+const LARGEST_GAP: f64 = 2e39;
 
 /// How large an inexact radius may be beside its float64, as a part of it.
 const INEXACT: f64 = 1e-3;
@@ -53,6 +64,35 @@ pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>
     Ok(Some(Found { pairs: found, sure: None }))
 }
 
+/// Rectangles that collide or are at most `reach` apart along each axis.
+pub fn within(a: &[Rect], b: Option<&[Rect]>, reach: f64) -> Result<Option<Found>> {
+    // No gap between two rectangles is larger, and the core computes with squares.
+    let reach = reach.min(LARGEST_GAP);
+    // A pixel, and a millionth, are more than pygame's rounding and cutting off can add.
+    let slack = |k: usize, edges: &Edges| {
+        1.0 + 1e-6 * (reach + edges.min[k].abs() + edges.max[k].abs()) + reach / 2.0
+    };
+    let grown = |rect: &Rect| {
+        let edges = rect.bounds()?;
+        let more = [slack(0, &edges), slack(1, &edges)];
+        let min = [edges.min[0] - more[0], edges.min[1] - more[1]];
+        let max = [edges.max[0] + more[0], edges.max[1] + more[1]];
+        Some(Some(Edges { min, max }))
+    };
+    let side = |rects| Side { rects, edges: &grown };
+    let Some(near) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
+    let mut pairs = Vec::new();
+    for [i, j] in near {
+        match a[i as usize].within(&b.unwrap_or(a)[j as usize], reach) {
+            Some(true) => pairs.push([i, j]),
+            Some(false) => {}
+            None => return Ok(None),
+        }
+    }
+    pairs.sort_unstable();
+    Ok(Some(Found::to_be_asked(pairs)))
+}
+
 /// Masks that are near enough to be asked: pygame cuts the distance of two off to whole
 /// pixels, so they may be up to one apart.
 pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
@@ -63,8 +103,7 @@ pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     let side = |rects| Side { rects, edges: &grown };
     let Some(mut pairs) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
     pairs.sort_unstable();
-    let sure = vec![false; pairs.len()];
-    Ok(Some(Found { pairs, sure: Some(sure) }))
+    Ok(Some(Found::to_be_asked(pairs)))
 }
 
 /// Circles; touching is meeting.
