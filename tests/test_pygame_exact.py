@@ -105,7 +105,10 @@ RULES: dict[str, tuple[Any, Callable[[random.Random], Pair]]] = {
 
 @pytest.mark.parametrize("rule", RULES)
 def test_pairs_that_touch_within_a_millionth_of_a_pixel(rule: str) -> None:
-    """2,500 pairs for each rule, 20,000 in all; pygame is called on copies."""
+    """2,500 pairs for each rule, 20,000 in all; pygame is called on copies.
+
+    Edges of rects, which are float32, are at most two numbers of that type apart.
+    """
     collided, make = RULES[rule]
     draw = random.Random(rule)
     theirs = collide_rect if collided is None else collided
@@ -117,11 +120,9 @@ def test_pairs_that_touch_within_a_millionth_of_a_pixel(rule: str) -> None:
         hits += want
         if bool(ours.selfcollide([a, b], collided)) != want:
             wrong.append((a.rect, b.rect, vars(a).get("radius"), vars(b).get("radius"), want))
-        assert [vars(s).get("radius") for s in (a, b)] == [
-            vars(s).get("radius") for s in copies
-        ]
+        assert [vars(s).get("radius") for s in (a, b)] == [vars(s).get("radius") for s in copies]
     assert wrong == []
-    assert 500 < hits < 2_000, "the pairs do not lie on both sides of touching"
+    assert 250 < hits < 2_250, "the pairs do not lie on both sides of touching"
 
 
 @pytest.mark.parametrize("rule", RULES)

@@ -334,7 +334,7 @@ def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:
     ...     made.rect = pygame.Rect(x, 0, 10, 10)
     ...     return made
     >>> def hears(guard, thief):
-    ...     return abs(guard.rect.centerx - thief.rect.centerx) < 40
+    ...     return guard.rect.inflate(80, 80).colliderect(thief.rect)
     >>> guards, thieves = [sprite(0), sprite(500)], [sprite(35), sprite(300)]
     >>> found = groupcollide(guards, thieves, False, False, prefilter(hears, reach=40))
     >>> [(guard.rect.x, [thief.rect.x for thief in near]) for guard, near in found.items()]
@@ -730,10 +730,13 @@ def _is_many(rect: Any) -> bool:
     """Whether it is a list, tuple or array of rects, and not one rect in whatever form."""
     if isinstance(rect, np.ndarray):
         return rect.ndim == 2
-    return isinstance(rect, (list, tuple)) and all(
-        isinstance(one, _TYPES) or hasattr(one, "rect") or (isinstance(one, Sized) and len(one) == 4)
-        for one in rect
-    )
+    return isinstance(rect, (list, tuple)) and all(map(_is_like_a_rect, rect))
+
+
+def _is_like_a_rect(thing: Any) -> bool:
+    """Whether it is a rect, has one, or may be x, y, width and height."""
+    four = isinstance(thing, Sized) and len(thing) == 4
+    return four or isinstance(thing, _TYPES) or hasattr(thing, "rect")
 
 
 def _as_rect(name: str, rect: Any) -> Any:
@@ -888,11 +891,16 @@ def _rule_of(collided: Collided | None) -> tuple[Rule, float] | None:
         return "circle", 1.0
     if collided is collide_mask:
         return "mask", 1.0
-    if type(collided) in (collide_rect_ratio, collide_circle_ratio):
-        ratio = collided.ratio
-        if type(ratio) in (int, float) and abs(ratio) <= _LARGEST_RATIO:
-            return ("rect" if type(collided) is collide_rect_ratio else "circle"), float(ratio)
+    if type(collided) is collide_rect_ratio and _is_plain(collided.ratio):
+        return "rect", float(collided.ratio)
+    if type(collided) is collide_circle_ratio and _is_plain(collided.ratio):
+        return "circle", float(collided.ratio)
     return None
+
+
+def _is_plain(ratio: Any) -> bool:
+    """Whether Rust computes with a ratio as Python does."""
+    return type(ratio) in (int, float) and abs(ratio) <= _LARGEST_RATIO
 
 
 def _pairs_of_rects(asked: list[Any], things: list[Any]) -> NDArray[np.uint32] | None:
