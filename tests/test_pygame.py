@@ -880,7 +880,7 @@ def test_a_snapshot_answers_as_the_group_did(rects: list[Any], asked: list[Any])
     [
         (lambda g: g.nearest((1, 2, 3)), "point"),
         (lambda g: g.nearest("here"), "point must hold real numbers"),
-        (lambda g: g.nearest([(0, 0), (0, math.nan)]), r"point\[1\] is .*nan"),
+        (lambda g: g.nearest([(0, 0), (0, math.nan)]), r"point\[1\] is .*NaN"),
         (lambda g: g.nearest((0, 0), 0), "k is 0"),
         (lambda g: g.nearest((0, 0), max_distance=-1), "max_distance is -1"),
         (lambda g: g.raycast((0, 0), (0, 0)), "direction is"),

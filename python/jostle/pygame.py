@@ -740,9 +740,11 @@ def _is_like_a_rect(thing: Any) -> bool:
 
 
 def _as_rect(name: str, rect: Any) -> Any:
-    """Return a rect, or an FRect of what one can be made of."""
+    """Return a rect, the rect of a sprite, or an FRect of what one can be made of."""
     if isinstance(rect, _TYPES):
         return rect
+    if isinstance(own := getattr(rect, "rect", None), _TYPES):
+        return own
     try:
         return pygame.FRect(rect)
     except TypeError as error:
