@@ -530,7 +530,7 @@ class Group(pygame.sprite.Group):  # type: ignore[type-arg]
     It does whatever `pygame.sprite.Group` does. Each query takes one rect, point or ray
     and answers it, or takes many and answers all of them.
 
-    Each query reads all rects, about 0.2 µs a sprite, and compares them with the last
+    Each query reads all rects, about 0.13 µs a sprite, and compares them with the last
     ones; a tree is built only if one has changed. Many queries are therefore fastest in
     one call, or by `snapshot`, which reads the rects once.
 
