@@ -83,11 +83,13 @@ pub fn sprite_pairs<'py>(
             return Err(value_error("rule", other, rules));
         }
     };
-    match found.map_err(refused)? {
-        None => Ok(None),
-        Some(Found { pairs, sure }) => {
+    match found {
+        // A size or a place beyond the range of the core is none for pygame.
+        Ok(None) | Err(jostle::Error::Value { .. }) => Ok(None),
+        Ok(Some(Found { pairs, sure })) => {
             Ok(Some((table(py, pairs)?, sure.map(|sure| column(py, sure)))))
         }
+        Err(error) => Err(refused(error)),
     }
 }
 
