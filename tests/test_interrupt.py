@@ -136,13 +136,13 @@ def test_a_window_closes_in_an_orderly_way_at_any_moment_of_a_frame(
 
 # The command; it prints a line whenever it has set what Ctrl-C does.
 CHILD = """
-import signal, sys
-set_handler = signal.signal
+import _signal
+set_handler = _signal.signal
 def signal_(*arguments):
     before = set_handler(*arguments)
     print("handled", flush=True)
     return before
-signal.signal = signal_
+_signal.signal = signal_
 from jostle_command import main
 main()
 """
