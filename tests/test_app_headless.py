@@ -76,6 +76,12 @@ def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
     assert len(frames_of(tmp_path / "film.mp4")) == 3
 
 
+def test_a_film_that_is_interrupted_before_its_first_frame_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), Recorder(tmp_path / "film.mp4", SIZE):
+        raise KeyboardInterrupt
+    assert not list(tmp_path.iterdir())
+
+
 def table_of(settings: Settings, tmp_path: Path, console) -> str:
     simulation = start(settings)
     film = make_film(simulation, 2, tmp_path, console, SIZE)

@@ -26,14 +26,21 @@ BESIDE, MIDDLE = 2, 0.5
 
 
 class Desk:
-    """A session with its panels, and a mouse."""
+    """A session with its panels, and a mouse; they are painted only after `paint` is called."""
 
     def __init__(self, settings: Settings, size: tuple[int, int] = (1600, 1100)) -> None:
         self.session = Session(start(settings), size)
         self.painter = SoftwarePainter(size)
         self.gui = Gui(self.painter)
         self.taken: list[bool] = []
+        drawing = self.gui._drawing
+        self._draw, drawing.draw = drawing.draw, drawing._take_letters
         self.frame(3)
+
+    def paint(self) -> None:
+        """From now on paint each frame."""
+        self.gui._drawing.draw = self._draw
+        self.frame()
 
     def frame(self, count: int = 1) -> None:
         for _ in range(count):
@@ -392,7 +399,9 @@ def test_no_click_on_a_panel_reaches_the_scene(desk) -> None:
 @pytest.mark.parametrize("settings", [("gas", 0), ("gas", 1), ("pile", 5000)])
 def test_all_sizes_of_scenes_are_shown(desk, settings) -> None:
     here = desk(*settings)
-    here.frame(30)
+    here.frame(25)
+    here.paint()
+    here.frame(5)
     picture = pygame.surfarray.array3d(here.painter.canvas())
     assert picture[:290].std() > 10 and picture[-296:].std() > 10
 
@@ -400,6 +409,7 @@ def test_all_sizes_of_scenes_are_shown(desk, settings) -> None:
 def test_a_still_session_has_still_panels(desk) -> None:
     here = desk()
     here.session.paused = True
+    here.paint()
     here.frame(40)
     first = pygame.surfarray.array3d(here.painter.canvas())[:290]
     here.frame(5)

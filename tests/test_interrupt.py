@@ -134,39 +134,51 @@ def test_a_window_closes_in_an_orderly_way_at_any_moment_of_a_frame(
     assert len(closed) == 1
 
 
-def run(*arguments: str, after: float, **environment: str) -> subprocess.Popen[str]:
-    """Start the command, and press Ctrl-C so many seconds later."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "jostle_command", *arguments],
+# The command; it prints a line whenever it has set what Ctrl-C does.
+CHILD = """
+import _signal
+set_handler = _signal.signal
+def signal_(*arguments):
+    before = set_handler(*arguments)
+    print("handled", flush=True)
+    return before
+_signal.signal = signal_
+from jostle_command import main
+main()
+"""
+
+
+def command(*arguments: str, **options: object) -> subprocess.Popen[str]:
+    """Start the command where Ctrl-C is not ignored."""
+    return subprocess.Popen(
+        [sys.executable, "-c", CHILD, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        env={**os.environ, **environment},
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        **options,
     )
-    time.sleep(after)
-    process.send_signal(signal.SIGINT)
-    return process
 
 
-def test_during_imports_and_in_a_window_it_ends_without_a_word(tmp_path: Path) -> None:
-    window = ("run", "gas", "-n", "50")
-    processes = [run(*window, after=after, **A_DISPLAY) for after in (0.15, 0.3, 0.6)]
+@pytest.mark.parametrize("moments", [[(1, 0.0), (1, 0.05), (1, 0.2)], [(2, 0.0), (2, 0.3)]])
+def test_during_imports_and_in_a_window_it_ends_without_a_word(moments) -> None:
+    """A moment is a number of times that Ctrl-C was handled anew, and seconds behind it."""
+    environment = {**os.environ, **A_DISPLAY}
+    processes = [command("run", "gas", "-n", "50", env=environment) for _ in moments]
+    for process, (lines, seconds) in zip(processes, moments, strict=True):
+        for _ in range(lines):
+            assert process.stdout.readline() == "handled\n"
+        time.sleep(seconds)
+        process.send_signal(signal.SIGINT)
     for process in processes:
         said, _ = process.communicate(timeout=60)
-        assert (process.returncode, said.strip()) == (130, "")
+        assert process.returncode == 130
+        assert said.replace("handled\n", "") == ""
 
 
 def test_a_film_that_is_stopped_can_be_played(tmp_path: Path) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "jostle_command", "run", "gas", "-n", "20", "--headless"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        cwd=tmp_path,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
+    process = command("run", "gas", "-n", "20", "--headless", cwd=tmp_path)
     film, patience = tmp_path / "out" / "gas.mp4", time.monotonic() + 60
     while not film.exists() and time.monotonic() < patience:
         time.sleep(0.02)

@@ -4,8 +4,9 @@ Importing it takes a moment, and Ctrl-C during an import would print a traceback
 stands outside `jostle` and imports nothing before Ctrl-C ends the process quietly.
 """
 
+# The module `signal` imports much, and Ctrl-C could come meanwhile.
+import _signal as signal  # type: ignore[import-not-found]
 import os
-import signal
 
 
 def main() -> None:
