@@ -3,26 +3,31 @@
 
 use crate::geometry::{Scalar, Shape};
 use crate::parallel;
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes, corners};
 use crate::simd::LANES;
 
 /// Shapes in columns of equal length, with [`LANES`] spare rows behind them, so that a
 /// kernel may read a whole block from any row.
 ///
 /// Columns that would say the same for every row are left empty: half sizes
-/// where all are circles, filters where everything pairs with everything.
+/// where all are circles or boxes, upper corners where all are given by their
+/// centres, filters where everything pairs with everything.
 #[derive(Clone, Debug, Default)]
 pub struct Columns<T> {
     len: usize,
-    /// Centres, x.
+    /// `min` of the shapes, x: the centres, unless there are boxes.
     pub x: Vec<T>,
-    /// Centres, y.
+    /// `min` of the shapes, y: the centres, unless there are boxes.
     pub y: Vec<T>,
+    /// `max` of the shapes, x; empty where all are given by their centres.
+    pub max_x: Vec<T>,
+    /// `max` of the shapes, y; empty where all are given by their centres.
+    pub max_y: Vec<T>,
     /// Radii.
     pub radius: Vec<T>,
-    /// Half widths; empty where every shape is a circle.
+    /// Half widths; empty where every shape is a circle or a box.
     pub half_x: Vec<T>,
-    /// Half heights; empty where every shape is a circle.
+    /// Half heights; empty where every shape is a circle or a box.
     pub half_y: Vec<T>,
     /// Categories; empty where everything pairs with everything.
     pub category: Vec<u32>,
@@ -52,11 +57,18 @@ impl<T: Scalar> Columns<T> {
         row: impl Fn(usize) -> usize + Sync + Send,
     ) {
         self.len = len;
-        let Shapes { centers, radii, half_sizes, filters } = shapes;
+        let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
         let pairs = |to: [&mut Vec<T>; 2], from: &[[T; 2]]| {
             put_pairs(to, len, threads, |place| from[row(place)]);
         };
-        pairs([&mut self.x, &mut self.y], centers);
+        let (lower, upper) = ([&mut self.x, &mut self.y], [&mut self.max_x, &mut self.max_y]);
+        if let Some(boxes) = boxes {
+            put_pairs(lower, len, threads, |place| corners(&boxes[row(place)])[0]);
+            put_pairs(upper, len, threads, |place| corners(&boxes[row(place)])[1]);
+        } else {
+            pairs(lower, centers);
+            upper.into_iter().for_each(Vec::clear);
+        }
         put_each(&mut self.radius, radii, len, threads, &row);
         let half = [&mut self.half_x, &mut self.half_y];
         match half_sizes {
@@ -75,7 +87,9 @@ impl<T: Scalar> Columns<T> {
 
     /// Bytes of memory that they keep, used or not.
     pub fn kept_bytes(&self) -> usize {
-        let numbers = [&self.x, &self.y, &self.radius, &self.half_x, &self.half_y];
+        let [half_x, half_y, max_x, max_y] =
+            [&self.half_x, &self.half_y, &self.max_x, &self.max_y];
+        let numbers = [&self.x, &self.y, &self.radius, half_x, half_y, max_x, max_y];
         let bits = self.category.capacity() + self.mask.capacity();
         numbers.map(Vec::capacity).iter().sum::<usize>() * size_of::<T>() + bits * size_of::<u32>()
     }
@@ -90,9 +104,27 @@ impl<T: Scalar> Columns<T> {
         self.len == 0
     }
 
-    /// Whether any shape has a half size.
-    pub fn has_boxes(&self) -> bool {
+    /// Whether any shape may have a half size.
+    pub fn has_half_sizes(&self) -> bool {
         !self.half_x.is_empty()
+    }
+
+    /// Whether any shape may be given as a box.
+    #[inline(always)]
+    pub fn has_boxes(&self) -> bool {
+        !self.max_x.is_empty()
+    }
+
+    /// `max` of the shapes, x, whether or not there are boxes.
+    #[inline(always)]
+    pub fn max_x(&self) -> &[T] {
+        if self.has_boxes() { &self.max_x } else { &self.x }
+    }
+
+    /// `max` of the shapes, y, whether or not there are boxes.
+    #[inline(always)]
+    pub fn max_y(&self) -> &[T] {
+        if self.has_boxes() { &self.max_y } else { &self.y }
     }
 
     /// Whether some pairs are filtered out.
@@ -112,8 +144,9 @@ impl<T: Scalar> Columns<T> {
     pub fn shape_if(&self, row: usize, round: bool) -> Shape<T> {
         let filtered = self.has_filters();
         Shape {
-            center: [self.x[row], self.y[row]],
-            half_size: if self.has_boxes() {
+            min: [self.x[row], self.y[row]],
+            max: [self.max_x()[row], self.max_y()[row]],
+            half_size: if self.has_half_sizes() {
                 [self.half_x[row], self.half_y[row]]
             } else {
                 [T::ZERO; 2]

@@ -1,8 +1,9 @@
 //! Shapes and when they overlap.
 //!
-//! A shape is a rounded box: every point within `radius` of the axis-aligned
-//! box `center ± half_size`. One formula says whether two overlap, in the
-//! arithmetic of the caller's type. A [`Cover`] stands for a set of shapes and
+//! A shape is a rounded box: every point within `radius` of its core, an
+//! axis-aligned box. The core is given as `center ± half_size`, or as `min` and
+//! `max`. One formula says whether two shapes overlap, in the arithmetic of the
+//! caller's type; cores given as `min` and `max` are compared exactly. A [`Cover`] stands for a set of shapes and
 //! answers with *the same formula*: rounding is monotone, so a cover that does
 //! not overlap proves that none of its shapes does, without any tolerance.
 
@@ -145,26 +146,48 @@ pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
     if radius == T::ZERO { x.most(y) == T::ZERO } else { x * x + y * y <= radius * radius }
 }
 
-/// Whether two rounded boxes overlap, from the distance of their centres along
-/// each axis, the sums of their half sizes and the sum of their radii.
-/// Touching is not overlapping.
+/// The middle of `min` and `max`, rounded once. It never lies outside of them.
 #[inline(always)]
-pub fn overlap<T: Scalar>(distance: [T; 2], half_sum: [T; 2], radius_sum: T) -> bool {
-    let dx = distance[0] - half_sum[0];
-    let dy = distance[1] - half_sum[1];
+pub fn middle<T: Scalar>(min: T, max: T) -> T {
+    let half = T::from_f64(0.5);
+    let sum = min + max;
+    if sum.is_finite() { sum * half } else { min * half + max * half }
+}
+
+/// How far `b` lies above `a` or below it, whichever is more, along one axis; negative
+/// where they overlap. Each is `[min, max]`.
+#[inline(always)]
+pub fn gap<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
+    (b[0] - a[1]).most(a[0] - b[1])
+}
+
+/// Whether two rounded boxes overlap, from the [`gap`] between their `min` and `max`
+/// along each axis (the distance of their centres, where these are the same), the sums of
+/// their half sizes and the sum of their radii. Touching is not overlapping.
+#[inline(always)]
+pub fn overlap<T: Scalar>(gap: [T; 2], half_sum: [T; 2], radius_sum: T) -> bool {
+    let dx = gap[0] - half_sum[0];
+    let dy = gap[1] - half_sum[1];
     let ex = dx.most(T::ZERO);
     let ey = dy.most(T::ZERO);
     (ex * ex + ey * ey < radius_sum * radius_sum) | ((dx < T::ZERO) & (dy < T::ZERO))
 }
 
-/// One rounded box with its filter.
+/// One rounded box with its filter. Its core reaches from `min - half_size` to
+/// `max + half_size`.
+///
+/// A shape that is given by its centre has that for `min` and for `max`. One that is given
+/// as a box has no `half_size`, so that its sides are compared without any rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape<T> {
-    /// Centre, world units.
-    pub center: [T; 2],
-    /// Half width and half height of the core box; 0 for a circle.
+    /// Lower corner, world units; the centre, unless the shape is given as a box.
+    pub min: [T; 2],
+    /// Upper corner, world units; the centre, unless the shape is given as a box.
+    pub max: [T; 2],
+    /// Half width and half height around these; 0 for a circle and for what is given as
+    /// a box.
     pub half_size: [T; 2],
-    /// How far the shape reaches beyond the core box.
+    /// How far the shape reaches beyond its core.
     pub radius: T,
     /// What it is, a bit set.
     pub category: u32,
@@ -172,13 +195,50 @@ pub struct Shape<T> {
     pub mask: u32,
 }
 
-/// A set of shapes seen from outside: where their centres lie, how large they
-/// get at most, and every filter bit that any of them has.
+impl<T: Scalar> Shape<T> {
+    /// The middle of the shape.
+    pub fn center(&self) -> [T; 2] {
+        [0, 1].map(|axis| middle(self.min[axis], self.max[axis]))
+    }
+
+    /// Half width and half height of the core; rounded, where the shape is given as a box.
+    pub fn core_half_size(&self) -> [T; 2] {
+        let half = T::from_f64(0.5);
+        let own = |axis: usize| self.max[axis] * half - self.min[axis] * half;
+        [0, 1].map(|axis| if self.is_box(axis) { own(axis) } else { self.half_size[axis] })
+    }
+
+    /// Lower and upper corner of the core; rounded, where the shape has a `half_size`.
+    pub fn core(&self) -> [T; 4] {
+        let low = |axis: usize| self.min[axis] - self.half_size[axis];
+        let high = |axis: usize| self.max[axis] + self.half_size[axis];
+        [low(0), low(1), high(0), high(1)]
+    }
+
+    /// Whether the core is a point.
+    #[inline(always)]
+    pub fn is_round(&self) -> bool {
+        self.half_size == [T::ZERO; 2] && self.min == self.max
+    }
+
+    fn is_box(&self, axis: usize) -> bool {
+        self.min[axis] < self.max[axis]
+    }
+
+    /// How far a point is from `min` and `max` along each axis; negative between them.
+    #[inline(always)]
+    pub fn gap_to(&self, point: [T; 2]) -> [T; 2] {
+        [0, 1].map(|axis| (self.min[axis] - point[axis]).most(point[axis] - self.max[axis]))
+    }
+}
+
+/// A set of shapes seen from outside: where their centres or boxes lie, how large
+/// half sizes and radii get at most, and every filter bit that any of them has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover<T> {
-    /// Lower corner of the centres' bounding box.
+    /// Lower corner of the bounding box of every `min`.
     pub min: [T; 2],
-    /// Upper corner of the centres' bounding box.
+    /// Upper corner of the bounding box of every `max`.
     pub max: [T; 2],
     /// Largest half size along each axis.
     pub half_size: [T; 2],
@@ -194,8 +254,8 @@ impl<T: Scalar> Cover<T> {
     /// The cover of one shape.
     pub fn of(shape: &Shape<T>) -> Self {
         Self {
-            min: shape.center,
-            max: shape.center,
+            min: shape.min,
+            max: shape.max,
             half_size: shape.half_size,
             radius: shape.radius,
             category: shape.category,
@@ -224,13 +284,14 @@ impl<T: Scalar> Cover<T> {
     }
 
     /// Whether some shape of this cover, moved by `-shift`, could overlap some
-    /// shape of `other`.
+    /// shape of `other`. `least_gap` is 0 where both hold nothing but shapes given by
+    /// their centres, the [`gap`] between which is never negative, and -infinity
+    /// otherwise.
     #[inline(always)]
-    pub fn meets(&self, other: &Self, shift: [T; 2]) -> bool {
+    pub fn meets(&self, other: &Self, shift: [T; 2], least_gap: T) -> bool {
         let gap = |axis: usize| {
-            let below = other.min[axis] - (self.max[axis] - shift[axis]);
-            let above = (self.min[axis] - shift[axis]) - other.max[axis];
-            below.most(above).most(T::ZERO)
+            let own = [self.min[axis] - shift[axis], self.max[axis] - shift[axis]];
+            gap(own, [other.min[axis], other.max[axis]]).most(least_gap)
         };
         let half_sum =
             [self.half_size[0] + other.half_size[0], self.half_size[1] + other.half_size[1]];
@@ -246,18 +307,19 @@ impl<T: Scalar> Cover<T> {
 /// overlap, it is the axis of least penetration. Coincident centres have no
 /// direction of their own and get +x.
 pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
-    let offset = [b.center[0] - a.center[0], b.center[1] - a.center[1]];
-    let sign = |v: T| if v < T::ZERO { -T::ONE } else { T::ONE };
+    let above = [b.min[0] - a.max[0], b.min[1] - a.max[1]];
+    let below = [a.min[0] - b.max[0], a.min[1] - b.max[1]];
+    let sign = |axis: usize| if above[axis] < below[axis] { -T::ONE } else { T::ONE };
     let d = [
-        offset[0].abs() - (a.half_size[0] + b.half_size[0]),
-        offset[1].abs() - (a.half_size[1] + b.half_size[1]),
+        above[0].most(below[0]) - (a.half_size[0] + b.half_size[0]),
+        above[1].most(below[1]) - (a.half_size[1] + b.half_size[1]),
     ];
     let radius_sum = a.radius + b.radius;
     let e = [d[0].most(T::ZERO), d[1].most(T::ZERO)];
     let length = length(e[0], e[1]);
     if length > T::ZERO {
         let [into, _] = into_range(e[0].most(e[1]));
-        let normal = [e[0] * into * sign(offset[0]), e[1] * into * sign(offset[1])];
+        let normal = [e[0] * into * sign(0), e[1] * into * sign(1)];
         // Scaled twice, so that tiny and huge offsets keep unit length.
         let scale = normal[0].abs().most(normal[1].abs()).recip();
         let unit = [normal[0] * scale, normal[1] * scale];
@@ -265,9 +327,9 @@ pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
         return ([unit[0] * norm, unit[1] * norm], radius_sum - length);
     }
     if d[0] < d[1] {
-        ([T::ZERO, sign(offset[1])], radius_sum - d[1])
+        ([T::ZERO, sign(1)], radius_sum - d[1])
     } else {
-        ([sign(offset[0]), T::ZERO], radius_sum - d[0])
+        ([sign(0), T::ZERO], radius_sum - d[0])
     }
 }
 
@@ -276,12 +338,12 @@ mod tests {
     use super::*;
 
     fn disc(x: f32, y: f32, radius: f32) -> Shape<f32> {
-        Shape { center: [x, y], half_size: [0.0; 2], radius, category: 1, mask: 1 }
+        Shape { min: [x, y], max: [x, y], half_size: [0.0; 2], radius, category: 1, mask: 1 }
     }
 
     /// A cover of one shape answers for the shape.
     fn overlapping(a: Shape<f32>, b: Shape<f32>) -> bool {
-        Cover::of(&a).meets(&Cover::of(&b), [0.0; 2])
+        Cover::of(&a).meets(&Cover::of(&b), [0.0; 2], f32::NEG_INFINITY)
     }
 
     #[test]
@@ -296,6 +358,36 @@ mod tests {
         let unit = |x: f32| Shape { half_size: [0.5, 0.5], ..disc(x, 0.0, 0.0) };
         assert!(overlapping(unit(0.0), unit(0.9)));
         assert!(!overlapping(unit(0.0), unit(1.0)));
+    }
+
+    fn box_of([left, top, right, bottom]: [f32; 4]) -> Shape<f32> {
+        Shape { min: [left, top], max: [right, bottom], ..disc(0.0, 0.0, 0.0) }
+    }
+
+    #[test]
+    fn sides_of_boxes_are_compared_exactly() {
+        let (step, next) = (0.3f32, 0.3f32.next_up());
+        let first = box_of([0.0, 0.0, step, 1.0]);
+        assert!(!overlapping(first, box_of([step, 0.0, 1.0, 1.0])));
+        assert!(overlapping(box_of([0.0, 0.0, next, 1.0]), box_of([step, 0.0, 1.0, 1.0])));
+        assert!(overlapping(first, box_of([-1e30, 0.5, 1e30, 0.6])));
+    }
+
+    #[test]
+    fn the_middle_is_between() {
+        for (min, max) in [(0.0, 0.1), (-1e38, 3e38), (3e38, 3.2e38), (0.0, 1e-45), (-0.0, -0.0)] {
+            let middle: f32 = middle(min, max);
+            assert!(min <= middle && middle <= max, "{min} {middle} {max}");
+            assert_eq!(super::middle(max, max).to_bits(), max.to_bits());
+        }
+    }
+
+    #[test]
+    fn contact_of_boxes_takes_the_shortest_way_out() {
+        let wide = box_of([0.0, 0.0, 10.0, 4.0]);
+        assert_eq!(contact(&wide, &box_of([1.0, 1.0, 2.0, 9.0])), ([-1.0, 0.0], 2.0));
+        assert_eq!(contact(&wide, &box_of([4.0, 2.5, 6.0, 9.0])), ([0.0, 1.0], 1.5));
+        assert_eq!(contact(&wide, &wide), ([0.0, 1.0], 4.0));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Shapes as a caller gives them: a row each, checked once.
 
 use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape};
+use crate::geometry::{Scalar, Shape, middle};
 
 /// What a shape is where nothing is said.
 pub const DEFAULT_CATEGORY: u32 = 1;
@@ -96,15 +96,24 @@ pub struct Shapes<T> {
     pub centers: Vec<[T; 2]>,
     /// Radii.
     pub radii: Each<T>,
-    /// Half widths and half heights; none where every shape is a circle.
+    /// Half widths and half heights; none where every shape is a circle or a box.
     pub half_sizes: Option<Each<[T; 2]>>,
+    /// Min x, min y, max x, max y of every shape; none where all are given by their centres.
+    /// The centre of a box is its [`middle`], and says only where it comes in a tree's order.
+    pub boxes: Option<Vec<[T; 4]>>,
     /// Categories and masks; none where everything pairs with everything.
     pub filters: Option<[Each<u32>; 2]>,
 }
 
 impl<T> Default for Shapes<T> {
     fn default() -> Self {
-        Self { centers: Vec::new(), radii: Each::default(), half_sizes: None, filters: None }
+        Self {
+            centers: Vec::new(),
+            radii: Each::default(),
+            half_sizes: None,
+            boxes: None,
+            filters: None,
+        }
     }
 }
 
@@ -121,22 +130,37 @@ impl<T: Scalar> Shapes<T> {
         half_sizes: Option<Each<[T; 2]>>,
         filters: Option<[Each<u32>; 2]>,
     ) -> Result<Self> {
-        let shapes = Self { centers, radii, half_sizes, filters };
-        shapes.validate()?;
+        let shapes = Self { centers, radii, half_sizes, boxes: None, filters };
+        check_finite("centers", &shapes.centers)?;
+        shapes.validate("centers")?;
         Ok(shapes)
     }
 
-    fn validate(&self) -> Result<()> {
+    /// Boxes from `[min_x, min_y, max_x, max_y]` each, rounded where there are radii, with
+    /// categories and masks. Refuses what no tree can hold.
+    pub fn from_boxes(
+        boxes: Vec<[T; 4]>,
+        radii: Each<T>,
+        filters: Option<[Each<u32>; 2]>,
+    ) -> Result<Self> {
+        check_boxes("boxes", &boxes)?;
+        let centers = boxes.iter().map(middle_of).collect();
+        let shapes = Self { centers, radii, half_sizes: None, boxes: Some(boxes), filters };
+        shapes.validate("boxes")?;
+        Ok(shapes)
+    }
+
+    /// Checks all but where the shapes are.
+    fn validate(&self, rows: &'static str) -> Result<()> {
         let len = self.len();
         if len > MOST_ROWS {
-            return Err(Error::of("centers", len, "there may be at most 2147483647 rows"));
+            return Err(Error::of(rows, len, "there may be at most 2147483647 rows"));
         }
         self.radii.check_len("radii", len)?;
         if let Some([categories, masks]) = &self.filters {
             categories.check_len("categories", len)?;
             masks.check_len("masks", len)?;
         }
-        check_finite("centers", &self.centers)?;
         self.radii.check(|radii| check_radii("radii", radii))?;
         let Some(half_sizes) = &self.half_sizes else { return Ok(()) };
         half_sizes.check_len("half_sizes", len)?;
@@ -156,17 +180,66 @@ impl<T: Scalar> Shapes<T> {
     /// The shape in `row`.
     pub fn shape(&self, row: usize) -> Shape<T> {
         let half_size = self.half_sizes.as_ref().map_or([T::ZERO; 2], |sizes| sizes.at(row));
+        let center = self.centers[row];
+        let [min, max] = self.boxes.as_ref().map_or([center; 2], |boxes| corners(&boxes[row]));
         let filter = |which: usize, default| {
             self.filters.as_ref().map_or(default, |filters| filters[which].at(row))
         };
         Shape {
-            center: self.centers[row],
+            min,
+            max,
             half_size,
             radius: self.radii.at(row),
             category: filter(0, DEFAULT_CATEGORY),
             mask: filter(1, DEFAULT_MASK),
         }
     }
+}
+
+/// Lower and upper corner of a box.
+#[inline(always)]
+pub fn corners<T: Copy>(&[min_x, min_y, max_x, max_y]: &[T; 4]) -> [[T; 2]; 2] {
+    [[min_x, min_y], [max_x, max_y]]
+}
+
+/// The middle of a box.
+pub fn middle_of<T: Scalar>(&[min_x, min_y, max_x, max_y]: &[T; 4]) -> [T; 2] {
+    [middle(min_x, max_x), middle(min_y, max_y)]
+}
+
+/// Refuses a rectangle that is not finite, or upside down.
+pub fn check_rects<T: Scalar>(argument: &'static str, rows: &[[T; 4]]) -> Result<()> {
+    let finite = |row: &[T; 4]| row.iter().all(|v| v.is_finite());
+    let good = |row: &[T; 4]| finite(row) && row[0] <= row[2] && row[1] <= row[3];
+    let Some(index) = rows.iter().position(|row| !good(row)) else { return Ok(()) };
+    let rule = if finite(&rows[index]) {
+        "it must be (min_x, min_y, max_x, max_y), no minimum above its maximum"
+    } else {
+        "all four numbers must be finite"
+    };
+    Err(Error::at(argument, index, tuple(&rows[index]), rule))
+}
+
+/// Refuses boxes that are no rectangles, or larger than half sizes may make a shape.
+pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Result<()> {
+    check_rects(argument, boxes)?;
+    let half = T::from_f64(0.5);
+    let fits = |min: T, max: T| max * half - min * half <= T::MAX_SIZE;
+    let too_large = |row: &[T; 4]| !(fits(row[0], row[2]) && fits(row[1], row[3]));
+    let Some(index) = boxes.iter().position(too_large) else { return Ok(()) };
+    let most = 2.0 * T::MAX_SIZE.to_f64();
+    let rule = format!("a box must be at most {most:e} wide and high");
+    Err(Error::at(argument, index, tuple(&boxes[index]), &rule))
+}
+
+/// Numbers as Python writes a tuple of them.
+pub(crate) fn tuple<T: Scalar>(values: &[T]) -> String {
+    let number = |v: &T| {
+        let size = v.abs().to_f64();
+        if size < 1e16 && (size >= 1e-4 || size == 0.0) { v.to_string() } else { format!("{v:e}") }
+    };
+    let values: Vec<String> = values.iter().map(number).collect();
+    format!("({})", values.join(", "))
 }
 
 /// Refuses a pair of coordinates that is not finite.

@@ -111,9 +111,16 @@ impl<T: Scalar> Join<'_, T> {
         let (a, b) = (&self.a.covers()[task.0 as usize], &self.b.covers()[task.1 as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
-        if selected && a.meets(b, self.shift) {
+        if selected && a.meets(b, self.shift, self.least_gap()) {
             push(task);
         }
+    }
+
+    /// The least gap that there can be between two shapes, for [`Cover::meets`].
+    #[inline(always)]
+    fn least_gap(&self) -> T {
+        let boxes = self.a.columns().has_boxes() || self.b.columns().has_boxes();
+        if boxes { -T::INFINITY } else { T::ZERO }
     }
 }
 

@@ -36,6 +36,8 @@ struct Packed<T> {
     len: usize,
     x: [T; CHUNK + LANES],
     y: [T; CHUNK + LANES],
+    max_x: [T; CHUNK + LANES],
+    max_y: [T; CHUNK + LANES],
     radius: [T; CHUNK + LANES],
     half_x: [T; CHUNK + LANES],
     half_y: [T; CHUNK + LANES],
@@ -51,8 +53,17 @@ impl<T: Scalar> Default for Scratch<T> {
 impl<T: Scalar> Default for Packed<T> {
     fn default() -> Self {
         let none = [T::ZERO; CHUNK + LANES];
-        let place = [0; CHUNK + LANES];
-        Self { len: 0, x: none, y: none, radius: none, half_x: none, half_y: none, place }
+        Self {
+            len: 0,
+            x: none,
+            y: none,
+            max_x: none,
+            max_y: none,
+            radius: none,
+            half_x: none,
+            half_y: none,
+            place: [0; CHUNK + LANES],
+        }
     }
 }
 
@@ -64,6 +75,8 @@ impl<T> Packed<T> {
         Rows {
             x: &self.x[..len],
             y: &self.y[..len],
+            max_x: &self.max_x[..len],
+            max_y: &self.max_y[..len],
             radius: &self.radius[..len],
             half_x: &self.half_x[..len],
             half_y: &self.half_y[..len],
@@ -76,6 +89,8 @@ impl<T> Packed<T> {
         Rows {
             x: &self.x,
             y: &self.y,
+            max_x: &self.max_x,
+            max_y: &self.max_y,
             radius: &self.radius,
             half_x: &self.half_x,
             half_y: &self.half_y,
@@ -83,10 +98,12 @@ impl<T> Packed<T> {
     }
 }
 
-/// Numbers of some shapes; half sizes may be empty.
+/// Numbers of some shapes, as in [`Columns`]; half sizes may be empty.
 struct Rows<'a, T> {
     x: &'a [T],
     y: &'a [T],
+    max_x: &'a [T],
+    max_y: &'a [T],
     radius: &'a [T],
     half_x: &'a [T],
     half_y: &'a [T],
@@ -99,6 +116,8 @@ impl<'a, T: Scalar> Rows<'a, T> {
         Self {
             x: &columns.x,
             y: &columns.y,
+            max_x: columns.max_x(),
+            max_y: columns.max_y(),
             radius: &columns.radius,
             half_x: &columns.half_x,
             half_y: &columns.half_y,
@@ -112,6 +131,8 @@ impl<'a, T: Scalar> Rows<'a, T> {
         Self {
             x: &columns.x[rows.clone()],
             y: &columns.y[rows.clone()],
+            max_x: &columns.max_x()[rows.clone()],
+            max_y: &columns.max_y()[rows.clone()],
             radius: &columns.radius[rows.clone()],
             half_x: half(&columns.half_x),
             half_y: half(&columns.half_y),
@@ -124,8 +145,34 @@ impl<'a, T: Scalar> Rows<'a, T> {
 struct Loaded<B> {
     x: B,
     y: B,
+    max_x: B,
+    max_y: B,
     radius: B,
     half: [B; 2],
+}
+
+/// What the cores of the shapes are, as a parameter of the functions below, so that each
+/// kind is spared what it does not need: all are points.
+const POINTS: u8 = 0;
+
+/// All are given by their centres, some with half sizes.
+const HALF_SIZES: u8 = 1;
+
+/// Some are given as boxes.
+const BOXES: u8 = 2;
+
+/// Calls a method with the kind of the kernel's shapes as parameters.
+macro_rules! of_kind {
+    ($self:ident.$method:ident($($argument:expr),*)) => {
+        match ($self.core(), $self.a.has_filters() || $self.b.has_filters()) {
+            (POINTS, false) => $self.$method::<F, POINTS, false>($($argument),*),
+            (POINTS, true) => $self.$method::<F, POINTS, true>($($argument),*),
+            (HALF_SIZES, false) => $self.$method::<F, HALF_SIZES, false>($($argument),*),
+            (HALF_SIZES, true) => $self.$method::<F, HALF_SIZES, true>($($argument),*),
+            (_, false) => $self.$method::<F, BOXES, false>($($argument),*),
+            (_, true) => $self.$method::<F, BOXES, true>($($argument),*),
+        }
+    };
 }
 
 impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
@@ -138,12 +185,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         scratch: &mut Scratch<T>,
         output: &mut Output<'_, F>,
     ) {
-        match self.kind() {
-            (false, false) => self.near::<F, false, false>(first, second, scratch, output),
-            (true, false) => self.near::<F, true, false>(first, second, scratch, output),
-            (false, true) => self.near::<F, false, true>(first, second, scratch, output),
-            (true, true) => self.near::<F, true, true>(first, second, scratch, output),
-        }
+        of_kind!(self.near(first, second, scratch, output))
     }
 
     /// Passes on every overlapping pair of one of `rows` and a row of the same columns
@@ -155,12 +197,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         last: usize,
         output: &mut Output<'_, F>,
     ) {
-        match self.kind() {
-            (false, false) => self.behind::<F, false, false>(rows, last, output),
-            (true, false) => self.behind::<F, true, false>(rows, last, output),
-            (false, true) => self.behind::<F, false, true>(rows, last, output),
-            (true, true) => self.behind::<F, true, true>(rows, last, output),
-        }
+        of_kind!(self.behind(rows, last, output))
     }
 
     /// Passes on the pairs of one row with rows of `others`, in their order.
@@ -171,25 +208,24 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         others: Range<usize>,
         output: &mut Output<'_, F>,
     ) {
-        match self.kind() {
-            (false, false) => self.along::<F, false, false>(row, others, output),
-            (true, false) => self.along::<F, true, false>(row, others, output),
-            (false, true) => self.along::<F, false, true>(row, others, output),
-            (true, true) => self.along::<F, true, true>(row, others, output),
-        }
+        of_kind!(self.along(row, others, output))
     }
 
-    /// Whether half sizes and filters matter: circles, and what pairs with everything,
-    /// are spared them.
+    /// What the cores of the shapes are.
     #[inline(always)]
-    fn kind(&self) -> (bool, bool) {
-        let boxes = self.a.has_boxes() || self.b.has_boxes();
-        (boxes, self.a.has_filters() || self.b.has_filters())
+    fn core(&self) -> u8 {
+        if self.a.has_boxes() || self.b.has_boxes() {
+            BOXES
+        } else if self.a.has_half_sizes() || self.b.has_half_sizes() {
+            HALF_SIZES
+        } else {
+            POINTS
+        }
     }
 
     /// Leaf against leaf: only what reaches the other's cover is tested.
     #[inline(always)]
-    fn near<F: Finish, const BOXES: bool, const FILTERS: bool>(
+    fn near<F: Finish, const CORE: u8, const FILTERS: bool>(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
@@ -200,15 +236,15 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let cover_a = first.cover.moved(shift);
         for start in first.range.clone().step_by(CHUNK) {
             let rows = start..first.range.end.min(start + CHUNK);
-            self.pack::<BOXES>(self.a, rows, shift, second.cover, near_a);
+            self.pack::<CORE>(self.a, rows, shift, second.cover, near_a);
             if near_a.len == 0 {
                 continue;
             }
             for start in second.range.clone().step_by(CHUNK) {
                 let rows = start..second.range.end.min(start + CHUNK);
-                self.pack::<BOXES>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
+                self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
                 if near_b.len > 0 {
-                    self.packed::<F, BOXES, FILTERS>(near_a, near_b, output);
+                    self.packed::<F, CORE, FILTERS>(near_a, near_b, output);
                 }
                 if output.is_full() {
                     return;
@@ -219,7 +255,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// Everything packed in `near_a` against everything packed in `near_b`.
     #[inline(always)]
-    fn packed<F: Finish, const BOXES: bool, const FILTERS: bool>(
+    fn packed<F: Finish, const CORE: u8, const FILTERS: bool>(
         &self,
         near_a: &Packed<T>,
         near_b: &Packed<T>,
@@ -228,7 +264,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         output.tests += (near_a.len * near_b.len) as u64;
         let rows = near_a.rows();
         for start in (0..near_b.len.min(CHUNK)).step_by(LANES) {
-            let others = self.load::<BOXES>(&near_b.padded(), start);
+            let others = self.load::<CORE>(&near_b.padded(), start);
             let lanes = first_lanes(near_b.len - start);
             let places = block(&near_b.place, start);
             let allowed = |row: usize, bits: u32| {
@@ -237,7 +273,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             };
             let wanted = |_: usize| lanes;
             let notes = &mut output.notes;
-            let count = self.test::<BOXES, FILTERS>(&rows, &others, wanted, allowed, notes);
+            let count = self.test::<CORE, FILTERS>(&rows, &others, wanted, allowed, notes);
             output.settle(count, |row| near_a.place[row as usize], |lane| places[lane % LANES]);
         }
     }
@@ -245,7 +281,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Packs the `rows` (at most [`CHUNK`]) that, moved by `-shift`, could overlap
     /// something under `cover`. Filters are left to the pairs themselves.
     #[inline(always)]
-    fn pack<const BOXES: bool>(
+    fn pack<const CORE: u8>(
         &self,
         columns: &Columns<T>,
         rows: Range<usize>,
@@ -256,15 +292,23 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let simd = self.simd;
         to.len = 0;
         for start in rows.clone().step_by(LANES) {
-            let mut shapes = self.load::<BOXES>(&Rows::all(columns), start);
+            let mut shapes = self.load::<CORE>(&Rows::all(columns), start);
             shapes.x = simd.sub(shapes.x, simd.splat(shift[0]));
             shapes.y = simd.sub(shapes.y, simd.splat(shift[1]));
-            let bits = self.reaching::<BOXES>(&shapes, cover) & first_lanes(rows.end - start);
+            if CORE == BOXES {
+                shapes.max_x = simd.sub(shapes.max_x, simd.splat(shift[0]));
+                shapes.max_y = simd.sub(shapes.max_y, simd.splat(shift[1]));
+            }
+            let bits = self.reaching::<CORE>(&shapes, cover) & first_lanes(rows.end - start);
             let end = to.len.min(CHUNK);
             simd.pack(shapes.x, bits, block_mut(&mut to.x, end));
             simd.pack(shapes.y, bits, block_mut(&mut to.y, end));
             simd.pack(shapes.radius, bits, block_mut(&mut to.radius, end));
-            if BOXES {
+            if CORE == BOXES {
+                simd.pack(shapes.max_x, bits, block_mut(&mut to.max_x, end));
+                simd.pack(shapes.max_y, bits, block_mut(&mut to.max_y, end));
+            }
+            if CORE != POINTS {
                 simd.pack(shapes.half[0], bits, block_mut(&mut to.half_x, end));
                 simd.pack(shapes.half[1], bits, block_mut(&mut to.half_y, end));
             }
@@ -275,88 +319,103 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// A bit for each shape of a block that could overlap something under `cover`.
     #[inline(always)]
-    fn reaching<const BOXES: bool>(&self, shapes: &Loaded<S::Block>, cover: &Cover<T>) -> u32 {
-        let dx = self.beyond::<BOXES>(shapes.x, shapes.half[0], cover, 0);
-        let dy = self.beyond::<BOXES>(shapes.y, shapes.half[1], cover, 1);
+    fn reaching<const CORE: u8>(&self, shapes: &Loaded<S::Block>, cover: &Cover<T>) -> u32 {
+        let dx = self.beyond::<CORE>([shapes.x, shapes.max_x], shapes.half[0], cover, 0);
+        let dy = self.beyond::<CORE>([shapes.y, shapes.max_y], shapes.half[1], cover, 1);
         let reach = self.simd.add(shapes.radius, self.simd.splat(cover.radius));
-        self.overlap::<BOXES>(dx, dy, reach)
+        self.overlap::<CORE>(dx, dy, reach)
     }
 
     /// How far each shape of a block lies beyond a cover along an axis, at least.
     #[inline(always)]
-    fn beyond<const BOXES: bool>(
+    fn beyond<const CORE: u8>(
         &self,
-        v: S::Block,
+        [min, max]: [S::Block; 2],
         half: S::Block,
         cover: &Cover<T>,
         axis: usize,
     ) -> S::Block {
         let simd = self.simd;
-        let below = simd.sub(simd.splat(cover.min[axis]), v);
-        let above = simd.sub(v, simd.splat(cover.max[axis]));
-        let gap = simd.most(simd.most(below, above), simd.splat(T::ZERO));
-        if BOXES { simd.sub(gap, simd.add(half, simd.splat(cover.half_size[axis]))) } else { gap }
+        let below = simd.sub(simd.splat(cover.min[axis]), max);
+        let above = simd.sub(min, simd.splat(cover.max[axis]));
+        let mut gap = simd.most(below, above);
+        if CORE != BOXES {
+            // The distance of two centres is never negative.
+            gap = simd.most(gap, simd.splat(T::ZERO));
+        }
+        if CORE == POINTS {
+            return gap;
+        }
+        simd.sub(gap, simd.add(half, simd.splat(cover.half_size[axis])))
     }
 
     /// A bit for each of the block's shapes that overlaps the one given.
     #[inline(always)]
-    fn hits<const BOXES: bool>(
+    fn hits<const CORE: u8>(
         &self,
-        center: [T; 2],
+        [min, max]: [[T; 2]; 2],
         half: [T; 2],
         radius: T,
         others: &Loaded<S::Block>,
     ) -> u32 {
-        let dx = self.apart::<BOXES>(center[0], others.x, half[0], others.half[0]);
-        let dy = self.apart::<BOXES>(center[1], others.y, half[1], others.half[1]);
+        let (x, y) = ([others.x, others.max_x], [others.y, others.max_y]);
+        let dx = self.apart::<CORE>([min[0], max[0]], x, half[0], others.half[0]);
+        let dy = self.apart::<CORE>([min[1], max[1]], y, half[1], others.half[1]);
         let reach = self.simd.add(self.simd.splat(radius), others.radius);
-        self.overlap::<BOXES>(dx, dy, reach)
+        self.overlap::<CORE>(dx, dy, reach)
     }
 
-    /// How far the boxes are apart along an axis; without boxes only the square means
-    /// something.
+    /// How far the cores are apart along an axis; if they are points only the square
+    /// means something.
     #[inline(always)]
-    fn apart<const BOXES: bool>(
+    fn apart<const CORE: u8>(
         &self,
-        v: T,
-        others: S::Block,
+        [min, max]: [T; 2],
+        [min_others, max_others]: [S::Block; 2],
         half: T,
         half_others: S::Block,
     ) -> S::Block {
         let simd = self.simd;
-        let v = simd.splat(v);
-        if !BOXES {
-            return simd.sub(v, others);
-        }
-        simd.sub(simd.distance(v, others), simd.add(simd.splat(half), half_others))
+        let min = simd.splat(min);
+        let gap = match CORE {
+            POINTS => return simd.sub(min, min_others),
+            HALF_SIZES => simd.distance(min, min_others),
+            _ => simd.most(simd.sub(min_others, simd.splat(max)), simd.sub(min, max_others)),
+        };
+        simd.sub(gap, simd.add(simd.splat(half), half_others))
     }
 
-    /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. Without
-    /// boxes the signs of the distances do not matter.
+    /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. Of points
+    /// the signs of the distances do not matter.
     #[inline(always)]
-    fn overlap<const BOXES: bool>(&self, dx: S::Block, dy: S::Block, reach: S::Block) -> u32 {
+    fn overlap<const CORE: u8>(&self, dx: S::Block, dy: S::Block, reach: S::Block) -> u32 {
         let simd = self.simd;
         let zero = simd.splat(T::ZERO);
         let reach = simd.mul(reach, reach);
-        if !BOXES {
+        if CORE == POINTS {
             return simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), reach);
         }
         let (ex, ey) = (simd.most(dx, zero), simd.most(dy, zero));
         let round = simd.less(simd.add(simd.mul(ex, ex), simd.mul(ey, ey)), reach);
+        if CORE == BOXES {
+            // Sides at −0 and 0 touch, and may be −0 apart.
+            return round | (simd.less(dx, zero) & simd.less(dy, zero));
+        }
         round | simd.both_negative(dx, dy)
     }
 
     #[inline(always)]
-    fn load<const BOXES: bool>(&self, rows: &Rows<'_, T>, start: usize) -> Loaded<S::Block> {
+    fn load<const CORE: u8>(&self, rows: &Rows<'_, T>, start: usize) -> Loaded<S::Block> {
         let simd = self.simd;
         let zero = simd.splat(T::ZERO);
-        let mut loaded = Loaded {
-            x: simd.load(block(rows.x, start)),
-            y: simd.load(block(rows.y, start)),
-            radius: simd.load(block(rows.radius, start)),
-            half: [zero; 2],
-        };
-        if BOXES && !rows.half_x.is_empty() {
+        let (x, y) = (simd.load(block(rows.x, start)), simd.load(block(rows.y, start)));
+        let radius = simd.load(block(rows.radius, start));
+        let mut loaded = Loaded { x, y, max_x: x, max_y: y, radius, half: [zero; 2] };
+        if CORE == BOXES {
+            loaded.max_x = simd.load(block(rows.max_x, start));
+            loaded.max_y = simd.load(block(rows.max_y, start));
+        }
+        if CORE != POINTS && !rows.half_x.is_empty() {
             loaded.half =
                 [simd.load(block(rows.half_x, start)), simd.load(block(rows.half_y, start))];
         }
@@ -366,7 +425,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Tests at most [`NOTES`] rows against a block and notes what overlaps, as far as
     /// `wanted` has the lane; returns how many notes there are. Nothing branches on them.
     #[inline(always)]
-    fn test<const BOXES: bool, const FILTERS: bool>(
+    fn test<const CORE: u8, const FILTERS: bool>(
         &self,
         rows: &Rows<'_, T>,
         others: &Loaded<S::Block>,
@@ -377,12 +436,13 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let mut count = 0;
         let centers = rows.x.iter().zip(rows.y).zip(rows.radius);
         for (row, ((&x, &y), &radius)) in centers.enumerate() {
-            let half = if BOXES && !rows.half_x.is_empty() {
+            let max = if CORE == BOXES { [rows.max_x[row], rows.max_y[row]] } else { [x, y] };
+            let half = if CORE != POINTS && !rows.half_x.is_empty() {
                 [rows.half_x[row], rows.half_y[row]]
             } else {
                 [T::ZERO; 2]
             };
-            let mut bits = self.hits::<BOXES>([x, y], half, radius, others) & wanted(row);
+            let mut bits = self.hits::<CORE>([[x, y], max], half, radius, others) & wanted(row);
             if FILTERS && bits != 0 {
                 bits = allowed(row, bits);
             }
@@ -395,7 +455,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Every one of `rows` with all behind it up to `last`. Blocks are counted from the
     /// end, so that only the foremost is not full, and that one meets the fewest rows.
     #[inline(always)]
-    fn behind<F: Finish, const BOXES: bool, const FILTERS: bool>(
+    fn behind<F: Finish, const CORE: u8, const FILTERS: bool>(
         &self,
         rows: Range<usize>,
         last: usize,
@@ -405,14 +465,14 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         while end > rows.start + 1 {
             let start = rows.start.max(end.saturating_sub(LANES));
             let lanes = first_lanes(end - start);
-            let others = self.load::<BOXES>(&Rows::all(self.b), start);
+            let others = self.load::<CORE>(&Rows::all(self.b), start);
             let before = rows.end.min(end - 1);
             for first in (rows.start..before).step_by(CHUNK) {
                 let some = Rows::of(self.a, first..before.min(first + CHUNK));
                 let wanted = |row: usize| {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
-                self.against::<F, BOXES, FILTERS>(first, &some, start, &others, wanted, output);
+                self.against::<F, CORE, FILTERS>(first, &some, start, &others, wanted, output);
                 if output.is_full() {
                     return;
                 }
@@ -425,7 +485,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// One row against some others in their order.
     #[inline(always)]
-    fn along<F: Finish, const BOXES: bool, const FILTERS: bool>(
+    fn along<F: Finish, const CORE: u8, const FILTERS: bool>(
         &self,
         row: usize,
         others: Range<usize>,
@@ -433,20 +493,29 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     ) {
         output.tests += others.len() as u64;
         let shape = self.a.shape(row);
-        let [x, y] = [0, 1].map(|axis| [shape.center[axis] - self.shift[axis]]);
+        let [x, y] = [0, 1].map(|axis| [shape.min[axis] - self.shift[axis]]);
+        let [max_x, max_y] = [0, 1].map(|axis| [shape.max[axis] - self.shift[axis]]);
         let [half_x, half_y] = shape.half_size.map(|half| [half]);
         let radius = [shape.radius];
-        let alone = Rows { x: &x, y: &y, radius: &radius, half_x: &half_x, half_y: &half_y };
+        let alone = Rows {
+            x: &x,
+            y: &y,
+            max_x: &max_x,
+            max_y: &max_y,
+            radius: &radius,
+            half_x: &half_x,
+            half_y: &half_y,
+        };
         for start in others.clone().step_by(LANES) {
-            let loaded = self.load::<BOXES>(&Rows::all(self.b), start);
+            let loaded = self.load::<CORE>(&Rows::all(self.b), start);
             let lanes = first_lanes(others.end - start);
-            self.against::<F, BOXES, FILTERS>(row, &alone, start, &loaded, |_| lanes, output);
+            self.against::<F, CORE, FILTERS>(row, &alone, start, &loaded, |_| lanes, output);
         }
     }
 
     /// The rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
     #[inline(always)]
-    fn against<F: Finish, const BOXES: bool, const FILTERS: bool>(
+    fn against<F: Finish, const CORE: u8, const FILTERS: bool>(
         &self,
         first: usize,
         rows: &Rows<'_, T>,
@@ -459,7 +528,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             allowed(&self.a.shape(first + row), self.b, |lane| start + lane, bits)
         };
         let notes = &mut output.notes;
-        let count = self.test::<BOXES, FILTERS>(rows, others, wanted, allowed, notes);
+        let count = self.test::<CORE, FILTERS>(rows, others, wanted, allowed, notes);
         output.settle(count, |row| first as u32 + row, |lane| (start + lane) as u32);
     }
 }

@@ -72,7 +72,7 @@ pub fn find_with<T: Scalar>(
 ) -> Result<Found> {
     let settings = Settings { threads, ..Settings::default() };
     settings.validate()?;
-    let circles = shapes.half_sizes.is_none();
+    let circles = shapes.half_sizes.is_none() && shapes.boxes.is_none();
     let limit = if circles { CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
     let small = shapes.len() <= limit;
     if method == Some(Method::Brute) || (method.is_none() && small) {

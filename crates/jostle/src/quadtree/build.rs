@@ -229,11 +229,15 @@ impl<T: Scalar> Work<T> for CoverAll<'_, T> {
 fn cover_of_leaf<T: Scalar, S: Simd<T>>(simd: S, columns: &Columns<T>, leaf: &Node) -> Cover<T> {
     let range = leaf.range();
     let first = columns.shape(range.start);
-    let x = extent(simd, &columns.x, &range, first.center[0]);
-    let y = extent(simd, &columns.y, &range, first.center[1]);
+    let mut x = extent(simd, &columns.x, &range, first.min[0]);
+    let mut y = extent(simd, &columns.y, &range, first.min[1]);
+    if columns.has_boxes() {
+        x[1] = extent(simd, &columns.max_x, &range, first.max[0])[1];
+        y[1] = extent(simd, &columns.max_y, &range, first.max[1])[1];
+    }
     let radius = extent(simd, &columns.radius, &range, first.radius)[1];
     let mut cover = Cover { min: [x[0], y[0]], max: [x[1], y[1]], radius, ..Cover::of(&first) };
-    if columns.has_boxes() {
+    if columns.has_half_sizes() {
         let half_x = extent(simd, &columns.half_x, &range, first.half_size[0])[1];
         let half_y = extent(simd, &columns.half_y, &range, first.half_size[1])[1];
         cover.half_size = [half_x, half_y];

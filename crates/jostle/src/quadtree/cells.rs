@@ -1,7 +1,7 @@
 //! The boxes of the tree as a caller sees them. Finding pairs does without.
 
 use super::{Node, Quadtree};
-use crate::geometry::Scalar;
+use crate::geometry::{Cover, Scalar};
 
 /// A box: min x, min y, max x, max y.
 type Cell = [f64; 4];
@@ -71,15 +71,25 @@ impl<T: Scalar> Quadtree<T> {
         }
         // In a world 1e30 wide, keys round a centre across its cell's border.
         for (index, node) in self.nodes.iter().enumerate().rev() {
-            let cover = &self.covers[index];
-            let [left, top] = cover.min.map(T::to_f64);
-            let [right, bottom] = cover.max.map(T::to_f64);
-            cells[index] = union(cells[index], [left, top, right, bottom]);
+            cells[index] = union(cells[index], self.centers_within(index));
             for child in node.children() {
                 cells[index] = union(cells[index], cells[child]);
             }
         }
         cells
+    }
+
+    /// The box around the centres of a node's shapes.
+    pub(super) fn centers_within(&self, node: usize) -> Cell {
+        if !self.columns.has_boxes() {
+            let Cover { min, max, .. } = self.covers[node];
+            return [min[0], min[1], max[0], max[1]].map(T::to_f64);
+        }
+        let centers = self.nodes[node].range().map(|place| {
+            let [x, y] = self.columns.shape(place).center().map(T::to_f64);
+            [x, y, x, y]
+        });
+        centers.reduce(union).expect("a node is never empty")
     }
 
     /// The node's cell in its own grid; of a node that split, the part that it split.

@@ -94,9 +94,8 @@ impl<T: Scalar> Quadtree<T> {
     fn check_cell(&self, index: usize, cells: &[[f64; 4]]) -> Result<(), String> {
         let node = &self.nodes[index];
         let [min_x, min_y, max_x, max_y] = cells[index];
-        let cover = &self.covers[index];
-        let (low, high) = (cover.min.map(T::to_f64), cover.max.map(T::to_f64));
-        if low[0] < min_x || low[1] < min_y || high[0] > max_x || high[1] > max_y {
+        let [left, top, right, bottom] = self.centers_within(index);
+        if left < min_x || top < min_y || right > max_x || bottom > max_y {
             return Err(format!("node {index} has centres outside its cell {:?}", cells[index]));
         }
         let inside = |cell: [f64; 4]| {

@@ -21,7 +21,7 @@ pub use cells::TreeBox;
 
 use crate::columns::Columns;
 use crate::error::Result;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Cover, Scalar, Shape};
 use crate::parallel;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
@@ -178,7 +178,9 @@ const CHECKED: usize = 500;
 /// Orders shapes with coincident centres by everything else about them.
 fn compare_shapes<T: Scalar>(shapes: &Shapes<T>, a: usize, b: usize) -> Ordering {
     let (a, b) = (shapes.shape(a), shapes.shape(b));
-    let sizes = |s: &crate::geometry::Shape<T>| [s.radius, s.half_size[0], s.half_size[1]];
+    let sizes = |Shape { min, max, half_size, radius, .. }: &Shape<T>| {
+        [*radius, half_size[0], half_size[1], min[0], min[1], max[0], max[1]]
+    };
     let pairs = sizes(&a).into_iter().zip(sizes(&b));
     let by_size = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());
     by_size.unwrap_or(Ordering::Equal).then_with(|| (a.category, a.mask).cmp(&(b.category, b.mask)))

@@ -36,7 +36,6 @@ impl<T: Scalar> Region<T> for Circle<T> {
 
     #[inline(always)]
     fn touches(&self, shape: &Shape<T>) -> bool {
-        let away = |axis: usize| (shape.center[axis] - self.center[axis]).abs();
-        overlap([away(0), away(1)], shape.half_size, shape.radius + self.radius)
+        overlap(shape.gap_to(self.center), shape.half_size, shape.radius + self.radius)
     }
 }

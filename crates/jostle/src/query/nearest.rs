@@ -17,9 +17,8 @@ use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 /// How far a point is from a shape; 0 inside.
 #[inline(always)]
 pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
-    let away = |axis: usize| {
-        ((shape.center[axis] - point[axis]).abs() - shape.half_size[axis]).most(T::ZERO)
-    };
+    let gap = shape.gap_to(point);
+    let away = |axis: usize| (gap[axis] - shape.half_size[axis]).most(T::ZERO);
     (length(away(0), away(1)) - shape.radius).most(T::ZERO)
 }
 
@@ -196,8 +195,8 @@ fn within<T: Scalar, S: Simd<T>>(
     (shapes, round): (&Columns<T>, bool),
     first: usize,
 ) -> u32 {
-    let x = away(simd, point[0], &shapes.x, &shapes.half_x, first);
-    let y = away(simd, point[1], &shapes.y, &shapes.half_y, first);
+    let x = away(simd, point[0], [&shapes.x, &shapes.max_x, &shapes.half_x], first);
+    let y = away(simd, point[1], [&shapes.y, &shapes.max_y, &shapes.half_y], first);
     let mut reach = simd.splat(limit);
     if round {
         reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
@@ -215,15 +214,22 @@ fn within<T: Scalar, S: Simd<T>>(
 fn away<T: Scalar, S: Simd<T>>(
     simd: S,
     point: T,
-    centers: &[T],
-    half_sizes: &[T],
+    [min, max, half_sizes]: [&[T]; 3],
     first: usize,
 ) -> S::Block {
-    let away = simd.distance(simd.load(block(centers, first)), simd.splat(point));
-    if half_sizes.is_empty() {
+    let (min, point) = (simd.load(block(min, first)), simd.splat(point));
+    let mut away = if max.is_empty() {
+        simd.distance(min, point)
+    } else {
+        simd.most(simd.sub(min, point), simd.sub(point, simd.load(block(max, first))))
+    };
+    if max.is_empty() && half_sizes.is_empty() {
         return away;
     }
-    simd.most(simd.sub(away, simd.load(block(half_sizes, first))), simd.splat(T::ZERO))
+    if !half_sizes.is_empty() {
+        away = simd.sub(away, simd.load(block(half_sizes, first)));
+    }
+    simd.most(away, simd.splat(T::ZERO))
 }
 
 /// Distances and ids of the nearest shapes, `k` for each point.

@@ -30,12 +30,16 @@ impl<T: Scalar> Region<T> for Point<T> {
 
     #[inline(always)]
     fn touches(&self, shape: &Shape<T>) -> bool {
-        let [ox, oy] = [self.0[0] - shape.center[0], self.0[1] - shape.center[1]];
-        let [hx, hy] = shape.half_size;
-        if shape.radius == T::ZERO && (hx > T::ZERO || hy > T::ZERO) {
-            return (ox >= -hx) & (ox < hx) & (oy >= -hy) & (oy < hy);
+        let half_size = shape.half_size;
+        if shape.radius == T::ZERO && !shape.is_round() {
+            let inside = |axis: usize| {
+                let (point, half) = (self.0[axis], half_size[axis]);
+                (point - shape.min[axis] >= -half) & (point - shape.max[axis] < half)
+            };
+            return inside(0) & inside(1);
         }
-        let (x, y) = ((ox.abs() - hx).most(T::ZERO), (oy.abs() - hy).most(T::ZERO));
+        let [gx, gy] = shape.gap_to(self.0);
+        let (x, y) = ((gx - half_size[0]).most(T::ZERO), (gy - half_size[1]).most(T::ZERO));
         within(x, y, shape.radius)
     }
 }

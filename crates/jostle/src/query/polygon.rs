@@ -1,10 +1,10 @@
 //! Convex polygons.
 
-use super::rect::list;
 use super::region::Region;
 use super::window::Window;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
+use crate::shapes::tuple;
 
 /// A convex polygon; what only touches its border does not overlap it.
 ///
@@ -43,7 +43,7 @@ impl<T: Scalar> Polygon<T> {
     /// not convex; the refusal names the corner.
     pub fn new(vertices: &[[T; 2]]) -> Result<Self> {
         let refuse = |index: usize, rule: &str| {
-            Err(Error::at("vertices", index, list(&vertices[index]), rule))
+            Err(Error::at("vertices", index, tuple(&vertices[index]), rule))
         };
         if vertices.len() < 3 {
             return Err(Error::of(
@@ -82,31 +82,37 @@ impl<T: Scalar> Polygon<T> {
         Ok(Self { sides, window })
     }
 
-    /// Whether the box inside the shape and the inside of the polygon overlap: no side
-    /// has all of the box on its right. The sides of the box have been asked before.
-    fn overlaps_core(&self, center: [f64; 2], [hx, hy]: [f64; 2]) -> bool {
+    /// Whether the core of the shape and the inside of the polygon overlap: no side
+    /// has all of the core on its right. The sides of the core have been tested before.
+    fn overlaps_core(&self, shape: &Shape<f64>) -> bool {
+        let [hx, hy] = shape.half_size;
         self.sides.iter().all(|Side { start, along, .. }| {
-            let (x, y) = (center[0] - start[0], center[1] - start[1]);
+            // The corner farthest to the left of the side.
+            let corner_x = if along[1] < 0.0 { shape.max[0] } else { shape.min[0] };
+            let corner_y = if along[0] < 0.0 { shape.min[1] } else { shape.max[1] };
+            let (x, y) = (corner_x - start[0], corner_y - start[1]);
             let outside = along[1] * x - along[0] * y;
             outside - (along[1].abs() * hx + along[0].abs() * hy) < 0.0
         })
     }
 
-    /// Whether a corner of the polygon is nearer to the box inside the shape than its radius,
-    /// or a corner of that box to a side.
-    fn is_within(&self, radius: f64, [cx, cy]: [f64; 2], [hx, hy]: [f64; 2]) -> bool {
-        let reach = radius * radius;
-        let from_box = |[x, y]: [f64; 2]| {
-            let (dx, dy) = (((cx - x).abs() - hx).max(0.0), ((cy - y).abs() - hy).max(0.0));
+    /// Whether a corner of the polygon is nearer to the core of the shape than its radius,
+    /// or a corner of the core to a side.
+    fn is_within(&self, shape: &Shape<f64>) -> bool {
+        let reach = shape.radius * shape.radius;
+        let from_core = |vertex: [f64; 2]| {
+            let [gx, gy] = shape.gap_to(vertex);
+            let dx = (gx - shape.half_size[0]).max(0.0);
+            let dy = (gy - shape.half_size[1]).max(0.0);
             dx * dx + dy * dy
         };
-        let corners = [(-hx, -hy), (hx, -hy), (-hx, hy), (hx, hy)].map(|(x, y)| [cx + x, cy + y]);
-        let corners = if hx == 0.0 && hy == 0.0 { &corners[..1] } else { &corners[..] };
-        self.sides.iter().any(|side| from_box(side.start) < reach)
-            || self
-                .sides
-                .iter()
-                .any(|side| corners.iter().any(|&corner| from_side(corner, side) < reach))
+        let [left, top, right, bottom] = shape.core();
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        let corners = if shape.is_round() { &corners[..1] } else { &corners[..] };
+        self.sides.iter().any(|side| from_core(side.start) < reach)
+            || self.sides.iter().any(|side| {
+                corners.iter().any(|&corner| from_side(corner, side) < reach)
+            })
     }
 }
 
@@ -176,15 +182,16 @@ impl<T: Scalar> Region<T> for Polygon<T> {
     /// Separating axes for the boxes inside the shapes, distances for what is around them.
     /// The window is asked first, so that whatever the window misses is missed.
     fn touches(&self, shape: &Shape<T>) -> bool {
-        let [dx, dy] = self.window.gap(shape.center, shape.half_size);
+        let [dx, dy] = self.window.gap(shape);
         let (x, y) = (dx.most(T::ZERO), dy.most(T::ZERO));
         let inside = (dx < T::ZERO) & (dy < T::ZERO);
         if !inside && x * x + y * y >= shape.radius * shape.radius {
             return false;
         }
-        let [center, half_size] = [shape.center, shape.half_size].map(|pair| pair.map(T::to_f64));
-        (inside && self.overlaps_core(center, half_size))
-            || self.is_within(shape.radius.to_f64(), center, half_size)
+        let Shape { min, max, half_size, radius, category, mask } = *shape;
+        let [min, max, half_size] = [min, max, half_size].map(|pair| pair.map(T::to_f64));
+        let shape = Shape { min, max, half_size, radius: radius.to_f64(), category, mask };
+        (inside && self.overlaps_core(&shape)) || self.is_within(&shape)
     }
 
     /// Whether a side has the whole cover on its right, by more than rounding could do.

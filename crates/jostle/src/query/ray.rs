@@ -72,36 +72,50 @@ fn unit<T: Scalar>(direction: [T; 2]) -> [T; 2] {
 /// What the disc of the ray can touch is the shape grown by its radius: for a circle a
 /// larger circle; for a box a box as wide, a box as high, and a circle at each corner.
 pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
-    let m = [ray.origin[0] - shape.center[0], ray.origin[1] - shape.center[1]];
-    let [hx, hy] = shape.half_size;
+    let Shape { min, max, half_size: [hx, hy], .. } = *shape;
     let reach = shape.radius + ray.radius;
-    let (x, y) = ((m[0].abs() - hx).most(T::ZERO), (m[1].abs() - hy).most(T::ZERO));
-    if within(x, y, reach) {
+    let gap = shape.gap_to(ray.origin);
+    if within((gap[0] - hx).most(T::ZERO), (gap[1] - hy).most(T::ZERO), reach) {
         return Some(T::ZERO);
     }
-    let [into, back] = into_range(m[0].abs().most(m[1].abs()).most(hx.most(hy)).most(reach));
+    let far = |axis: usize| {
+        (ray.origin[axis] - min[axis]).abs().most((ray.origin[axis] - max[axis]).abs())
+    };
+    let [into, back] = into_range(far(0).most(far(1)).most(hx.most(hy)).most(reach));
     // Before the difference, which may be too large for the type.
-    let m = [0, 1].map(|axis| ray.origin[axis] * into - shape.center[axis] * into);
-    hit_in_range(m, [hx * into, hy * into], reach * into, ray).map(|far| far * back)
+    let from = |corner: [T; 2]| [0, 1].map(|axis| ray.origin[axis] * into - corner[axis] * into);
+    let core = Core { min: from(min), max: from(max), half_size: [hx * into, hy * into] };
+    hit_in_range(&core, reach * into, ray).map(|far| far * back)
 }
 
-/// [`hit`] from `m`, as seen from the middle of a shape that is as large as `reach` more than
-/// `half_size`. For an `m` outside of it.
-fn hit_in_range<T: Scalar>(m: [T; 2], [hx, hy]: [T; 2], reach: T, ray: &Ray<T>) -> Option<T> {
-    if hx == T::ZERO && hy == T::ZERO {
-        return into_circle(m, ray.direction, reach);
+/// The core of a shape as seen from where a ray begins: how far that lies above `min` and
+/// above `max`, and how far the core reaches beyond them.
+struct Core<T> {
+    min: [T; 2],
+    max: [T; 2],
+    half_size: [T; 2],
+}
+
+/// [`hit`] for a shape as large as its core and `reach` more. For a beginning outside of it.
+fn hit_in_range<T: Scalar>(core: &Core<T>, reach: T, ray: &Ray<T>) -> Option<T> {
+    let Core { min, max, half_size: [hx, hy] } = *core;
+    if hx == T::ZERO && hy == T::ZERO && min == max {
+        return into_circle(min, ray.direction, reach);
     }
+    let into_box = |half_size| into_box(&Core { half_size, ..*core }, ray.direction);
     if reach == T::ZERO {
-        return into_box(m, ray.direction, [hx, hy]);
+        return into_box([hx, hy]);
     }
-    let corner = |x: T, y: T| into_circle([m[0] - x, m[1] - y], ray.direction, reach);
+    let corner = |x: T, y: T| into_circle([x, y], ray.direction, reach);
+    let (left, top) = (min[0] + hx, min[1] + hy);
+    let (right, bottom) = (max[0] - hx, max[1] - hy);
     let ways = [
-        into_box(m, ray.direction, [hx + reach, hy]),
-        into_box(m, ray.direction, [hx, hy + reach]),
-        corner(-hx, -hy),
-        corner(hx, -hy),
-        corner(-hx, hy),
-        corner(hx, hy),
+        into_box([hx + reach, hy]),
+        into_box([hx, hy + reach]),
+        corner(left, top),
+        corner(right, top),
+        corner(left, bottom),
+        corner(right, bottom),
     ];
     ways.into_iter().flatten().reduce(T::least)
 }
@@ -118,18 +132,18 @@ fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
     Some((-along - half_chord.sqrt()).most(T::ZERO))
 }
 
-/// How far from `m` along `u` a box around the origin is. For an `m` outside of it.
-fn into_box<T: Scalar>(m: [T; 2], u: [T; 2], half_size: [T; 2]) -> Option<T> {
+/// How far a box is along `u`. For a beginning outside of it.
+fn into_box<T: Scalar>(Core { min, max, half_size }: &Core<T>, u: [T; 2]) -> Option<T> {
     let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
     for axis in 0..2 {
         if u[axis] == T::ZERO {
-            if m[axis].abs() > half_size[axis] {
+            if (-min[axis]).most(max[axis]) > half_size[axis] {
                 return None;
             }
             continue;
         }
-        let first = (-half_size[axis] - m[axis]).over(u[axis]);
-        let second = (half_size[axis] - m[axis]).over(u[axis]);
+        let first = (-half_size[axis] - min[axis]).over(u[axis]);
+        let second = (half_size[axis] - max[axis]).over(u[axis]);
         enter = enter.most(first.least(second));
         leave = leave.least(first.most(second));
     }
@@ -186,7 +200,7 @@ impl<T: Scalar> Beam<T> {
         (enter <= leave).then_some(enter)
     }
 
-    /// A bit for each shape of a block whose middle is as near to the line as it is large.
+    /// A bit for each shape of a block that is about as near to the line as it is large.
     #[inline(always)]
     fn lanes<S: Simd<T>>(
         &self,
@@ -204,9 +218,16 @@ impl<T: Scalar> Beam<T> {
         if round {
             reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
         }
-        if shapes.has_boxes() {
+        if shapes.has_half_sizes() {
             reach = simd.add(reach, simd.load(block(&shapes.half_x, first)));
             reach = simd.add(reach, simd.load(block(&shapes.half_y, first)));
+        }
+        if shapes.has_boxes() {
+            // Seen from the lower corner.
+            for (min, max) in [(&shapes.x, &shapes.max_x), (&shapes.y, &shapes.max_y)] {
+                let (min, max) = (simd.load(block(min, first)), simd.load(block(max, first)));
+                reach = simd.add(reach, simd.sub(max, min));
+            }
         }
         let smallest = simd.splat(T::SMALLEST_SQUARE);
         let reach = simd.add(simd.mul(reach, reach), smallest);

@@ -2,8 +2,9 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
+use crate::shapes::{check_rects, corners};
 
 /// A rectangle; what only touches its border does not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,34 +16,13 @@ pub struct Rect<T> {
 impl<T: Scalar> Rect<T> {
     /// Rectangles from `[min_x, min_y, max_x, max_y]` each.
     pub fn all(rows: &[[T; 4]]) -> Result<Vec<Self>> {
-        let good = |[min_x, min_y, max_x, max_y]: &[T; 4]| {
-            let finite = [min_x, min_y, max_x, max_y].iter().all(|v| v.is_finite());
-            finite && min_x <= max_x && min_y <= max_y
-        };
-        if let Some(index) = rows.iter().position(|row| !good(row)) {
-            let rule = if rows[index].iter().all(|v| v.is_finite()) {
-                "it must be (min_x, min_y, max_x, max_y), no minimum above its maximum"
-            } else {
-                "all four numbers must be finite"
-            };
-            return Err(Error::at("rect", index, list(&rows[index]), rule));
-        }
-        let rect = |&[min_x, min_y, max_x, max_y]: &[T; 4]| Self {
-            min: [min_x, min_y],
-            max: [max_x, max_y],
+        check_rects("rect", rows)?;
+        let rect = |row: &[T; 4]| {
+            let [min, max] = corners(row);
+            Self { min, max }
         };
         Ok(rows.iter().map(rect).collect())
     }
-}
-
-/// Numbers as Python writes a tuple of them.
-pub(super) fn list<T: Scalar>(values: &[T]) -> String {
-    let number = |v: &T| {
-        let size = v.abs().to_f64();
-        if size < 1e16 && (size >= 1e-4 || size == 0.0) { v.to_string() } else { format!("{v:e}") }
-    };
-    let values: Vec<String> = values.iter().map(number).collect();
-    format!("({})", values.join(", "))
 }
 
 impl<T: Scalar> Region<T> for Rect<T> {
@@ -57,7 +37,7 @@ impl<T: Scalar> Region<T> for Rect<T> {
     /// rectangle's sides in place of its centre and half size, which would be rounded.
     #[inline(always)]
     fn touches(&self, shape: &Shape<T>) -> bool {
-        let [dx, dy] = self.window().gap(shape.center, shape.half_size);
+        let [dx, dy] = self.window().gap(shape);
         let (x, y) = (dx.most(T::ZERO), dy.most(T::ZERO));
         (x * x + y * y < shape.radius * shape.radius) | ((dx < T::ZERO) & (dy < T::ZERO))
     }

@@ -1,7 +1,7 @@
 //! What a region is seen as from afar: by nodes, and by whole blocks of shapes.
 
 use crate::columns::Columns;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Cover, Scalar, Shape, gap};
 use crate::simd::{Simd, block};
 
 /// A rectangle and a distance from it: what lies beyond touches nothing in it.
@@ -13,14 +13,12 @@ pub struct Window<T> {
 }
 
 impl<T: Scalar> Window<T> {
-    /// How far each axis of a shape with this centre and half size lies outside;
-    /// negative inside.
+    /// How far the core of a shape lies outside along each axis; negative inside.
     #[inline(always)]
-    pub(super) fn gap(&self, center: [T; 2], half_size: [T; 2]) -> [T; 2] {
+    pub(super) fn gap(&self, shape: &Shape<T>) -> [T; 2] {
         let along = |axis: usize| {
-            let below = self.min[axis] - center[axis];
-            let above = center[axis] - self.max[axis];
-            below.most(above) - half_size[axis]
+            let own = [self.min[axis], self.max[axis]];
+            gap(own, [shape.min[axis], shape.max[axis]]) - shape.half_size[axis]
         };
         [along(0), along(1)]
     }
@@ -48,7 +46,7 @@ impl<T: Scalar> Window<T> {
         x * x + y * y <= reach * reach
     }
 
-    /// Whether every shape whose centre is in `cover` overlaps it, however small.
+    /// Whether every shape with its `min` and `max` in `cover` overlaps it, however small.
     #[inline(always)]
     pub(super) fn holds(&self, cover: &Cover<T>) -> bool {
         let beyond =
@@ -69,8 +67,8 @@ impl<T: Scalar> Window<T> {
         (round, plain): (bool, bool),
     ) -> u32 {
         let zero = simd.splat(T::ZERO);
-        let dx = self.gaps(simd, 0, &shapes.x, &shapes.half_x, first);
-        let dy = self.gaps(simd, 1, &shapes.y, &shapes.half_y, first);
+        let dx = self.gaps(simd, 0, [&shapes.x, shapes.max_x(), &shapes.half_x], first);
+        let dy = self.gaps(simd, 1, [&shapes.y, shapes.max_y(), &shapes.half_y], first);
         let (x, y) = (simd.most(dx, zero), simd.most(dy, zero));
         let mut reach = simd.splat(self.radius);
         if round {
@@ -90,13 +88,11 @@ impl<T: Scalar> Window<T> {
         &self,
         simd: S,
         axis: usize,
-        centers: &[T],
-        half_sizes: &[T],
+        [min, max, half_sizes]: [&[T]; 3],
         first: usize,
     ) -> S::Block {
-        let center = simd.load(block(centers, first));
-        let below = simd.sub(simd.splat(self.min[axis]), center);
-        let above = simd.sub(center, simd.splat(self.max[axis]));
+        let below = simd.sub(simd.splat(self.min[axis]), simd.load(block(max, first)));
+        let above = simd.sub(simd.load(block(min, first)), simd.splat(self.max[axis]));
         let gap = simd.most(below, above);
         if half_sizes.is_empty() {
             return gap;

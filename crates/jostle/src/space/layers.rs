@@ -301,7 +301,8 @@ impl<T: Scalar> Layers<T> {
     pub(super) fn kept_bytes(&self) -> usize {
         let of_layer = |layer: &Layer<T>| layer.tree.kept_bytes() + 4 * layer.slots.capacity();
         let words = self.fresh.capacity() * 4 + self.home.capacity() + self.listed.capacity();
-        let shapes = self.shapes.centers.capacity() * 3 * size_of::<T>();
+        let boxes = self.shapes.boxes.as_ref().map_or(0, Vec::capacity);
+        let shapes = (self.shapes.centers.capacity() * 3 + boxes * 4) * size_of::<T>();
         self.layers.iter().map(of_layer).sum::<usize>() + words + shapes
     }
 

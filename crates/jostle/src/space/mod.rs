@@ -14,7 +14,9 @@ mod touching;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
 use crate::settings::Settings;
-use crate::shapes::{Each, Shapes, check_each_half_size, check_finite, check_radii};
+use crate::shapes::{
+    Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
+};
 pub use events::Events;
 use layers::Layers;
 pub use slots::Id;
@@ -97,7 +99,8 @@ impl<T: Scalar> Space<T> {
         Ok(slots.into_iter().map(|slot| self.slots.id(slot)).collect())
     }
 
-    /// Gives shapes other centres. Refuses ids that no shape has or that are named twice, and
+    /// Gives shapes other centres. One that is given as a box goes on as its centre and half
+    /// its size, which is rounded. Refuses ids that no shape has or that are named twice, and
     /// centres that are not finite; then nothing moves.
     pub fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()> {
         if centers.len() != ids.len() {
@@ -106,6 +109,17 @@ impl<T: Scalar> Space<T> {
         }
         check_finite("centers", centers)?;
         self.change(ids, |slots, slot, row| slots.set_center(slot, centers[row]))
+    }
+
+    /// Gives shapes the boxes `[min_x, min_y, max_x, max_y]` for their cores; each keeps its
+    /// radius. Refuses as [`Space::move_to`] does.
+    pub fn move_to_boxes(&mut self, ids: &[Id], boxes: &[[T; 4]]) -> Result<()> {
+        if boxes.len() != ids.len() {
+            let (found, expected) = (boxes.len(), ids.len());
+            return Err(Error::Length { argument: "boxes", found, expected });
+        }
+        check_boxes("boxes", boxes)?;
+        self.change(ids, |slots, slot, row| slots.set_box(slot, corners(&boxes[row])))
     }
 
     /// Gives shapes other radii, half sizes or both. Refuses what no shape can have.
@@ -125,7 +139,7 @@ impl<T: Scalar> Space<T> {
         }
         self.change(ids, |slots, slot, row| {
             let radius = radii.is_some_and(|radii| slots.set_radius(slot, radii.at(row)));
-            let half = half_sizes.is_some_and(|sizes| slots.set_half_size(slot, sizes.at(row)));
+            let half = half_sizes.is_some_and(|sizes| slots.resize(slot, sizes.at(row)));
             radius || half
         })
     }

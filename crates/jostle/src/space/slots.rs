@@ -5,7 +5,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, middle_of};
 
 /// The name of a shape in a space, at least 0.
 pub type Id = i64;
@@ -18,9 +18,12 @@ const VACANT: u32 = 1 << 31;
 /// Columns that would say the same for every slot are left empty, as in `Columns`.
 #[derive(Clone, Debug)]
 pub(super) struct Slots<T> {
-    centers: Vec<[T; 2]>,
+    /// `min` of the shapes: the centres, unless they are given as boxes.
+    mins: Vec<[T; 2]>,
+    /// `max` of the shapes; empty as long as none was given as a box.
+    maxes: Vec<[T; 2]>,
     radii: Vec<T>,
-    /// Empty as long as every shape was a circle.
+    /// Empty as long as every shape was a circle or a box.
     half_sizes: Vec<[T; 2]>,
     /// Categories and masks; empty as long as nothing else than the defaults was given.
     filters: Vec<[u32; 2]>,
@@ -36,7 +39,8 @@ pub(super) struct Slots<T> {
 impl<T> Default for Slots<T> {
     fn default() -> Self {
         Self {
-            centers: Vec::new(),
+            mins: Vec::new(),
+            maxes: Vec::new(),
             radii: Vec::new(),
             half_sizes: Vec::new(),
             filters: Vec::new(),
@@ -138,7 +142,7 @@ impl<T: Scalar> Slots<T> {
         self.len += 1;
         if let Some(slot) = self.free.pop() {
             self.generations[slot as usize] &= !VACANT;
-            self.centers[slot as usize] = shape.center;
+            self.set_corners(slot, [shape.min, shape.max]);
             self.set_radius(slot, shape.radius);
             self.set_half_size(slot, shape.half_size);
             self.set_filter(slot, [shape.category, shape.mask]);
@@ -147,14 +151,18 @@ impl<T: Scalar> Slots<T> {
         let slot = self.count() as u32;
         self.generations.push(0);
         self.named.push(0);
-        self.centers.push(shape.center);
+        self.mins.push(shape.min);
         self.radii.push(shape.radius);
+        if !self.maxes.is_empty() {
+            self.maxes.push(shape.max);
+        }
         if !self.half_sizes.is_empty() {
             self.half_sizes.push([T::ZERO; 2]);
         }
         if !self.filters.is_empty() {
             self.filters.push([DEFAULT_CATEGORY, DEFAULT_MASK]);
         }
+        self.set_corners(slot, [shape.min, shape.max]);
         self.set_half_size(slot, shape.half_size);
         self.set_filter(slot, [shape.category, shape.mask]);
         slot
@@ -176,9 +184,57 @@ impl<T: Scalar> Slots<T> {
         self.free.push(slot);
     }
 
-    /// Moves a shape; says whether that changes anything.
+    /// Moves a shape; says whether that changes anything. One that is given as a box goes
+    /// on as its centre and half its size.
     pub(super) fn set_center(&mut self, slot: u32, center: [T; 2]) -> bool {
-        std::mem::replace(&mut self.centers[slot as usize], center) != center
+        if !self.is_box(slot) {
+            return self.set_corners(slot, [center; 2]);
+        }
+        let shape = self.shape(slot);
+        if shape.center() == center {
+            return false;
+        }
+        self.set_corners(slot, [center; 2]);
+        self.set_half_size(slot, shape.core_half_size());
+        true
+    }
+
+    /// Makes a shape a box, rounded by the radius that it has; says whether that changes
+    /// anything.
+    pub(super) fn set_box(&mut self, slot: u32, corners: [[T; 2]; 2]) -> bool {
+        let moved = self.set_corners(slot, corners);
+        self.set_half_size(slot, [T::ZERO; 2]) || moved
+    }
+
+    /// Gives a shape another core around its centre; says whether that changes anything.
+    pub(super) fn resize(&mut self, slot: u32, half_size: [T; 2]) -> bool {
+        if !self.is_box(slot) {
+            return self.set_half_size(slot, half_size);
+        }
+        let shape = self.shape(slot);
+        if shape.core_half_size() == half_size {
+            return false;
+        }
+        self.set_corners(slot, [shape.center(); 2]);
+        self.set_half_size(slot, half_size);
+        true
+    }
+
+    fn is_box(&self, slot: u32) -> bool {
+        let slot = slot as usize;
+        self.maxes.get(slot).is_some_and(|max| *max != self.mins[slot])
+    }
+
+    fn set_corners(&mut self, slot: u32, [min, max]: [[T; 2]; 2]) -> bool {
+        if self.maxes.is_empty() && max != min {
+            self.maxes.clone_from(&self.mins);
+        }
+        let place = slot as usize;
+        let mut changed = std::mem::replace(&mut self.mins[place], min) != min;
+        if let Some(old) = self.maxes.get_mut(place) {
+            changed |= std::mem::replace(old, max) != max;
+        }
+        changed
     }
 
     /// Gives a shape another radius; says whether that changes anything.
@@ -186,8 +242,7 @@ impl<T: Scalar> Slots<T> {
         std::mem::replace(&mut self.radii[slot as usize], radius) != radius
     }
 
-    /// Gives a shape another half size; says whether that changes anything.
-    pub(super) fn set_half_size(&mut self, slot: u32, half_size: [T; 2]) -> bool {
+    fn set_half_size(&mut self, slot: u32, half_size: [T; 2]) -> bool {
         if self.half_sizes.is_empty() {
             if half_size == [T::ZERO; 2] {
                 return false;
@@ -214,7 +269,8 @@ impl<T: Scalar> Slots<T> {
         let [category, mask] =
             self.filters.get(slot).copied().unwrap_or([DEFAULT_CATEGORY, DEFAULT_MASK]);
         Shape {
-            center: self.centers[slot],
+            min: self.mins[slot],
+            max: self.maxes.get(slot).copied().unwrap_or(self.mins[slot]),
             half_size: self.half_sizes.get(slot).copied().unwrap_or([T::ZERO; 2]),
             radius: self.radii[slot],
             category,
@@ -225,10 +281,19 @@ impl<T: Scalar> Slots<T> {
     /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
     /// have in common is said once: a tree need not put that into its order.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) {
-        let Shapes { centers, radii, half_sizes, filters } = shapes;
+        let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
         let each = || slots.iter().map(|&slot| slot as usize);
         centers.clear();
-        centers.extend(each().map(|slot| self.centers[slot]));
+        let mut all = boxes.take().unwrap_or_default();
+        if slots.iter().any(|&slot| self.is_box(slot)) {
+            let corners = |slot: usize| (self.mins[slot], self.maxes[slot]);
+            all.clear();
+            all.extend(each().map(corners).map(|(min, max)| [min[0], min[1], max[0], max[1]]));
+            centers.extend(all.iter().map(middle_of));
+            *boxes = Some(all);
+        } else {
+            centers.extend(each().map(|slot| self.mins[slot]));
+        }
         put(radii, each().map(|slot| self.radii[slot]));
         let mut halves = half_sizes.take().unwrap_or_default();
         if !self.half_sizes.is_empty() {
@@ -247,7 +312,8 @@ impl<T: Scalar> Slots<T> {
 
     /// Bytes of memory that they keep, used or not.
     pub(super) fn kept_bytes(&self) -> usize {
-        let numbers = 2 * self.centers.capacity() + self.radii.capacity();
+        let corners = self.mins.capacity() + self.maxes.capacity();
+        let numbers = 2 * corners + self.radii.capacity();
         let halves = 2 * self.half_sizes.capacity();
         let words = self.generations.capacity() + self.named.capacity() + self.free.capacity();
         (numbers + halves) * size_of::<T>()
@@ -279,7 +345,9 @@ mod tests {
     use super::*;
 
     fn disc(x: f64) -> Shape<f64> {
-        Shape { center: [x, 0.0], half_size: [0.0; 2], radius: 1.0, category: 1, mask: u32::MAX }
+        let center = [x, 0.0];
+        let half_size = [0.0; 2];
+        Shape { min: center, max: center, half_size, radius: 1.0, category: 1, mask: u32::MAX }
     }
 
     #[test]
