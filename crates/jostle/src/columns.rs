@@ -87,8 +87,7 @@ impl<T: Scalar> Columns<T> {
 
     /// Bytes of memory that they keep, used or not.
     pub fn kept_bytes(&self) -> usize {
-        let [half_x, half_y, max_x, max_y] =
-            [&self.half_x, &self.half_y, &self.max_x, &self.max_y];
+        let [half_x, half_y, max_x, max_y] = [&self.half_x, &self.half_y, &self.max_x, &self.max_y];
         let numbers = [&self.x, &self.y, &self.radius, half_x, half_y, max_x, max_y];
         let bits = self.category.capacity() + self.mask.capacity();
         numbers.map(Vec::capacity).iter().sum::<usize>() * size_of::<T>() + bits * size_of::<u32>()

@@ -14,6 +14,12 @@ use proptest::prelude::*;
 enum Call {
     Add(Vec<Row>),
     Move(Vec<(usize, f64, f64)>),
+    /// x, y, width, height, radius.
+    AddBoxes(Vec<[f64; 5]>),
+    /// The same without the radius.
+    MoveToBoxes(Vec<(usize, [f64; 4])>),
+    /// To where they are already.
+    Stay(Vec<usize>),
     Resize(Vec<(usize, f64, f64, f64)>),
     Filter(Vec<(usize, u32, u32)>),
     Remove(Vec<usize>),
@@ -37,6 +43,11 @@ fn size() -> impl Strategy<Value = f64> + Clone {
     prop_oneof![6 => 0.0..2.0f64, 2 => Just(0.0), 2 => Just(1.0), 1 => Just(100.0)]
 }
 
+/// Mostly nothing: the radius of a box.
+fn flat() -> impl Strategy<Value = f64> + Clone {
+    prop_oneof![3 => Just(0.0), 1 => size()]
+}
+
 fn bits() -> impl Strategy<Value = u32> + Clone {
     prop_oneof![3 => Just(u32::MAX), 1 => Just(1), 1 => Just(2), 1 => Just(0)]
 }
@@ -50,6 +61,12 @@ fn call() -> impl Strategy<Value = Call> {
         3 => prop::collection::vec(round, 0usize..20).prop_map(Call::Add),
         5 => prop::collection::vec((any::<usize>(), coordinate(), coordinate()), 0usize..16)
             .prop_map(Call::Move),
+        2 => prop::collection::vec([coordinate(), coordinate(), size(), size(), flat()], some.clone())
+            .prop_map(Call::AddBoxes),
+        2 => prop::collection::vec(
+            (any::<usize>(), [coordinate(), coordinate(), size(), size()]), some.clone(),
+        ).prop_map(Call::MoveToBoxes),
+        1 => prop::collection::vec(any::<usize>(), some.clone()).prop_map(Call::Stay),
         1 => prop::collection::vec((any::<usize>(), size(), size(), size()), some.clone())
             .prop_map(Call::Resize),
         1 => prop::collection::vec((any::<usize>(), bits(), bits()), some.clone())
@@ -77,14 +94,23 @@ struct Trial<T> {
 
 fn of<T: Scalar>(&(x, y, radius, half_x, half_y, category, mask): &Row) -> Shape<T> {
     let at = T::from_f64;
-    let half_size = [at(half_x), at(half_y)];
-    Shape { center: [at(x), at(y)], half_size, radius: at(radius), category, mask }
+    let (center, half_size) = ([at(x), at(y)], [at(half_x), at(half_y)]);
+    Shape { min: center, max: center, half_size, radius: at(radius), category, mask }
+}
+
+fn box_of<T: Scalar>(&[x, y, width, height]: &[f64; 4]) -> [T; 4] {
+    [x, y, x + width, y + height].map(T::from_f64)
+}
+
+/// Puts a shape at a centre: a box becomes its centre and half its size.
+fn put<T: Scalar>(shape: &mut Shape<T>, center: [T; 2], half_size: [T; 2]) {
+    (shape.min, shape.max, shape.half_size) = (center, center, half_size);
 }
 
 fn all_of<T: Scalar>(list: &[Shape<T>]) -> Shapes<T> {
     let filters = [|s: &Shape<T>| s.category, |s: &Shape<T>| s.mask];
     Shapes::new(
-        list.iter().map(|shape| shape.center).collect(),
+        list.iter().map(|shape| shape.min).collect(),
         Each::Rows(list.iter().map(|shape| shape.radius).collect()),
         Some(Each::Rows(list.iter().map(|shape| shape.half_size).collect())),
         Some(filters.map(|bits| Each::Rows(list.iter().map(bits).collect()))),
@@ -96,7 +122,8 @@ fn pairs<T: Scalar>(shapes: &BTreeMap<Id, Shape<T>>) -> Vec<[Id; 2]> {
     let mut pairs = Vec::new();
     for (&i, a) in shapes {
         for (&j, b) in shapes.range(i + 1..) {
-            let distance = [0, 1].map(|k| (a.center[k] - b.center[k]).abs());
+            let gap = |k: usize| (a.min[k] - b.max[k]).most(b.min[k] - a.max[k]);
+            let distance = [gap(0), gap(1)];
             let halves = [0, 1].map(|k| a.half_size[k] + b.half_size[k]);
             let agree = a.category & b.mask != 0 && b.category & a.mask != 0;
             if agree && overlap(distance, halves, a.radius + b.radius) {
@@ -143,8 +170,29 @@ impl<T: Scalar> Trial<T> {
                 let centers: Vec<_> = moves.iter().map(at).collect();
                 self.space.move_to(&ids, &centers).expect("all is well");
                 for (id, center) in ids.iter().zip(centers) {
-                    self.shapes.get_mut(id).expect("it is there").center = center;
+                    let shape = self.shapes.get_mut(id).expect("it is there");
+                    if shape.center() != center {
+                        let half_size = shape.core_half_size();
+                        put(shape, center, half_size);
+                    }
                 }
+            }
+            Call::AddBoxes(rows) => self.add_boxes(rows),
+            Call::MoveToBoxes(moves) => {
+                let (ids, moves) = self.named(moves, |one| one.0);
+                let boxes: Vec<[T; 4]> = moves.iter().map(|one| box_of(&one.1)).collect();
+                self.space.move_to_boxes(&ids, &boxes).expect("all is well");
+                for (id, [min_x, min_y, max_x, max_y]) in ids.iter().zip(boxes) {
+                    let shape = self.shapes.get_mut(id).expect("it is there");
+                    put(shape, [min_x, min_y], [T::ZERO; 2]);
+                    shape.max = [max_x, max_y];
+                }
+            }
+            Call::Stay(which) => {
+                let (ids, _) = self.named(which, |one| *one);
+                let centers =
+                    self.space.read(&ids, |shape| shape.center()).expect("they are there");
+                self.space.move_to(&ids, &centers).expect("all is well");
             }
             Call::Resize(sizes) => {
                 let (ids, sizes) = self.named(sizes, |one| one.0);
@@ -154,7 +202,10 @@ impl<T: Scalar> Trial<T> {
                 let (radii, halves): (Vec<T>, Vec<[T; 2]>) = sizes.iter().map(of).unzip();
                 for (row, id) in ids.iter().enumerate() {
                     let shape = self.shapes.get_mut(id).expect("it is there");
-                    (shape.radius, shape.half_size) = (radii[row], halves[row]);
+                    shape.radius = radii[row];
+                    if shape.core_half_size() != halves[row] {
+                        put(shape, shape.center(), halves[row]);
+                    }
                 }
                 let (radii, halves) = (Each::Rows(radii), Each::Rows(halves));
                 self.space.resize(&ids, Some(&radii), None).expect("all is well");
@@ -198,6 +249,20 @@ impl<T: Scalar> Trial<T> {
         for (id, shape) in ids.into_iter().zip(shapes) {
             assert!(id >= 0 && !self.gone.contains(&id), "{id} is given twice");
             assert_eq!(self.shapes.insert(id, *shape), None);
+        }
+    }
+
+    fn add_boxes(&mut self, rows: &[[f64; 5]]) {
+        let boxes: Vec<[T; 4]> =
+            rows.iter().map(|[x, y, w, h, _]| box_of(&[*x, *y, *w, *h])).collect();
+        let radii: Vec<T> = rows.iter().map(|row| T::from_f64(row[4])).collect();
+        let shapes = Shapes::from_boxes(boxes.clone(), Each::Rows(radii.clone()), None);
+        let ids = self.space.add(&shapes.expect("they are valid")).expect("there is room");
+        for ((id, [min_x, min_y, max_x, max_y]), radius) in ids.into_iter().zip(boxes).zip(radii) {
+            let (min, max) = ([min_x, min_y], [max_x, max_y]);
+            let (half_size, category, mask) = ([T::ZERO; 2], 1, u32::MAX);
+            let shape = Shape { min, max, half_size, radius, category, mask };
+            assert_eq!(self.shapes.insert(id, shape), None);
         }
     }
 
@@ -272,6 +337,7 @@ impl<T: Scalar> Trial<T> {
             let (size, bits) = (Each::One(T::ONE), Each::One(7));
             let told = [
                 self.space.move_to(&ids, &centers),
+                self.space.move_to_boxes(&ids, &vec![[T::ZERO; 4]; ids.len()]),
                 self.space.resize(&ids, Some(&size), None),
                 self.space.set_filter(&ids, Some(&bits), None),
                 self.space.remove(&ids),
@@ -297,7 +363,10 @@ impl<T: Scalar> Trial<T> {
         let mut halves = vec![[T::ONE; 2]; ids.len()];
         halves[row][0] = -T::ONE;
         let (radii, halves) = (Each::Rows(radii), Each::Rows(halves));
+        let mut boxes = vec![[T::ZERO; 4]; ids.len()];
+        boxes[row][3] = -T::ONE;
         let told = [
+            ("boxes", self.space.move_to_boxes(&ids, &boxes)),
             ("centers", self.space.move_to(&ids, &centers)),
             ("radii", self.space.resize(&ids, Some(&radii), None)),
             ("half_sizes", self.space.resize(&ids, Some(&Each::One(T::ONE)), Some(&halves))),

@@ -4,7 +4,7 @@ mod common;
 
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
-use jostle::{Columns, Each, Error, Quadtree, Scalar, Settings, Shapes, pairs};
+use jostle::{Columns, Each, Error, Method, Quadtree, Scalar, Settings, Shapes, pairs};
 use proptest::prelude::*;
 
 use common::{Raw, built, settings, shapes};
@@ -15,8 +15,9 @@ fn by_the_book<T: Scalar>(a: &Shapes<T>, b: &Shapes<T>, itself: bool) -> Vec<[u3
     for i in 0..a.len() {
         for j in if itself { i + 1 } else { 0 }..b.len() {
             let (p, q) = (a.shape(i), b.shape(j));
-            let d = [0, 1]
-                .map(|k| (p.center[k] - q.center[k]).abs() - (p.half_size[k] + q.half_size[k]));
+            let larger = |a: T, b: T| if a > b { a } else { b };
+            let gap = |k: usize| larger(p.min[k] - q.max[k], q.min[k] - p.max[k]);
+            let d = [0, 1].map(|k| gap(k) - (p.half_size[k] + q.half_size[k]));
             let e = d.map(|d| if d > T::ZERO { d } else { T::ZERO });
             let reach = p.radius + q.radius;
             let round = e[0] * e[0] + e[1] * e[1] < reach * reach;
@@ -114,13 +115,94 @@ fn permuted(shapes: &Shapes<f32>, order: &[u32]) -> Shapes<f32> {
     fn pick<V: Copy>(from: &Each<V>, order: &[u32]) -> Each<V> {
         Each::Rows(order.iter().map(|&row| from.at(row as usize)).collect())
     }
-    Shapes::new(
-        order.iter().map(|&row| shapes.centers[row as usize]).collect(),
-        pick(&shapes.radii, order),
-        shapes.half_sizes.as_ref().map(|sizes| pick(sizes, order)),
-        shapes.filters.as_ref().map(|filters| filters.each_ref().map(|each| pick(each, order))),
-    )
-    .unwrap()
+    fn rows<V: Copy>(from: &[V], order: &[u32]) -> Vec<V> {
+        order.iter().map(|&row| from[row as usize]).collect()
+    }
+    Shapes {
+        centers: rows(&shapes.centers, order),
+        radii: pick(&shapes.radii, order),
+        half_sizes: shapes.half_sizes.as_ref().map(|sizes| pick(sizes, order)),
+        boxes: shapes.boxes.as_ref().map(|boxes| rows(boxes, order)),
+        filters: shapes
+            .filters
+            .as_ref()
+            .map(|filters| filters.each_ref().map(|each| pick(each, order))),
+    }
+}
+
+/// Boxes between neighbouring edges, 0.1 apart: none overlaps another, however the edges
+/// are rounded.
+fn tiles<T: Scalar>(side: u32) -> Shapes<T> {
+    let edge = |k: u32| T::from_f64(f64::from(k) * 0.1);
+    let tile = |k: u32| {
+        let (column, row) = (k % side, k / side);
+        [edge(column), edge(row), edge(column + 1), edge(row + 1)]
+    };
+    Shapes::from_boxes((0..side * side).map(tile).collect(), Each::One(T::ZERO), None).unwrap()
+}
+
+fn tiles_touch<T: Scalar>() {
+    let tiles = tiles::<T>(30);
+    for method in [Method::Brute, Method::Quadtree] {
+        let found = pairs::find(&tiles, Some(method), None, DEFAULT_MAX_PAIRS).unwrap();
+        assert_eq!(found.pairs, [[0; 2]; 0], "{method:?}");
+    }
+    // A hair more, and each overlaps its right neighbour, and those beside that.
+    let grown: Vec<[T; 4]> = tiles
+        .boxes
+        .unwrap()
+        .into_iter()
+        .map(|mut row| {
+            row[2] = row[2] + row[2] * T::EPSILON;
+            row
+        })
+        .collect();
+    let grown = Shapes::from_boxes(grown, Each::One(T::ZERO), None).unwrap();
+    let found = pairs::find(&grown, None, None, DEFAULT_MAX_PAIRS).unwrap();
+    assert_eq!(found.pairs.len(), 30 * 29);
+}
+
+#[test]
+fn tiles_that_touch_never_overlap() {
+    tiles_touch::<f32>();
+    tiles_touch::<f64>();
+}
+
+#[test]
+fn sides_at_zero_of_either_sign_touch() {
+    let boxes = vec![[-1.0, 0.0, -0.0, 1.0], [0.0, 0.0, 1.0, 1.0], [-0.0, -1.0, 1.0, -0.0]];
+    for limit in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+        simd::limit(limit);
+        let shapes = Shapes::<f32>::from_boxes(boxes.clone(), Each::One(0.0), None).unwrap();
+        for method in [Method::Brute, Method::Quadtree] {
+            let found = pairs::find(&shapes, Some(method), None, DEFAULT_MAX_PAIRS).unwrap();
+            assert_eq!(found.pairs, [[0; 2]; 0]);
+        }
+    }
+}
+
+#[test]
+fn a_box_may_be_as_large_as_its_type_allows() {
+    let largest = f32::MAX / 8.0;
+    let boxes =
+        vec![[-largest, -largest, largest, largest], [0.0; 4], [f32::MAX, 0.0, f32::MAX, 1.0]];
+    let shapes = Shapes::from_boxes(boxes, Each::One(0.0), None).unwrap();
+    let tree = built(&shapes, Settings { leaf_capacity: 1, ..Settings::default() });
+    assert_eq!(pairs::within(&tree, 9).unwrap().pairs, [[0, 1]]);
+}
+
+#[test]
+fn cells_hold_the_middles_of_boxes() {
+    let boxes = vec![
+        [0.0, 0.0, 2.0, 2.0],
+        [5.0, 1.0, 7.0, 3.0],
+        [1.0, 6.0, 3.0, 8.0],
+        [-93.0, 6.0, 107.0, 8.0],
+    ];
+    let shapes = Shapes::<f64>::from_boxes(boxes, Each::One(0.0), None).unwrap();
+    let tree = built(&shapes, Settings { leaf_capacity: 1, ..Settings::default() });
+    // As for four discs at these middles, however wide one of the boxes is.
+    assert_eq!(tree.cells()[0], [1.0, 1.0, 9.0, 9.0]);
 }
 
 /// Discs of equal radius at given places.
@@ -269,6 +351,25 @@ fn refusals_name_argument_index_and_value() {
         let refused = Shapes::new(centers, Each::Rows(radii), half.map(Each::Rows), None);
         refused.unwrap_err().to_string()
     };
+    let refused = |row: [f32; 4]| {
+        let rows = vec![[0.0, 0.0, 1.0, 1.0], row];
+        Shapes::from_boxes(rows, Each::One(0.0), None).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused([2.0, 0.0, 1.0, 1.0]),
+        "boxes[1] is (2, 0, 1, 1); it must be (min_x, min_y, max_x, max_y), \
+         no minimum above its maximum"
+    );
+    assert_eq!(
+        refused([0.0, 0.0, f32::NAN, 1.0]),
+        "boxes[1] is (0, 0, NaN, 1); all four numbers must be finite"
+    );
+    assert!(refused([0.0, 0.0, 1.0, f32::INFINITY]).starts_with("boxes[1] is (0, 0, 1, inf); "));
+    let half = f32::MAX / 2.0;
+    assert!(
+        refused([-half, 0.0, half, 1.0])
+            .ends_with("a box must be at most 8.507059173023462e37 wide and high")
+    );
     assert_eq!(
         refuse(vec![0.0; 3], vec![1.0, 1.0, -0.5], None),
         "radii[2] is -0.5; a radius must be finite and at least 0"

@@ -12,6 +12,8 @@ pub struct Raw {
     pub y: Vec<f64>,
     pub radius: Vec<f64>,
     pub half: Option<[Vec<f64>; 2]>,
+    /// Widths and heights, where the shapes are boxes with a corner at x, y.
+    pub size: Option<[Vec<f64>; 2]>,
     pub filter: Option<[Vec<u32>; 2]>,
 }
 
@@ -21,8 +23,17 @@ impl Raw {
             a.iter().zip(b).map(|(&a, &b)| [T::from_f64(a), T::from_f64(b)]).collect()
         };
         let radii = self.radius.iter().map(|&v| T::from_f64(v)).collect();
-        let half_sizes = self.half.as_ref().map(|[x, y]| Each::Rows(pairs(x, y)));
         let filters = self.filter.clone().map(|filter| filter.map(Each::Rows));
+        if let Some([width, height]) = &self.size {
+            let corner = |row: usize| {
+                let (x, y) = (self.x[row], self.y[row]);
+                [x, y, x + width[row], y + height[row]].map(T::from_f64)
+            };
+            let boxes = (0..self.x.len()).map(corner).collect();
+            return Shapes::from_boxes(boxes, Each::Rows(radii), filters)
+                .expect("the generated boxes are valid");
+        }
+        let half_sizes = self.half.as_ref().map(|[x, y]| Each::Rows(pairs(x, y)));
         Shapes::new(pairs(&self.x, &self.y), Each::Rows(radii), half_sizes, filters)
             .expect("the generated shapes are valid")
     }
@@ -60,13 +71,15 @@ pub fn shapes() -> impl Strategy<Value = Raw> {
     let one = (coordinate(), coordinate(), size(), size(), size(), bits(), bits());
     let count = prop_oneof![0usize..4, 4usize..40, 40usize..250];
     let rows = count.prop_flat_map(move |count| prop::collection::vec(one.clone(), count));
-    (rows, any::<bool>(), any::<bool>(), any::<bool>()).prop_map(|(rows, boxes, filters, line)| {
+    (rows, 0..4, any::<bool>(), any::<bool>()).prop_map(|(rows, kind, filters, line)| {
         let column = |pick: fn(&Row) -> f64| rows.iter().map(pick).collect::<Vec<f64>>();
         Raw {
             x: column(|row| row.0),
             y: if line { vec![3.0; rows.len()] } else { column(|row| row.1) },
-            radius: column(|row| row.2),
-            half: boxes.then(|| [column(|row| row.3), column(|row| row.4)]),
+            // Boxes with and without radii.
+            radius: if kind == 3 { vec![0.0; rows.len()] } else { column(|row| row.2) },
+            half: (kind == 1).then(|| [column(|row| row.3), column(|row| row.4)]),
+            size: (kind > 1).then(|| [column(|row| row.3), column(|row| row.4)]),
             filter: filters.then(|| {
                 [rows.iter().map(|row| row.5).collect(), rows.iter().map(|row| row.6).collect()]
             }),
