@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import (
     Any,
     Final,
@@ -61,8 +61,21 @@ class _Vector(Protocol):
     @property
     def y(self) -> float: ...
 
+class _Rect(Protocol):
+    """Four sides with names, as pygame's Rect and FRect have them."""
+
+    @property
+    def left(self) -> float: ...
+    @property
+    def top(self) -> float: ...
+    @property
+    def right(self) -> float: ...
+    @property
+    def bottom(self) -> float: ...
+
 _Point: TypeAlias = tuple[_Number, _Number] | _Vector
 _Four: TypeAlias = tuple[_Number, _Number, _Number, _Number]
+_Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
@@ -70,10 +83,11 @@ _Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
 
 def abandon_threads() -> None: ...
 def find_pairs(
-    centers: ArrayLike,
+    centers: ArrayLike | None = None,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
+    boxes: _Boxes | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -96,10 +110,11 @@ def sprite_dict(
 class Quadtree:
     def __new__(
         cls,
-        centers: ArrayLike,
+        centers: ArrayLike | None = None,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
+        boxes: _Boxes | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         leaf_capacity: SupportsIndex = 96,
@@ -200,6 +215,7 @@ class Space:
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
+        boxes: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int: ...
@@ -210,10 +226,39 @@ class Space:
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
+        boxes: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> Any: ...
-    def move(self, ids: ArrayLike, centers: ArrayLike | _Vector) -> None: ...
+    @overload
+    def add(
+        self,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Four | _Rect,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Boxes,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> Any: ...
+    def move(
+        self,
+        ids: ArrayLike,
+        centers: ArrayLike | _Vector | None = None,
+        *,
+        boxes: _Boxes | _Rect | None = None,
+    ) -> None: ...
     def resize(
         self,
         ids: ArrayLike,
@@ -300,6 +345,7 @@ class Space:
     ) -> Any: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
+    def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]: ...
     @overload
     def radii(self, ids: SupportsIndex) -> float: ...
     @overload

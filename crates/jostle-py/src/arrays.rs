@@ -184,6 +184,29 @@ impl<'py> Argument<'py> {
         }
     }
 
+    /// Number of rows, where each is a box.
+    pub fn boxes_len(&self) -> PyResult<usize> {
+        match self.array.shape() {
+            [rows, 4] => Ok(*rows),
+            [0] => Ok(0),
+            _ => Err(self.wrong_shape("(n, 4)")),
+        }
+    }
+
+    /// `len` boxes.
+    pub fn boxes<T: Scalar + Element>(&self, len: usize) -> PyResult<Vec<[T; 4]>> {
+        match self.array.shape() {
+            [rows, 4] if *rows == len => self.real_rows(),
+            [0] if len == 0 => Ok(Vec::new()),
+            _ => Err(self.wrong_shape(&format!("({len}, 4)"))),
+        }
+    }
+
+    /// Whether it has the shape of a box, or of many.
+    pub fn is_like_boxes(&self) -> bool {
+        matches!(self.array.shape(), [4] | [_, 4])
+    }
+
     /// One row of `W` numbers, or many.
     pub fn one_or_rows<T: Scalar + Element, const W: usize>(&self) -> PyResult<Each<[T; W]>> {
         match self.array.shape() {

@@ -8,23 +8,30 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Given, long, table, truth};
 use crate::error::refused;
+use crate::queries::Maybe;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
 
 /// Find every pair of overlapping shapes.
 ///
-/// A shape is a rounded box: every point within `radius` of the axis-aligned box
-/// ``center ± half_size``. Circles have no half size, rectangles no radius.
+/// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
+/// ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius.
 /// Touching is not overlapping.
 ///
 /// Parameters
 /// ----------
-/// centers : array_like, shape (n, 2)
-///     Centres, in any unit of length.
+/// centers : array_like, shape (n, 2), optional
+///     Centres, in any unit of length; to be given unless `boxes` is.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. Left out, every shape is a circle.
+/// boxes : array_like, shape (n, 4), optional
+///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
+///     read by them, in a list or a tuple. The four numbers are compared as they are:
+///     boxes that share an edge never overlap, while sides that are
+///     ``center ± half_size`` are rounded. With `radii`, the boxes are rounded by them.
 /// method : {"auto", "brute", "quadtree"}, default "auto"
 ///     How the pairs are found, never which: "auto" takes brute force where that
 ///     is faster.
@@ -45,7 +52,8 @@ use crate::shapes::{Rows, Shapes};
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold numbers.
+///     If an argument does not hold numbers, or if not exactly one of `centers` and `boxes`
+///     is given.
 /// ValueError
 ///     If a shape is wrong, a value is not finite, a size is negative or out of range, or
 ///     more than `max_pairs` pairs overlap.
@@ -58,29 +66,33 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
-/// is at most an eighth of the largest number of the type.
+/// is at most an eighth of the largest number of the type, a box at most twice as wide and
+/// high as that.
 ///
 /// Examples
 /// --------
 /// >>> import jostle
 /// >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
 /// array([[1, 2]])
+/// >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
+/// array([[1, 2]])
 #[pyfunction]
 #[pyo3(
     signature = (
-        centers, radii=Given::NOTHING, half_sizes=None,
-        *, method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING,
+        centers=None, radii=Given::NOTHING, half_sizes=None,
+        *, boxes=None, method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING,
         threads=None,
     ),
-    text_signature = "(centers, radii=0.0, half_sizes=None, *, method='auto', sort=False, \
-                      max_pairs=134217728, threads=None)"
+    text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, method='auto', \
+                      sort=False, max_pairs=134217728, threads=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
 pub fn find_pairs<'py>(
     py: Python<'py>,
-    centers: &Bound<'py, PyAny>,
+    centers: Maybe<'_, 'py>,
     radii: Given<'py>,
-    half_sizes: Option<&Bound<'py, PyAny>>,
+    half_sizes: Maybe<'_, 'py>,
+    boxes: Maybe<'_, 'py>,
     method: Given<'py>,
     sort: Given<'py>,
     max_pairs: Given<'py>,
@@ -92,7 +104,7 @@ pub fn find_pairs<'py>(
         max_pairs: settings::max_pairs(&max_pairs)?,
         threads: settings::threads(threads)?,
     };
-    let shapes = Shapes::read(centers, &radii, half_sizes, None, None)?;
+    let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [None, None])?;
     let pairs = py.detach(|| {
         let found = match shapes {
             Shapes::Single(rows) => search.run(rows),

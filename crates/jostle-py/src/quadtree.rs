@@ -18,19 +18,25 @@ use crate::shapes::{Rows, Shapes};
 
 /// A quadtree over shapes that do not change.
 ///
-/// A shape is a rounded box: every point within `radius` of the axis-aligned box
-/// ``center ± half_size``. Circles have no half size, rectangles no radius. The
+/// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
+/// ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius. The
 /// tree is built once, around whatever positions it is given; there are no bounds
 /// to choose. Several threads may ask it at the same time.
 ///
 /// Parameters
 /// ----------
-/// centers : array_like, shape (n, 2)
-///     Centres, in any unit of length.
+/// centers : array_like, shape (n, 2), optional
+///     Centres, in any unit of length; to be given unless `boxes` is.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. Left out, every shape is a circle.
+/// boxes : array_like, shape (n, 4), optional
+///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
+///     read by them, in a list or a tuple. The four numbers are compared as they are:
+///     boxes that share an edge never overlap, while sides that are
+///     ``center ± half_size`` are rounded. With `radii`, the boxes are rounded by them.
 /// categories : array_like of int, a number or shape (n,), optional
 ///     What each shape is, as a set of 32 bits; 1 where left out.
 /// masks : array_like of int, a number or shape (n,), optional
@@ -51,7 +57,8 @@ use crate::shapes::{Rows, Shapes};
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold numbers.
+///     If an argument does not hold numbers, or if not exactly one of `centers` and `boxes`
+///     is given.
 /// ValueError
 ///     If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 ///
@@ -63,7 +70,8 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
-/// is at most an eighth of the largest number of the type.
+/// is at most an eighth of the largest number of the type, a box at most twice as wide and
+/// high as that.
 ///
 /// Examples
 /// --------
@@ -124,18 +132,20 @@ impl PyQuadtree {
     #[new]
     #[pyo3(
         signature = (
-            centers, radii=Given::NOTHING, half_sizes=None, *, categories=None, masks=None,
-            leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, threads=None,
+            centers=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, categories=None,
+            masks=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, threads=None,
         ),
-        text_signature = "(centers, radii=0.0, half_sizes=None, *, categories=None, masks=None, \
-                          leaf_capacity=96, max_depth=4096, threads=None)"
+        text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
+                          categories=None, masks=None, leaf_capacity=96, max_depth=4096, \
+                          threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
         py: Python<'py>,
-        centers: &Bound<'py, PyAny>,
+        centers: Maybe<'_, 'py>,
         radii: Given<'py>,
         half_sizes: Maybe<'_, 'py>,
+        boxes: Maybe<'_, 'py>,
         categories: Maybe<'_, 'py>,
         masks: Maybe<'_, 'py>,
         leaf_capacity: Given<'py>,
@@ -143,7 +153,7 @@ impl PyQuadtree {
         threads: Maybe<'_, 'py>,
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
-        let shapes = Shapes::read(centers, &radii, half_sizes, categories, masks)?;
+        let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [categories, masks])?;
         let tree = py.detach(|| Tree::build(shapes, settings)).map_err(refused)?;
         Ok(Self { tree, tests: AtomicU64::new(0) })
     }
@@ -379,7 +389,7 @@ impl PyQuadtree {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> tiles = jostle.Quadtree([(0.5, 0.5), (1.5, 0.5)], half_sizes=0.5)
+    /// >>> tiles = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
     /// >>> tiles.query_point((1.0, 0.2))
     /// array([1])
     #[pyo3(signature = (point, *, mask=None))]

@@ -82,27 +82,32 @@ pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
 const SIDES: [[&str; 4]; 2] =
     [["left", "top", "right", "bottom"], ["min_x", "min_y", "max_x", "max_y"]];
 
-/// The sides of an object that has them as attributes, or of each object in a list.
-fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
+/// The sides of an object that has them as attributes, or of the objects in a list that do.
+pub fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if let Some(sides) = sides_of_one(rect)? {
         return Ok(Some(sides.into_any()));
     }
-    let list = rect.cast::<PyList>().ok().filter(|list| !list.is_empty());
-    let Some(list) = list else { return Ok(None) };
-    if sides_of_one(&list.get_item(0)?)?.is_none() {
+    if !(rect.is_instance_of::<PyList>() || rect.is_instance_of::<PyTuple>()) {
         return Ok(None);
     }
-    let all = PyList::empty(rect.py());
-    for rect in list {
+    let (all, mut any) = (PyList::empty(rect.py()), false);
+    for rect in rect.try_iter()? {
+        let rect = rect?;
         match sides_of_one(&rect)? {
-            Some(sides) => all.append(sides)?,
+            Some(sides) => {
+                all.append(sides)?;
+                any = true;
+            }
             None => all.append(rect)?,
         }
     }
-    Ok(Some(all.into_any()))
+    Ok(any.then(|| all.into_any()))
 }
 
 fn sides_of_one<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+    if rect.is_exact_instance_of::<PyTuple>() || rect.is_exact_instance_of::<PyList>() {
+        return Ok(None);
+    }
     for names in SIDES {
         if rect.hasattr(names[3])? {
             let sides = names.map(|name| rect.getattr(name));

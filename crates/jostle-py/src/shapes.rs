@@ -1,12 +1,14 @@
-//! The shapes of a call: centres, radii, half sizes and filters, copied out of
+//! The shapes of a call: centres or boxes, radii, half sizes and filters, copied out of
 //! NumPy with one precision for all of them.
 
 use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use jostle::{Each, Scalar};
 use numpy::Element;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, Given, all_single};
+use crate::queries::{Maybe, sides};
 
 /// Shapes in the precision that their arrays ask for.
 pub enum Shapes {
@@ -18,33 +20,151 @@ pub enum Shapes {
 
 /// Copied and of the right shapes; the values are not yet checked.
 pub struct Rows<T> {
-    centers: Vec<[T; 2]>,
+    places: Places<T>,
     radii: Each<T>,
     half_sizes: Option<Each<[T; 2]>>,
     filters: Option<[Each<u32>; 2]>,
 }
 
+/// Where shapes are, a row each.
+pub enum Places<T> {
+    /// Their centres.
+    Centers(Vec<[T; 2]>),
+    /// min x, min y, max x, max y.
+    Boxes(Vec<[T; 4]>),
+}
+
+/// The argument that says where shapes are: their centres, or boxes, which say how large
+/// they are too.
+pub enum Where<'py> {
+    Centers(Argument<'py>),
+    Boxes(Argument<'py>),
+}
+
+impl<'py> Where<'py> {
+    /// The one of the two that is given. Refuses both, and neither.
+    pub fn read(
+        centers: Maybe<'_, 'py>,
+        half_sizes: Maybe<'_, 'py>,
+        boxes: Maybe<'_, 'py>,
+    ) -> PyResult<Self> {
+        let message = match (centers, half_sizes, boxes) {
+            (Some(centers), _, None) => return Self::centers(centers),
+            (None, None, Some(boxes)) => {
+                let sides = sides(boxes)?;
+                let boxes = Argument::reals("boxes", sides.as_ref().unwrap_or(boxes))?;
+                return Ok(Self::Boxes(boxes));
+            }
+            (None, _, None) => {
+                "centers or boxes must be given: centers of shape (n, 2), or boxes of shape (n, 4), \
+                 which are min_x, min_y, max_x, max_y"
+            }
+            (Some(_), _, Some(_)) => {
+                "centers and boxes are both given; boxes say where shapes are, so leave out centers"
+            }
+            (None, Some(_), Some(_)) => {
+                "half_sizes and boxes are both given; boxes say how large shapes are, so leave out \
+                 half_sizes"
+            }
+        };
+        Err(PyTypeError::new_err(message))
+    }
+
+    fn centers(value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let centers = Argument::reals("centers", value)?;
+        if centers.is_like_boxes() {
+            let expected = "(n, 2); rectangles are given as boxes=, with min_x, min_y, max_x, \
+                            max_y of each, or as pygame's Rects";
+            return Err(centers.wrong_shape(expected));
+        }
+        Ok(Self::Centers(centers))
+    }
+
+    fn argument(&self) -> &Argument<'py> {
+        match self {
+            Self::Centers(argument) | Self::Boxes(argument) => argument,
+        }
+    }
+
+    fn len(&self) -> PyResult<usize> {
+        match self {
+            Self::Centers(centers) => centers.pairs_len(),
+            Self::Boxes(boxes) => boxes.boxes_len(),
+        }
+    }
+
+    /// `len` of them.
+    pub fn rows<T: Scalar + Element>(&self, len: usize) -> PyResult<Places<T>> {
+        Ok(match self {
+            Self::Centers(centers) => Places::Centers(centers.pairs(len)?),
+            Self::Boxes(boxes) => Places::Boxes(boxes.boxes(len)?),
+        })
+    }
+
+    /// One, or many of them, and then how many.
+    pub fn one_or_rows<T: Scalar + Element>(&self) -> PyResult<(Places<T>, Option<usize>)> {
+        fn with_len<V: Copy>(each: Each<V>) -> (Vec<V>, Option<usize>) {
+            let len = each.len();
+            (each.rows(1), len)
+        }
+        Ok(match self {
+            Self::Centers(centers) => {
+                let (centers, len) = with_len(centers.one_or_rows()?);
+                (Places::Centers(centers), len)
+            }
+            Self::Boxes(boxes) => {
+                let (boxes, len) = with_len(boxes.one_or_rows()?);
+                (Places::Boxes(boxes), len)
+            }
+        })
+    }
+
+    /// As [`Self::rows`] for the only shape there is.
+    pub fn only<T: Scalar + Element>(&self) -> PyResult<Places<T>> {
+        match self.one_or_rows()? {
+            (one, None) => Ok(one),
+            (Places::Centers(_), _) => {
+                Err(self.argument().wrong_shape("(2,), as there is one id"))
+            }
+            (Places::Boxes(_), _) => Err(self.argument().wrong_shape("(4,), as there is one id")),
+        }
+    }
+}
+
+impl<T: Scalar> Places<T> {
+    /// The core's shapes; needs no Python.
+    pub fn shapes(
+        self,
+        radii: Each<T>,
+        half_sizes: Option<Each<[T; 2]>>,
+        filters: Option<[Each<u32>; 2]>,
+    ) -> jostle::Result<jostle::Shapes<T>> {
+        match self {
+            Self::Centers(centers) => jostle::Shapes::new(centers, radii, half_sizes, filters),
+            Self::Boxes(boxes) => jostle::Shapes::from_boxes(boxes, radii, filters),
+        }
+    }
+}
+
 impl Shapes {
     /// Copies the arguments that `find_pairs` and `Quadtree` share.
     pub fn read<'py>(
-        centers: &Bound<'py, PyAny>,
+        [centers, half_sizes, boxes]: [Maybe<'_, 'py>; 3],
         radii: &Given<'py>,
-        half_sizes: Option<&Bound<'py, PyAny>>,
-        categories: Option<&Bound<'py, PyAny>>,
-        masks: Option<&Bound<'py, PyAny>>,
+        [categories, masks]: [Maybe<'_, 'py>; 2],
     ) -> PyResult<Self> {
-        let centers = Argument::reals("centers", centers)?;
+        let places = Where::read(centers, half_sizes, boxes)?;
         let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
         let half_sizes =
             half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;
         // A plain pair of half sizes for all shapes follows the arrays beside it.
         let sizes = half_sizes.as_ref().filter(|sizes| !sizes.is_plain_pair());
-        let single = all_single(&[Some(&centers), radii.as_ref(), sizes]);
-        let filters = read_filters(categories, masks, centers.pairs_len()?)?;
+        let single = all_single(&[Some(places.argument()), radii.as_ref(), sizes]);
+        let filters = read_filters(categories, masks, places.len()?)?;
         Ok(if single {
-            Self::Single(Rows::read(&centers, radii.as_ref(), half_sizes.as_ref(), filters)?)
+            Self::Single(Rows::read(&places, radii.as_ref(), half_sizes.as_ref(), filters)?)
         } else {
-            Self::Double(Rows::read(&centers, radii.as_ref(), half_sizes.as_ref(), filters)?)
+            Self::Double(Rows::read(&places, radii.as_ref(), half_sizes.as_ref(), filters)?)
         })
     }
 }
@@ -69,14 +189,14 @@ fn read_filters(
 
 impl<T: Scalar + Element> Rows<T> {
     fn read(
-        centers: &Argument<'_>,
+        places: &Where<'_>,
         radii: Option<&Argument<'_>>,
         half_sizes: Option<&Argument<'_>>,
         filters: Option<[Each<u32>; 2]>,
     ) -> PyResult<Self> {
-        let len = centers.pairs_len()?;
+        let len = places.len()?;
         Ok(Self {
-            centers: centers.pairs(len)?,
+            places: places.rows(len)?,
             radii: match radii {
                 None => Each::One(T::ZERO),
                 Some(radii) => radii.real_each(len)?,
@@ -88,6 +208,6 @@ impl<T: Scalar + Element> Rows<T> {
 
     /// The core's shapes; needs no Python.
     pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
-        jostle::Shapes::new(self.centers, self.radii, self.half_sizes, self.filters)
+        self.places.shapes(self.radii, self.half_sizes, self.filters)
     }
 }

@@ -17,13 +17,14 @@ use crate::error::{refused, type_error, value_error};
 use crate::events::PyEvents;
 use crate::queries::{self, Asked, Maybe, without_row};
 use crate::settings;
+use crate::shapes::{Places, Where};
 
 /// A living collection of shapes: they come, move, change and go, and pairs are told as they
 /// form and part.
 ///
-/// A shape is a rounded box: every point within `radius` of the axis-aligned box
-/// ``center ± half_size``. Circles have no half size, rectangles no radius. Each has an id
-/// of its own that is never given to another. What changes costs time, what does not costs
+/// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
+/// ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius.
+/// Each has an id of its own that is never given to another. What changes costs time, what does not costs
 /// next to none: a million still shapes may stand around a thousand that move. Every question
 /// sees every change made before it.
 ///
@@ -114,12 +115,18 @@ impl PySpace {
     ///
     /// Parameters
     /// ----------
-    /// centers : array_like, shape (k, 2) or (2,)
-    ///     Centres.
+    /// centers : array_like, shape (k, 2) or (2,), optional
+    ///     Centres; to be given unless `boxes` is.
     /// radii : array_like, a number or shape (k,), default 0.0
     ///     Radii.
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
     ///     Half widths and half heights. Left out, the shapes are circles.
+    /// boxes : array_like, shape (k, 4) or (4,), optional
+    ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+    ///     What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
+    ///     read by them, also in a list or a tuple. The four numbers are compared as they
+    ///     are: boxes that share an edge never overlap, while sides that are
+    ///     ``center ± half_size`` are rounded.
     /// categories : array_like of int, a number or shape (k,), default 1
     ///     What each shape is, as a set of 32 bits.
     /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
@@ -131,12 +138,13 @@ impl PySpace {
     /// Returns
     /// -------
     /// ndarray of int64, shape (k,), or int
-    ///     Their ids; one id for one centre. The first are 0, 1, 2, ...
+    ///     Their ids; one id for one centre or one box. The first are 0, 1, 2, ...
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     If an argument does not hold numbers.
+    ///     If an argument does not hold numbers, or if not exactly one of `centers` and
+    ///     `boxes` is given.
     /// ValueError
     ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
     ///     or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
@@ -149,38 +157,41 @@ impl PySpace {
     /// array([0, 1])
     /// >>> space.add((2, 2), half_sizes=(1, 0.5))
     /// 2
+    /// >>> space.add(boxes=[(0, 3, 0.1, 4), (0.1, 3, 0.2, 4)])
+    /// array([3, 4])
     #[pyo3(
         signature = (
-            centers, radii=Given::NOTHING, half_sizes=None, *, categories=Given::NOTHING,
-            masks=Given::NOTHING,
+            centers=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None,
+            categories=Given::NOTHING, masks=Given::NOTHING,
         ),
-        text_signature = "($self, centers, radii=0.0, half_sizes=None, *, categories=1, \
-                          masks=0xFFFFFFFF)"
+        text_signature = "($self, centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
+                          categories=1, masks=0xFFFFFFFF)"
     )]
     fn add<'py>(
         &self,
         py: Python<'py>,
-        centers: &Bound<'py, PyAny>,
+        centers: Maybe<'_, 'py>,
         radii: Given<'py>,
         half_sizes: Maybe<'_, 'py>,
+        boxes: Maybe<'_, 'py>,
         categories: Given<'py>,
         masks: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => {
-            let (centers, len) = centers_of(centers)?;
+            let (places, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
             let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
             let new = Draft {
                 radii: reals("radii", radii.value(), len.unwrap_or(1))?,
                 half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
                 filters: bits(filters, len.unwrap_or(1))?,
             };
-            let ids = py.detach(|| lock(space).add(&new.shapes(centers)?));
+            let ids = py.detach(|| lock(space).add(&new.shapes(places)?));
             let ids = told(ids, len.is_none())?;
             if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
         })
     }
 
-    /// Give shapes other centres.
+    /// Give shapes other centres, or other boxes.
     ///
     /// What does not move thereby costs as little as if it had not been named.
     ///
@@ -188,16 +199,22 @@ impl PySpace {
     /// ----------
     /// ids : int or array_like of int, shape (k,)
     ///     Which shapes, none of them twice.
-    /// centers : array_like, shape (k, 2), or (2,) for one id
-    ///     Where they are now.
+    /// centers : array_like, shape (k, 2), or (2,) for one id, optional
+    ///     Where they are now. A shape that was given as a box, and whose centre changes, is
+    ///     ``center ± half_size`` from now on, with half the size of its box, and compared
+    ///     as such: its sides are rounded. Give `boxes` to keep them exact.
+    /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
+    ///     In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+    ///     as in :meth:`add`. This may change the size, too. Radii stay as they are.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     If an argument does not hold numbers.
+    ///     If an argument does not hold numbers, or if not exactly one of `centers` and
+    ///     `boxes` is given.
     /// ValueError
-    ///     If no shape has an id, or one is named twice, or a coordinate is not finite; then
-    ///     nothing moves.
+    ///     If no shape has an id, or one is named twice, a coordinate is not finite, or a
+    ///     minimum is above its maximum; then nothing moves.
     ///
     /// Examples
     /// --------
@@ -209,17 +226,24 @@ impl PySpace {
     /// >>> space.centers(ids)
     /// array([[2., 0.],
     ///        [6., 0.]])
-    #[pyo3(name = "move")]
-    fn move_to(
+    /// >>> tile = space.add(boxes=(0, 0, 0.1, 0.1))
+    /// >>> space.move(tile, boxes=(0.1, 0, 0.2, 0.1))
+    #[pyo3(name = "move", signature = (ids, centers=None, *, boxes=None))]
+    fn move_to<'py>(
         &self,
-        py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
-        centers: &Bound<'_, PyAny>,
+        py: Python<'py>,
+        ids: &Bound<'py, PyAny>,
+        centers: Maybe<'_, 'py>,
+        boxes: Maybe<'_, 'py>,
     ) -> PyResult<()> {
         with_space!(self, space => {
             let ids = Ids::read(ids)?;
-            let centers = ids.centers(centers)?;
-            ids.told(py.detach(|| lock(space).move_to(&ids.all, &centers)))
+            let places = Where::read(centers, None, boxes)?;
+            let places = if ids.single { places.only() } else { places.rows(ids.all.len()) }?;
+            ids.told(py.detach(|| match &places {
+                Places::Centers(centers) => lock(space).move_to(&ids.all, centers),
+                Places::Boxes(boxes) => lock(space).move_to_boxes(&ids.all, boxes),
+            }))
         })
     }
 
@@ -232,7 +256,9 @@ impl PySpace {
     /// radii : array_like, a number or shape (k,), optional
     ///     Left out, they stay as they are.
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-    ///     Left out, they stay as they are.
+    ///     Left out, they stay as they are. A shape that was given as a box, and whose size
+    ///     changes, is ``center ± half_size`` from now on; ``move(ids, boxes=...)`` gives it
+    ///     another box.
     ///
     /// Raises
     /// ------
@@ -563,7 +589,7 @@ impl PySpace {
     /// --------
     /// >>> import jostle
     /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0.5, 0.5), (1.5, 0.5)], half_sizes=0.5)
+    /// >>> ids = space.add(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
     /// >>> space.query_point((1.0, 0.2))
     /// array([1])
     #[pyo3(signature = (point, *, mask=None))]
@@ -778,7 +804,7 @@ impl PySpace {
         self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
     }
 
-    /// Read centres.
+    /// Read centres; ``(min + max) / 2`` of shapes given as boxes.
     ///
     /// Parameters
     /// ----------
@@ -804,10 +830,11 @@ impl PySpace {
     /// array([3., 4.])
     #[pyo3(signature = (ids=None))]
     fn centers<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_pairs(py, space, ids, |shape| shape.center))
+        with_space!(self, space => read_rows(py, space, ids, |shape| shape.center()))
     }
 
-    /// Read half widths and half heights; 0 for circles.
+    /// Read half widths and half heights; 0 for circles, ``(max - min) / 2`` of shapes given as
+    /// boxes.
     ///
     /// Parameters
     /// ----------
@@ -825,7 +852,37 @@ impl PySpace {
     ///     If no shape has an id.
     #[pyo3(signature = (ids=None))]
     fn half_sizes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_pairs(py, space, ids, |shape| shape.half_size))
+        with_space!(self, space => read_rows(py, space, ids, |shape| shape.core_half_size()))
+    }
+
+    /// Read boxes: the corners of the shapes, their radii left out.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,), optional
+    ///     Which shapes; all of them where left out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of the space's dtype, shape (k, 4), or (4,) for one id
+    ///     A copy: min_x, min_y, max_x, max_y, as they were given, or ``center ± half_size``;
+    ///     for a circle twice its centre.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no shape has an id.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add(boxes=[(0, 0, 0.1, 0.1), (0.1, 0, 0.2, 0.1)])
+    /// >>> space.boxes(1)
+    /// array([0.1, 0. , 0.2, 0.1])
+    #[pyo3(signature = (ids=None))]
+    fn boxes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => read_rows(py, space, ids, |shape| shape.core()))
     }
 
     /// Read radii.
@@ -992,18 +1049,6 @@ impl Ids {
         Ok(Self { all: ids.rows(1), single })
     }
 
-    /// A centre for each.
-    fn centers<T: Scalar + Element>(&self, value: &Bound<'_, PyAny>) -> PyResult<Vec<[T; 2]>> {
-        let argument = Argument::reals("centers", value)?;
-        if !self.single {
-            return argument.pairs(self.all.len());
-        }
-        match argument.one_or_rows()? {
-            Each::One(center) => Ok(vec![center]),
-            Each::Rows(_) => Err(argument.wrong_shape("(2,), as there is one id")),
-        }
-    }
-
     /// Where one id was given, an error names no row.
     fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
         told(done, self.single)
@@ -1014,7 +1059,7 @@ fn told<V>(done: jostle::Result<V>, single: bool) -> PyResult<V> {
     done.map_err(|error| if single { without_row(error) } else { error }).map_err(refused)
 }
 
-/// What new shapes are besides their centres.
+/// What new shapes are besides where they are.
 struct Draft<T> {
     radii: Option<Each<T>>,
     half_sizes: Option<Each<[T; 2]>>,
@@ -1023,7 +1068,7 @@ struct Draft<T> {
 
 impl<T: Scalar> Draft<T> {
     /// The core's shapes; needs no Python.
-    fn shapes(self, centers: Vec<[T; 2]>) -> jostle::Result<Shapes<T>> {
+    fn shapes(self, places: Places<T>) -> jostle::Result<Shapes<T>> {
         let radii = self.radii.unwrap_or(Each::One(T::ZERO));
         let filters = match self.filters {
             [None, None] => None,
@@ -1032,17 +1077,8 @@ impl<T: Scalar> Draft<T> {
                 masks.unwrap_or(Each::One(DEFAULT_MASK)),
             ]),
         };
-        Shapes::new(centers, radii, self.half_sizes, filters)
+        places.shapes(radii, self.half_sizes, filters)
     }
-}
-
-/// Centres, and how many; none where it is one that stands alone.
-fn centers_of<T: Scalar + Element>(
-    value: &Bound<'_, PyAny>,
-) -> PyResult<(Vec<[T; 2]>, Option<usize>)> {
-    let given = Argument::reals("centers", value)?.one_or_rows()?;
-    let len = given.len();
-    Ok((given.rows(1), len))
 }
 
 fn reals<T: Scalar + Element>(
@@ -1081,15 +1117,15 @@ fn read<T: Scalar, V: Send>(
     Ok((told(values, single)?, single))
 }
 
-fn read_pairs<'py, T: Scalar + Element>(
+fn read_rows<'py, T: Scalar + Element, const W: usize>(
     py: Python<'py>,
     space: &Mutex<Space<T>>,
     ids: Maybe<'_, 'py>,
-    of: impl Fn(Shape<T>) -> [T; 2] + Send,
+    of: impl Fn(Shape<T>) -> [T; W] + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     match read(py, space, ids, of)? {
-        (pairs, true) => Ok(column(py, pairs[0].to_vec()).into_any()),
-        (pairs, false) => Ok(table(py, pairs)?.into_any()),
+        (rows, true) => Ok(column(py, rows[0].to_vec()).into_any()),
+        (rows, false) => Ok(table(py, rows)?.into_any()),
     }
 }
 

@@ -84,7 +84,8 @@ pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
     let [into, back] = into_range(far(0).most(far(1)).most(hx.most(hy)).most(reach));
     // Before the difference, which may be too large for the type.
     let from = |corner: [T; 2]| [0, 1].map(|axis| ray.origin[axis] * into - corner[axis] * into);
-    let core = Core { min: from(min), max: from(max), half_size: [hx * into, hy * into] };
+    let half_size = [hx * into, hy * into];
+    let core = Core { min: from(min), max: from(max), half_size, is_box: min != max };
     hit_in_range(&core, reach * into, ray).map(|far| far * back)
 }
 
@@ -94,12 +95,14 @@ struct Core<T> {
     min: [T; 2],
     max: [T; 2],
     half_size: [T; 2],
+    /// Whether `min` and `max` differ, which rounding may hide here.
+    is_box: bool,
 }
 
 /// [`hit`] for a shape as large as its core and `reach` more. For a beginning outside of it.
 fn hit_in_range<T: Scalar>(core: &Core<T>, reach: T, ray: &Ray<T>) -> Option<T> {
-    let Core { min, max, half_size: [hx, hy] } = *core;
-    if hx == T::ZERO && hy == T::ZERO && min == max {
+    let Core { min, max, half_size: [hx, hy], is_box } = *core;
+    if hx == T::ZERO && hy == T::ZERO && !is_box {
         return into_circle(min, ray.direction, reach);
     }
     let into_box = |half_size| into_box(&Core { half_size, ..*core }, ray.direction);
@@ -133,7 +136,7 @@ fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
 }
 
 /// How far a box is along `u`. For a beginning outside of it.
-fn into_box<T: Scalar>(Core { min, max, half_size }: &Core<T>, u: [T; 2]) -> Option<T> {
+fn into_box<T: Scalar>(Core { min, max, half_size, .. }: &Core<T>, u: [T; 2]) -> Option<T> {
     let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
     for axis in 0..2 {
         if u[axis] == T::ZERO {
