@@ -367,7 +367,8 @@ impl PyQuadtree {
     ///
     /// A point is in a circle, or in a rounded box, up to and with its edge. It is in a
     /// rectangle as pygame has it: the left and the upper edge are in, the right and the
-    /// lower are not, so tiles side by side share no point.
+    /// lower are not, so tiles side by side share no point. A rectangle without width and
+    /// height is a circle of radius 0.
     ///
     /// Parameters
     /// ----------

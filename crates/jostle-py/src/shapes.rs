@@ -123,9 +123,7 @@ impl<'py> Where<'py> {
     pub fn only<T: Scalar + Element>(&self) -> PyResult<Places<T>> {
         match self.one_or_rows()? {
             (one, None) => Ok(one),
-            (Places::Centers(_), _) => {
-                Err(self.argument().wrong_shape("(2,), as there is one id"))
-            }
+            (Places::Centers(_), _) => Err(self.argument().wrong_shape("(2,), as there is one id")),
             (Places::Boxes(_), _) => Err(self.argument().wrong_shape("(4,), as there is one id")),
         }
     }

@@ -1,7 +1,5 @@
 //! Shapes as a caller gives them: a row each, checked once.
 
-use std::fmt::Display;
-
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle};
 
@@ -235,8 +233,12 @@ pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Resul
 }
 
 /// Numbers as Python writes a tuple of them.
-pub(crate) fn tuple(values: &[impl Display]) -> String {
-    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+pub(crate) fn tuple<T: Scalar>(values: &[T]) -> String {
+    let number = |v: &T| {
+        let size = v.abs().to_f64();
+        if size < 1e16 && (size >= 1e-4 || size == 0.0) { v.to_string() } else { format!("{v:e}") }
+    };
+    let values: Vec<String> = values.iter().map(number).collect();
     format!("({})", values.join(", "))
 }
 

@@ -81,7 +81,12 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
     let rects: Vec<[T; 4]> = around.clone().map(corners).collect();
     regions_agree(&shapes, &tree, &Rect::all(&rects).expect("valid"), mask);
     let radii = Each::Rows(asked.sizes.iter().map(|size| T::from_f64(size[0])).collect());
-    regions_agree(&shapes, &tree, &Circle::all(&Each::Rows(places.clone()), &radii).expect("valid"), mask);
+    regions_agree(
+        &shapes,
+        &tree,
+        &Circle::all(&Each::Rows(places.clone()), &radii).expect("valid"),
+        mask,
+    );
     regions_agree(&shapes, &tree, &Point::all(&places).expect("valid"), mask);
     let polygons = around.zip(&asked.ways).filter_map(|((&[x, y], &[w, h]), &[p, q])| {
         let corners = [[x, y], [x + w, y - h], [x + w + p.abs(), y + q], [x + w, y + h]];
@@ -105,7 +110,8 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
 
     for radii in [Each::One(T::ZERO), radii] {
         let rays =
-            Ray::all(&Each::Rows(places.clone()), &Each::Rows(typed(&asked.ways)), &radii, reach).expect("valid");
+            Ray::all(&Each::Rows(places.clone()), &Each::Rows(typed(&asked.ways)), &radii, reach)
+                .expect("valid");
         let found = query::first_hits(&tree, &rays, mask);
         let seen = query::first_hits_by(&rays, Some(1), |best: &mut FirstHit<T>| {
             for row in 0..shapes.len() {
@@ -144,7 +150,12 @@ fn instructions_and_threads_change_nothing() {
         simd::limit(instructions);
         let tree = built(&shapes, Settings { threads: Some(threads), ..Settings::default() });
         let circles = Circle::all(&Each::Rows(points.clone()), &Each::One(1.3)).expect("valid");
-        let rays = Ray::all(&Each::Rows(points.clone()), &Each::Rows(ways.clone()), &Each::One(0.0), f64::INFINITY);
+        let rays = Ray::all(
+            &Each::Rows(points.clone()),
+            &Each::Rows(ways.clone()),
+            &Each::One(0.0),
+            f64::INFINITY,
+        );
         (
             query::search(&tree, &circles, None).expect("few"),
             query::nearest(&tree, &points, (5, f64::INFINITY), None).expect("valid"),

@@ -43,6 +43,11 @@ fn size() -> impl Strategy<Value = f64> + Clone {
     prop_oneof![6 => 0.0..2.0f64, 2 => Just(0.0), 2 => Just(1.0), 1 => Just(100.0)]
 }
 
+/// x, y, width, height.
+fn boxes() -> impl Strategy<Value = [f64; 4]> + Clone {
+    (coordinate(), coordinate(), size(), size()).prop_map(|(x, y, w, h)| [x, y, w, h])
+}
+
 /// Mostly nothing: the radius of a box.
 fn flat() -> impl Strategy<Value = f64> + Clone {
     prop_oneof![3 => Just(0.0), 1 => size()]
@@ -61,10 +66,10 @@ fn call() -> impl Strategy<Value = Call> {
         3 => prop::collection::vec(round, 0usize..20).prop_map(Call::Add),
         5 => prop::collection::vec((any::<usize>(), coordinate(), coordinate()), 0usize..16)
             .prop_map(Call::Move),
-        2 => prop::collection::vec([coordinate(), coordinate(), size(), size(), flat()], some.clone())
+        2 => prop::collection::vec((boxes(), flat()).prop_map(|([x, y, w, h], radius)| [x, y, w, h, radius]), some.clone())
             .prop_map(Call::AddBoxes),
         2 => prop::collection::vec(
-            (any::<usize>(), [coordinate(), coordinate(), size(), size()]), some.clone(),
+            (any::<usize>(), boxes()), some.clone(),
         ).prop_map(Call::MoveToBoxes),
         1 => prop::collection::vec(any::<usize>(), some.clone()).prop_map(Call::Stay),
         1 => prop::collection::vec((any::<usize>(), size(), size(), size()), some.clone())

@@ -110,9 +110,10 @@ impl<T: Scalar> Polygon<T> {
         let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
         let corners = if shape.is_round() { &corners[..1] } else { &corners[..] };
         self.sides.iter().any(|side| from_core(side.start) < reach)
-            || self.sides.iter().any(|side| {
-                corners.iter().any(|&corner| from_side(corner, side) < reach)
-            })
+            || self
+                .sides
+                .iter()
+                .any(|side| corners.iter().any(|&corner| from_side(corner, side) < reach))
     }
 }
 
