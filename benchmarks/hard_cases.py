@@ -25,7 +25,7 @@ class Case:
     radii: float | NDArray[np.float64]
     beside: str | None = None
 
-    def run(self) -> NDArray[np.uint32]:
+    def run(self) -> NDArray[np.int64]:
         """All overlapping pairs."""
         return jostle.find_pairs(self.centers, self.radii, method="quadtree", threads=1)
 

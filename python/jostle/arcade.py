@@ -387,7 +387,7 @@ class _Polygons:
         return low, high
 
 
-def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.uint32]) -> list[tuple[Any, Any]]:
+def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> list[tuple[Any, Any]]:
     """Return those of some pairs that collide."""
     first, second = pairs[_near(a, b, pairs)].T
     # Only the hit boxes of sprites that are near another are worth being worked out.
@@ -399,7 +399,7 @@ def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.uint32]) -> list[tupl
     return list(zip(a._at(first[hit].tolist()), b._at(second[hit].tolist()), strict=True))
 
 
-def _near(a: Snapshot, b: Snapshot, pairs: NDArray[np.uint32]) -> NDArray[np.bool_]:
+def _near(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return which pairs arcade looks at more closely, in the arithmetic of its own check."""
     first, second = pairs.T
     reach = (a._sides[first] + b._sides[second]) * 0.71

@@ -25,7 +25,7 @@ class Contacts(NamedTuple):
 
     Attributes
     ----------
-    pairs : ndarray of uint32, shape (m, 2)
+    pairs : ndarray of int64, shape (m, 2)
         Row numbers i < j.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors from i to j.
@@ -33,7 +33,7 @@ class Contacts(NamedTuple):
         How far the two overlap along the normal, in units of length.
     """
 
-    pairs: NDArray[np.uint32]
+    pairs: NDArray[np.int64]
     normals: NDArray[np.floating[Any]]
     depths: NDArray[np.floating[Any]]
 
@@ -76,6 +76,9 @@ class Hits(NamedTuple):
 class Neighbors(NamedTuple):
     """The shapes nearest to a point, or to each of many.
 
+    It unpacks as ``distances, ids``, as what `cKDTree.query` of SciPy returns. A `RayHit` has the
+    id first.
+
     Attributes
     ----------
     distances : ndarray of float32 or float64, shape (k,) or (points, k)
@@ -92,6 +95,8 @@ class Neighbors(NamedTuple):
 class RayHit(NamedTuple):
     """What a ray hits first.
 
+    It unpacks as ``id, distance``. `Neighbors` have the distances first.
+
     Attributes
     ----------
     id : int
@@ -106,6 +111,8 @@ class RayHit(NamedTuple):
 
 class RayHits(NamedTuple):
     """What each of many rays hits first.
+
+    It unpacks as ``ids, distances``. `Neighbors` have the distances first.
 
     Attributes
     ----------
@@ -126,17 +133,17 @@ class Nodes(NamedTuple):
     ----------
     boxes : ndarray of float64, shape (k, 4)
         min_x, min_y, max_x, max_y.
-    depths : ndarray of uint32, shape (k,)
+    depths : ndarray of int64, shape (k,)
         Subdivisions above each box.
-    counts : ndarray of uint32, shape (k,)
+    counts : ndarray of int64, shape (k,)
         Shapes in each box and all below it.
     is_leaf : ndarray of bool, shape (k,)
         Whether the box did not split.
     """
 
     boxes: NDArray[np.float64]
-    depths: NDArray[np.uint32]
-    counts: NDArray[np.uint32]
+    depths: NDArray[np.int64]
+    counts: NDArray[np.int64]
     is_leaf: NDArray[np.bool_]
 
 

@@ -1,23 +1,26 @@
 //! Arrays and numbers between Python and Rust; nothing else converts them.
 //!
 //! In: whatever `numpy.asarray` understands, of any layout and byte order, is
-//! checked and copied, so that nobody can change it once other threads run.
+//! checked and copied, so that nobody can change it once other threads run. The shape is
+//! checked before the copy; a copy that does not fit into memory is a MemoryError.
 //! Out: vectors become arrays without a copy.
 
 use std::fmt::Display;
 
+use jostle::shapes::MOST_ROWS;
 use jostle::{Each, Scalar};
 use numpy::ndarray::Array2;
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
     PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyFrozenSet, PyInt, PySet};
 
 use crate::error::{type_error, value_error};
+use crate::masked::refuse_masked;
 
 /// An argument that may be left out, which is not the same as giving None.
 #[derive(Default)]
@@ -41,8 +44,12 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
     }
 }
 
-/// What categories, masks and ids hold.
-const BIT_SET_RULE: &str = "between 0 and 4294967295";
+/// What categories and masks hold.
+const BIT_SET_RULE: &str = "a set of 32 bits: between 0 and 4294967295, or a negative integer from \
+                            -4294967296 as ~bits gives it";
+
+/// What row numbers hold.
+const ROW_RULE: &str = "between 0 and 4294967295";
 
 /// What an array argument may hold.
 #[derive(Clone, Copy, PartialEq)]
@@ -73,6 +80,7 @@ impl Kind {
 /// An argument as NumPy sees it, its type checked.
 pub struct Argument<'py> {
     name: &'static str,
+    /// Never of a subclass, whose methods could answer anything.
     array: Bound<'py, PyUntypedArray>,
     was_array: bool,
 }
@@ -102,20 +110,33 @@ impl<'py> Argument<'py> {
                 value,
             ));
         }
+        refuse_masked(name, value)?;
         let array = as_array(name, value)?;
-        let found = array.dtype();
-        // An empty list has no type of its own; NumPy makes it float64.
-        let nothing = array.len() == 0 && !was_array;
-        if nothing || kind.allows(found.kind()) {
-            return Ok(Self { name, array, was_array });
+        let argument = Self { name, array, was_array };
+        argument.check_type(kind, value)?;
+        match argument.array.shape().first() {
+            Some(&rows) if rows > MOST_ROWS => {
+                let message = format!("{name} has {rows} rows; it may have at most {MOST_ROWS}");
+                Err(PyValueError::new_err(message))
+            }
+            _ => Ok(argument),
+        }
+    }
+
+    /// Refuses what does not hold the numbers that are wanted. An array without elements
+    /// holds nothing wrong, whatever its type.
+    fn check_type(&self, kind: Kind, value: &Bound<'py, PyAny>) -> PyResult<()> {
+        let (name, found) = (self.name, self.array.dtype());
+        if self.array.len() == 0 || kind.allows(found.kind()) {
+            return Ok(());
         }
         if kind == Kind::Integer && value.is_instance_of::<PyInt>() && !is_truth(value) {
             // Too long even for NumPy, which makes it an object.
             return Err(value_error(name, value, BIT_SET_RULE));
         }
         let wanted = kind.name();
-        let found = match array.ndim() {
-            0 if !was_array => value.get_type().name()?.to_string(),
+        let found = match self.array.ndim() {
+            0 if !self.was_array => value.get_type().name()?.to_string(),
             _ => found.to_string(),
         };
         Err(PyTypeError::new_err(format!("{name} must hold {wanted}, not {found}")))
@@ -166,22 +187,21 @@ impl<'py> Argument<'py> {
     /// One row of `W` numbers, or many.
     pub fn one_or_rows<T: Scalar + Element, const W: usize>(&self) -> PyResult<Each<[T; W]>> {
         match self.array.shape() {
-            [width] if *width == W => Ok(Each::One(self.real_rows()?[0])),
+            [width] if *width == W => Ok(Each::One(self.only(self.real_rows()?)?)),
             [_, width] if *width == W => Ok(Each::Rows(self.real_rows()?)),
             [0] => Ok(Each::Rows(Vec::new())),
             _ => Err(self.wrong_shape(&format!("({W},) or (k, {W})"))),
         }
     }
 
-    /// One list of points, or many of equal length.
-    pub fn one_or_more_lists<T: Scalar + Element>(&self) -> PyResult<Each<Vec<[T; 2]>>> {
+    /// One list of points, or many of equal length: all points one after the other, and the
+    /// number of lists and their length where there are many.
+    pub fn one_or_more_lists<T: Scalar + Element>(&self) -> PyResult<PointLists<T>> {
         match *self.array.shape() {
-            [_, 2] => Ok(Each::One(self.real_pairs()?)),
-            [0] => Ok(Each::Rows(Vec::new())),
-            [lists, 0, 2] => Ok(Each::Rows(vec![Vec::new(); lists])),
-            [_, len, 2] => {
-                let points = self.real_pairs()?;
-                Ok(Each::Rows(points.chunks(len).map(<[_]>::to_vec).collect()))
+            [_, 2] => Ok(PointLists { points: self.real_pairs()?, many: None }),
+            [0] => Ok(PointLists { points: Vec::new(), many: Some((0, 0)) }),
+            [lists, len, 2] => {
+                Ok(PointLists { points: self.real_pairs()?, many: Some((lists, len)) })
             }
             _ => Err(self.wrong_shape("(v, 2) or (k, v, 2)")),
         }
@@ -200,8 +220,8 @@ impl<'py> Argument<'py> {
     /// Half sizes: a number, a pair for all, or a pair for each of `len` rows.
     pub fn half_sizes<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<[T; 2]>> {
         match self.array.shape() {
-            [] => Ok(Each::One([self.real()?[0]; 2])),
-            [2] => Ok(Each::One(self.real_pairs()?[0])),
+            [] => Ok(Each::One([self.only(self.real()?)?; 2])),
+            [2] => Ok(Each::One(self.only(self.real_pairs()?)?)),
             [rows, 2] if *rows == len => Ok(Each::Rows(self.real_pairs()?)),
             [0] if len == 0 => Ok(Each::Rows(Vec::new())),
             _ => Err(self.wrong_shape(&format!("a number, (2,) or ({len}, 2)"))),
@@ -210,39 +230,43 @@ impl<'py> Argument<'py> {
 
     /// Bit sets: a number for all or one for each of `len` rows.
     pub fn bits_each(&self, len: usize) -> PyResult<Each<u32>> {
-        self.each(len, "an integer", Self::unsigned)
+        self.each(len, "an integer", |argument| argument.unsigned(low_bits, BIT_SET_RULE))
     }
 
     /// Row numbers.
     pub fn ids(&self) -> PyResult<Vec<u32>> {
         self.len()?;
-        self.unsigned()
+        self.row_numbers()
     }
 
     /// Pairs of row numbers.
     pub fn id_pairs(&self) -> PyResult<Vec<[u32; 2]>> {
         match self.array.shape() {
-            [_, 2] | [0] => Ok(self.unsigned()?.as_chunks::<2>().0.to_vec()),
+            [_, 2] | [0] => {
+                let ids = self.row_numbers()?;
+                let pairs = ids.as_chunks::<2>().0;
+                self.collected(pairs.len(), pairs.iter().copied())
+            }
             _ => Err(self.wrong_shape("(m, 2)")),
         }
     }
 
     /// Ids of 63 bits: one, or a row of them.
     pub fn long_ids(&self) -> PyResult<Each<i64>> {
-        let ids = if self.array.dtype().kind() == b'u' {
-            let id = |(row, id): (usize, u64)| {
-                let name = if self.is_scalar() { String::new() } else { format!("[{row}]") };
-                id.try_into().map_err(|_| too_long_id(&format!("{}{name}", self.name), id))
-            };
-            self.copied::<u64>()?.into_iter().enumerate().map(id).collect::<PyResult<_>>()?
-        } else {
-            self.copied::<i64>()?
-        };
-        match self.array.shape() {
-            [] => Ok(Each::One(ids[0])),
-            [_] => Ok(Each::Rows(ids)),
-            _ => Err(self.wrong_shape("an integer or (k,)")),
+        if self.array.ndim() > 1 {
+            return Err(self.wrong_shape("an integer or (k,)"));
         }
+        let ids = if self.array.dtype().kind() == b'u' {
+            self.read(|ids: &[u64]| {
+                if let Some(row) = ids.iter().position(|&id| i64::try_from(id).is_err()) {
+                    return Err(too_long_id(&self.entry(row), ids[row]));
+                }
+                self.collected(ids.len(), ids.iter().map(|&id| id as i64))
+            })
+        } else {
+            self.copied::<i64>()
+        }?;
+        if self.is_scalar() { Ok(Each::One(self.only(ids)?)) } else { Ok(Each::Rows(ids)) }
     }
 
     /// A truth for all or one for each of `len` rows.
@@ -257,7 +281,7 @@ impl<'py> Argument<'py> {
         read: impl FnOnce(&Self) -> PyResult<Vec<V>>,
     ) -> PyResult<Each<V>> {
         match self.array.shape() {
-            [] => Ok(Each::One(read(self)?[0])),
+            [] => Ok(Each::One(self.only(read(self)?)?)),
             [rows] if *rows == len => Ok(Each::Rows(read(self)?)),
             _ => Err(self.wrong_shape(&format!("{one} or ({len},)"))),
         }
@@ -266,9 +290,11 @@ impl<'py> Argument<'py> {
     /// All numbers as `T`, row after row.
     fn real<T: Scalar + Element>(&self) -> PyResult<Vec<T>> {
         if self.is_single() {
-            self.read(|values: &[f32]| values.iter().map(|&v| T::from_f64(v.into())).collect())
+            self.read(|all: &[f32]| {
+                self.collected(all.len(), all.iter().map(|&v| T::from_f64(v.into())))
+            })
         } else {
-            self.read(|values: &[f64]| values.iter().map(|&v| T::from_f64(v)).collect())
+            self.read(|all: &[f64]| self.collected(all.len(), all.iter().map(|&v| rounded(v))))
         }
     }
 
@@ -279,59 +305,116 @@ impl<'py> Argument<'py> {
 
     /// All numbers as rows of `W` of `T`.
     fn real_rows<T: Scalar + Element, const W: usize>(&self) -> PyResult<Vec<[T; W]>> {
-        fn rows<V: Copy, T, const W: usize>(
-            values: &[V],
-            number: impl Fn(V) -> T + Copy,
-        ) -> Vec<[T; W]> {
-            values.as_chunks().0.iter().map(|row: &[V; W]| row.map(number)).collect()
-        }
         if self.is_single() {
-            self.read(|values: &[f32]| rows(values, |v| T::from_f64(v.into())))
+            self.read(|all: &[f32]| {
+                let rows: &[[f32; W]] = all.as_chunks().0;
+                let typed = rows.iter().map(|row| row.map(|v| T::from_f64(v.into())));
+                self.collected(rows.len(), typed)
+            })
         } else {
-            self.read(|values: &[f64]| rows(values, T::from_f64))
+            self.read(|all: &[f64]| {
+                let rows: &[[f64; W]] = all.as_chunks().0;
+                self.collected(rows.len(), rows.iter().map(|row| row.map(T::from_f64)))
+            })
         }
     }
 
-    /// All numbers as unsigned 32-bit integers.
-    fn unsigned(&self) -> PyResult<Vec<u32>> {
+    /// All numbers as row numbers.
+    fn row_numbers(&self) -> PyResult<Vec<u32>> {
+        self.unsigned(|number| number.try_into().ok(), ROW_RULE)
+    }
+
+    /// What `narrow` makes of each integer; the `rule` names those of which it makes nothing.
+    fn unsigned(&self, narrow: fn(i128) -> Option<u32>, rule: &str) -> PyResult<Vec<u32>> {
         if self.array.dtype().is_equiv_to(&dtype::<u32>(self.array.py())) {
             return self.copied();
         }
         // Every unsigned type fits into u64, every signed one into i64.
         if self.array.dtype().kind() == b'u' {
-            self.narrow(&self.copied::<u64>()?)
+            self.read(|all: &[u64]| self.narrowed(all, narrow, rule))
         } else {
-            self.narrow(&self.copied::<i64>()?)
+            self.read(|all: &[i64]| self.narrowed(all, narrow, rule))
         }
     }
 
-    fn narrow<V: Copy + TryInto<u32> + ToString>(&self, values: &[V]) -> PyResult<Vec<u32>> {
-        let narrowed = values.iter().enumerate().map(|(index, &value)| {
-            value.try_into().map_err(|_| {
-                let place = if self.is_scalar() { String::new() } else { format!("[{index}]") };
-                value_error(&format!("{}{place}", self.name), value.to_string(), BIT_SET_RULE)
-            })
-        });
-        narrowed.collect()
+    fn narrowed<V: Copy + Into<i128>>(
+        &self,
+        values: &[V],
+        narrow: fn(i128) -> Option<u32>,
+        rule: &str,
+    ) -> PyResult<Vec<u32>> {
+        let mut narrowed = self.room_for(values.len())?;
+        for (index, &value) in values.iter().enumerate() {
+            let refused = || value_error(&self.entry(index), value.into(), rule);
+            narrowed.push(narrow(value.into()).ok_or_else(refused)?);
+        }
+        Ok(narrowed)
+    }
+
+    /// The name of one of its values: with the row, where it has rows.
+    fn entry(&self, index: usize) -> String {
+        let name = self.name;
+        match self.array.shape() {
+            [] => name.to_string(),
+            [_, width @ ..] => {
+                let width = width.iter().product::<usize>().max(1);
+                format!("{name}[{}]", index / width)
+            }
+        }
+    }
+
+    /// The only one of its values.
+    fn only<V: Copy>(&self, values: Vec<V>) -> PyResult<V> {
+        values.first().copied().ok_or_else(|| self.changed())
     }
 
     /// A copy of all values, row after row.
     fn copied<V: Element + Copy>(&self) -> PyResult<Vec<V>> {
-        self.read(<[V]>::to_vec)
+        self.read(|values: &[V]| self.collected(values.len(), values.iter().copied()))
+    }
+
+    /// `len` values as a vector.
+    fn collected<V>(&self, len: usize, values: impl Iterator<Item = V>) -> PyResult<Vec<V>> {
+        let mut all = self.room_for(len)?;
+        all.extend(values);
+        Ok(all)
+    }
+
+    fn room_for<V>(&self, len: usize) -> PyResult<Vec<V>> {
+        let mut room = Vec::new();
+        room.try_reserve_exact(len).map_err(|_| no_memory(self.name, len, size_of::<V>()))?;
+        Ok(room)
     }
 
     /// What `take` makes of all values, row after row, of whatever layout and byte order
     /// they are.
-    fn read<V: Element + Copy, R>(&self, take: impl FnOnce(&[V]) -> R) -> PyResult<R> {
+    fn read<V: Element + Copy, R>(&self, take: impl FnOnce(&[V]) -> PyResult<R>) -> PyResult<R> {
+        let len = self.array.len();
+        if len == 0 {
+            return take(&[]);
+        }
         if let Ok(array) = self.array.cast::<PyArrayDyn<V>>()
             && array.is_c_contiguous()
             && let Ok(values) = array.try_readonly()?.as_slice()
         {
-            return Ok(take(values));
+            return take(values);
         }
-        let wanted = dtype::<V>(self.array.py());
-        let copy = self.array.call_method1("astype", (wanted, "C", "unsafe", false))?;
-        Ok(take(&copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.to_vec()?))
+        let py = self.array.py();
+        let arguments = (dtype::<V>(py), "C", "unsafe", false);
+        let copy = self.array.call_method1("astype", arguments).map_err(|error| {
+            let full = error.is_instance_of::<PyMemoryError>(py);
+            if full { no_memory(self.name, len, size_of::<V>()) } else { error }
+        })?;
+        // A warning of NumPy's may run Python code, which may have changed the array.
+        match copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.as_slice() {
+            Ok(values) if values.len() == len => take(values),
+            _ => Err(self.changed()),
+        }
+    }
+
+    /// What other code changed while it was read is not used.
+    fn changed(&self) -> PyErr {
+        PyValueError::new_err(format!("{} changed its shape while it was read", self.name))
     }
 
     /// Refuses the shape.
@@ -348,9 +431,36 @@ impl<'py> Argument<'py> {
     }
 }
 
-/// `numpy.asarray(value)`; its errors name the argument.
+/// Lists of points of equal length, one after the other.
+pub struct PointLists<T> {
+    pub points: Vec<[T; 2]>,
+    /// How many lists, and how many points in each; None for a list that stands alone.
+    pub many: Option<(usize, usize)>,
+}
+
+/// The nearest number of a type that may have fewer digits. Only 0 becomes 0, so that a size
+/// that is too small is refused.
+fn rounded<T: Scalar>(value: f64) -> T {
+    let near = T::from_f64(value);
+    let smallest = f64::from(f32::from_bits(1));
+    if near == T::ZERO && value != 0.0 { T::from_f64(smallest.copysign(value)) } else { near }
+}
+
+/// The low 32 bits of what may be a set of 32 bits: `~bits` is negative for an int or a signed
+/// array.
+fn low_bits(bits: i128) -> Option<u32> {
+    (-(1 << 32)..1 << 32).contains(&bits).then_some(bits as u32)
+}
+
+/// There is no memory for a copy of an argument, or for what is made of it.
+fn no_memory(name: &str, len: usize, size: usize) -> PyErr {
+    let bytes = len.saturating_mul(size);
+    PyMemoryError::new_err(format!("{name}: there is no memory for {bytes} bytes"))
+}
+
+/// `numpy.asarray(value)`, of no subclass; its errors name the argument.
 fn as_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
-    if let Ok(array) = value.cast::<PyUntypedArray>() {
+    if let Ok(array) = value.cast_exact::<PyUntypedArray>() {
         return Ok(array.clone());
     }
     static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
@@ -403,7 +513,7 @@ fn too_long_id(name: &str, id: impl Display) -> PyErr {
 pub fn point(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f32; 2]> {
     let argument = Argument::reals(name, value)?;
     match argument.array.shape() {
-        [2] => Ok(argument.real_pairs()?[0]),
+        [2] => argument.only(argument.real_pairs()?),
         _ => Err(argument.wrong_shape("(2,)")),
     }
 }
@@ -466,6 +576,40 @@ pub fn matrix<V: Element>(
 ) -> PyResult<Bound<'_, PyArray2<V>>> {
     let matrix = Array2::from_shape_vec(shape, values);
     Ok(matrix.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
+}
+
+/// Ids and pairs of ids as they are given out, in 64 bits with a sign, so that a difference of two
+/// is right; needs no Python.
+pub fn long<I: Widen>(name: &str, ids: &[I]) -> PyResult<Vec<I::Long>> {
+    let mut long = Vec::new();
+    let size = size_of::<I::Long>();
+    long.try_reserve_exact(ids.len()).map_err(|_| no_memory(name, ids.len(), size))?;
+    long.extend(ids.iter().map(|&id| id.widen()));
+    Ok(long)
+}
+
+/// An id of the core, or several.
+pub trait Widen: Copy {
+    /// The same in 64 bits.
+    type Long;
+    /// Converts.
+    fn widen(self) -> Self::Long;
+}
+
+impl Widen for u32 {
+    type Long = i64;
+
+    fn widen(self) -> i64 {
+        self.into()
+    }
+}
+
+impl Widen for [u32; 2] {
+    type Long = [i64; 2];
+
+    fn widen(self) -> [i64; 2] {
+        self.map(i64::from)
+    }
 }
 
 /// A float32 as the float64 with the same shortest decimals: 0.1 stays 0.1.

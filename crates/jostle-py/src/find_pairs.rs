@@ -6,7 +6,7 @@ use jostle::{Method, Quadtree, Scalar, pairs};
 use numpy::{Element, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{Given, table, truth};
+use crate::arrays::{Given, long, table, truth};
 use crate::error::refused;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
@@ -32,14 +32,14 @@ use crate::shapes::{Rows, Shapes};
 ///     Whether to sort the pairs by first, then by second shape. Without, their
 ///     order says nothing.
 /// max_pairs : int, default 134217728
-///     The most pairs to return; the default is a gibibyte of them.
+///     The most pairs to return; the default is two gibibytes of them.
 /// threads : int, optional
 ///     How many threads work; one for each core unless given. The answer is the
 ///     same for every number.
 ///
 /// Returns
 /// -------
-/// ndarray of uint32, shape (m, 2)
+/// ndarray of int64, shape (m, 2)
 ///     Row numbers ``i < j`` of each pair, every pair once.
 ///
 /// Raises
@@ -47,8 +47,8 @@ use crate::shapes::{Rows, Shapes};
 /// TypeError
 ///     If an argument does not hold numbers.
 /// ValueError
-///     If a shape is wrong, a value is not finite, a size is negative, or more
-///     than `max_pairs` pairs overlap.
+///     If a shape is wrong, a value is not finite, a size is negative or out of range, or
+///     more than `max_pairs` pairs overlap.
 ///
 /// Notes
 /// -----
@@ -56,11 +56,15 @@ use crate::shapes::{Rows, Shapes};
 /// number, or a plain pair of half sizes, takes the precision of the arrays
 /// beside it.
 ///
+/// Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
+/// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
+/// is at most an eighth of the largest number of the type.
+///
 /// Examples
 /// --------
 /// >>> import jostle
 /// >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
-/// array([[1, 2]], dtype=uint32)
+/// array([[1, 2]])
 #[pyfunction]
 #[pyo3(
     signature = (
@@ -81,7 +85,7 @@ pub fn find_pairs<'py>(
     sort: Given<'py>,
     max_pairs: Given<'py>,
     threads: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray2<u32>>> {
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let search = Search {
         method: settings::method_or_auto(&method)?,
         sort: truth("sort", &sort)?,
@@ -89,11 +93,14 @@ pub fn find_pairs<'py>(
         threads: settings::threads(threads)?,
     };
     let shapes = Shapes::read(centers, &radii, half_sizes, None, None)?;
-    let found = py.detach(|| match shapes {
-        Shapes::Single(rows) => search.run(rows),
-        Shapes::Double(rows) => search.run(rows),
+    let pairs = py.detach(|| {
+        let found = match shapes {
+            Shapes::Single(rows) => search.run(rows),
+            Shapes::Double(rows) => search.run(rows),
+        };
+        long("pairs", &found.map_err(refused)?)
     });
-    table(py, found.map_err(refused)?)
+    table(py, pairs?)
 }
 
 struct Search {

@@ -299,8 +299,8 @@ impl PySprings {
     ) -> PyResult<Self> {
         let pairs = Argument::integers("pairs", pairs)?.id_pairs()?;
         let len = pairs.len();
-        let column = |name, value: Option<&Bound<'_, PyAny>>, default| -> PyResult<Vec<f32>> {
-            Ok(reals(name, value, len)?.unwrap_or(Each::One(default)).rows(len))
+        let column = |name, value: Option<&Bound<'_, PyAny>>, default| -> PyResult<Each<f32>> {
+            Ok(reals(name, value, len)?.unwrap_or(Each::One(default)))
         };
         let lengths = column("lengths", Some(lengths), 0.0)?;
         let stiffness = column("stiffness", Some(stiffness), 0.0)?;
@@ -308,21 +308,21 @@ impl PySprings {
         let max_stretch = column("max_stretch", max_stretch, f32::INFINITY)?;
         let spring = |row: usize| Spring {
             pair: pairs[row],
-            length: lengths[row],
-            stiffness: stiffness[row],
-            damping: damping[row],
-            max_stretch: max_stretch[row],
+            length: lengths.at(row),
+            stiffness: stiffness.at(row),
+            damping: damping.at(row),
+            max_stretch: max_stretch.at(row),
         };
         let springs = forces::Springs((0..len).map(spring).collect());
         springs.validate().map_err(refused)?;
         Ok(Self(springs))
     }
 
-    /// Ids of the ends: ndarray of uint32, shape (m, 2). They change in a world when
+    /// Ids of the ends: ndarray of int64, shape (m, 2). They change in a world when
     /// particles before them are removed.
     #[getter]
-    fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        table(py, self.0.0.iter().map(|spring| spring.pair).collect())
+    fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        table(py, self.0.0.iter().map(|spring| spring.pair.map(i64::from)).collect())
     }
 
     /// Lengths at rest: ndarray of float32, shape (m,).

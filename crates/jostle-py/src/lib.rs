@@ -3,6 +3,7 @@
 
 mod error;
 mod files;
+mod masked;
 mod arrays;
 mod settings;
 mod shapes;

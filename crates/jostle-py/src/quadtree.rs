@@ -9,7 +9,7 @@ use numpy::{Element, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::arrays::{Given, table, truth};
+use crate::arrays::{Given, long, table, truth};
 use crate::error::{refused, type_error};
 use crate::queries::{self, Asked, Maybe};
 use crate::results;
@@ -36,7 +36,9 @@ use crate::shapes::{Rows, Shapes};
 /// masks : array_like of int, a number or shape (n,), optional
 ///     What each shape may pair with, as a set of 32 bits; all of them where left
 ///     out. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
-///     ``categories[j] & masks[i]`` have a bit.
+///     ``categories[j] & masks[i]`` have a bit. A negative integer stands for its low 32
+///     bits, so ``masks=~SHIP`` is every category but SHIP. Of a uint8 or uint16 array ``~``
+///     gives no bits above the 8th or 16th.
 /// leaf_capacity : int, default 96
 ///     Shapes that a box may hold before it splits into four.
 /// max_depth : int, default 4096
@@ -51,8 +53,7 @@ use crate::shapes::{Rows, Shapes};
 /// TypeError
 ///     If an argument does not hold numbers.
 /// ValueError
-///     If a shape is wrong, a value is not finite, a size is negative, or a
-///     setting is out of range.
+///     If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 ///
 /// Notes
 /// -----
@@ -60,12 +61,16 @@ use crate::shapes::{Rows, Shapes};
 /// number, or a plain pair of half sizes, takes the precision of the arrays
 /// beside it.
 ///
+/// Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
+/// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
+/// is at most an eighth of the largest number of the type.
+///
 /// Examples
 /// --------
 /// >>> import jostle
 /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
 /// >>> tree.pairs()
-/// array([[1, 2]], dtype=uint32)
+/// array([[1, 2]])
 /// >>> tree.stats
 /// Stats(nodes=1, leaves=1, depth=0, tests=3)
 #[pyclass(module = "jostle", name = "Quadtree", frozen)]
@@ -148,25 +153,27 @@ impl PyQuadtree {
     /// Parameters
     /// ----------
     /// other : Quadtree, optional
-    ///     A tree of the same dtype. Left out, the pairs are those within this tree.
+    ///     A tree of the same dtype. Left out, the pairs are those within this tree, ``i < j``.
+    ///     This tree given as `other` is treated as any other tree: each pair comes in both
+    ///     orders, and each shape of some size pairs with itself.
     /// sort : bool, default False
     ///     Whether to sort the pairs by first, then by second shape. Without, they
     ///     come in the order of this tree, the same for every number of threads.
     /// max_pairs : int, default 134217728
-    ///     The most pairs to return; the default is a gibibyte of them.
+    ///     The most pairs to return; the default is two gibibytes of them.
     /// mask : int, optional
     ///     Find only pairs of which both have a category in this set of bits.
     ///
     /// Returns
     /// -------
-    /// ndarray of uint32, shape (m, 2)
+    /// ndarray of int64, shape (m, 2)
     ///     Row numbers ``i < j`` of each pair, every pair once; with `other`, i is
     ///     a row of this tree and j a row of the other.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     If the other tree computes in another precision.
+    ///     If the dtypes of the two trees differ.
     /// ValueError
     ///     If more than `max_pairs` pairs overlap.
     ///
@@ -176,7 +183,7 @@ impl PyQuadtree {
     /// >>> rocks = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
     /// >>> shots = jostle.Quadtree([(0.5, 0), (9, 0)], radii=0.1)
     /// >>> rocks.pairs(shots)
-    /// array([[0, 0]], dtype=uint32)
+    /// array([[0, 0]])
     #[pyo3(
         signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
         text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None)"
@@ -188,26 +195,26 @@ impl PyQuadtree {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    ) -> PyResult<Bound<'py, PyArray2<i64>>> {
         let mask = queries::mask(mask)?;
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         let other = other.map(|other| self.partner(other)).transpose()?;
-        let found = py.detach(|| {
-            let mut found = match other {
+        let (pairs, tests) = py.detach(|| {
+            let found = match other {
                 None => with_tree!(&self.tree, tree => match mask {
                     None => pairs::within(tree, max_pairs),
                     Some(mask) => pairs::within_mask(tree, mask, max_pairs),
                 }),
                 Some(other) => between(&self.tree, &other.get().tree, mask, max_pairs),
-            }?;
+            };
+            let mut found = found.map_err(refused)?;
             if sort {
                 found.sort();
             }
-            Ok(found)
-        });
-        let found = found.map_err(refused)?;
-        self.tests.store(found.tests, Ordering::Relaxed);
-        table(py, found.pairs)
+            Ok::<_, PyErr>((long("pairs", &found.pairs)?, found.tests))
+        })?;
+        self.tests.store(tests, Ordering::Relaxed);
+        table(py, pairs)
     }
 
     /// Find every pair of overlapping shapes, and how each overlaps.
@@ -220,7 +227,7 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// Contacts
-    ///     pairs : ndarray of uint32, shape (m, 2)
+    ///     pairs : ndarray of int64, shape (m, 2)
     ///         As :meth:`pairs` gives them, in the order of the tree.
     ///     normals : ndarray of the tree's dtype, shape (m, 2)
     ///         Unit vectors from i to j. Where the boxes inside the shapes overlap, the
@@ -238,7 +245,7 @@ impl PyQuadtree {
     /// >>> import jostle
     /// >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
     /// >>> tree.contacts()
-    /// Contacts(pairs=array([[0, 1]], dtype=uint32), normals=array([[0., 1.]]), depths=array([0.5]))
+    /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
     #[pyo3(
         signature = (*, max_pairs=Given::NOTHING),
         text_signature = "($self, *, max_pairs=134217728)"
@@ -258,7 +265,8 @@ impl PyQuadtree {
     /// ----------
     /// rect : array_like, shape (4,) or (k, 4)
     ///     min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
-    ///     `top`, `right` and `bottom`, as pygame's Rect, is read by them, also in a list.
+    ///     `top`, `right` and `bottom`, as pygame's Rect, or `min_x`, `min_y`, `max_x` and
+    ///     `max_y`, as :class:`jostle.Box`, is read by them, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
@@ -322,7 +330,7 @@ impl PyQuadtree {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a number is not finite, a radius is negative, or there are more than
+    ///     If a number is not finite, a radius is out of range, or there are more than
     ///     134217728 ids.
     ///
     /// Examples
@@ -443,6 +451,9 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// Neighbors
+    ///     Unpacks as ``distances, ids``, in this order, as `cKDTree.query` of SciPy
+    ///     (:meth:`raycast` gives the row first).
+    ///
     ///     distances : ndarray of the tree's dtype, shape (k,) or (n, k)
     ///         How far it is to the surface of each shape, nearest first; 0 inside,
     ///         infinity where there are fewer than k.
@@ -454,7 +465,8 @@ impl PyQuadtree {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a coordinate is not finite, k is less than 1, or `max_distance` is negative.
+    ///     If a coordinate is not finite, k is less than 1, k times the number of points is more
+    ///     than 134217728, or `max_distance` is negative.
     ///
     /// Examples
     /// --------
@@ -502,9 +514,11 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// RayHit or RayHits
-    ///     Row number and distance, of shapes as far the smaller row; -1 and infinity
-    ///     where nothing is hit, so look at the row before you index with it. The distance is that to the surface, 0 where a ray begins
-    ///     in a shape. Arrays of them for many rays. A ray that touches an edge hits it.
+    ///     Unpacks as ``row, distance``, in this order (:meth:`nearest` gives distances
+    ///     first). Of shapes at one distance the smaller row; -1 and infinity where nothing is
+    ///     hit, so look at the row before you index with it. The distance is that to the
+    ///     surface, 0 where a ray begins in a shape. Arrays of them for many rays. A ray that
+    ///     touches an edge hits it.
     ///
     /// Raises
     /// ------
@@ -557,7 +571,7 @@ impl PyQuadtree {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a number is not finite, a direction is (0, 0), or a radius or
+    ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
     ///     `max_distance` is negative.
     ///
     /// Examples
@@ -590,10 +604,11 @@ impl PyQuadtree {
     ///     boxes : ndarray of float64, shape (k, 4)
     ///         min_x, min_y, max_x, max_y of each box. It holds the centres of its
     ///         shapes; a shape may reach over its border. Quarters without a shape
-    ///         are left out, and so are subdivisions that would part nothing.
-    ///     depths : ndarray of uint32, shape (k,)
+    ///         are left out, and so are subdivisions that would part nothing: shapes at
+    ///         one place are in one box, however many they are.
+    ///     depths : ndarray of int64, shape (k,)
     ///         Subdivisions above each box.
-    ///     counts : ndarray of uint32, shape (k,)
+    ///     counts : ndarray of int64, shape (k,)
     ///         Shapes in each box and all below it.
     ///     is_leaf : ndarray of bool, shape (k,)
     ///         Whether the box did not split.
@@ -623,12 +638,8 @@ impl PyQuadtree {
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tests = self.tests.load(Ordering::Relaxed);
         let stats = py.detach(|| {
-            with_tree!(&self.tree, tree => Stats {
-                nodes: tree.nodes().len(),
-                leaves: tree.leaf_count(),
-                depth: tree.depth(),
-                tests,
-            })
+            let [nodes, leaves, depth] = with_tree!(&self.tree, tree => tree.count_boxes());
+            Stats { nodes, leaves, depth, tests }
         });
         results::stats(py, stats)
     }
@@ -676,8 +687,10 @@ impl PyQuadtree {
         if own == found {
             return Ok(tree.clone().unbind());
         }
-        let rule = format!("other is {found} and this tree {own}; build both with the same dtype");
-        Err(PyTypeError::new_err(rule))
+        Err(PyTypeError::new_err(format!(
+            "other computes in {found} and this tree in {own}; build both from float32 arrays, or \
+             both from float64 arrays (a list counts as float64)"
+        )))
     }
 }
 

@@ -7,7 +7,7 @@ use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::arrays::{Argument, Given, column, count, number};
+use crate::arrays::{Argument, Given, PointLists, column, count, number};
 use crate::error::refused;
 use crate::results;
 
@@ -41,21 +41,26 @@ pub fn without_row(error: Error) -> Error {
     }
 }
 
-/// Makes questions of rows, asks them, and gives the ids back.
-fn region<'py, V: Clone + Sync, R: Send, I: Send + Into<i64>>(
+/// Makes regions, searches them, and gives the ids back: of `many`, or of one.
+fn region<'py, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
-    asked: &Each<V>,
-    regions: impl FnOnce(&[V]) -> jostle::Result<Vec<R>> + Send,
+    many: bool,
+    regions: impl FnOnce() -> jostle::Result<Vec<R>> + Send,
     ask: impl FnOnce(&[R]) -> jostle::Result<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let answer = |rows: &[V]| Ok(results::counted_by_numpy(ask(&regions(rows)?)?));
+    let hits = py.detach(|| Ok(results::with_long_ids(ask(&regions()?)?)));
+    if many {
+        results::hits(py, hits.map_err(refused)?)
+    } else {
+        Ok(column(py, hits.map_err(without_row).map_err(refused)?.ids).into_any())
+    }
+}
+
+/// Whether an argument is about many questions, and its values row after row.
+fn rows_of<V>(asked: &Each<V>) -> (bool, &[V]) {
     match asked {
-        Each::One(one) => {
-            let one = std::slice::from_ref(one);
-            let hits = py.detach(|| answer(one)).map_err(without_row).map_err(refused)?;
-            Ok(column(py, hits.ids).into_any())
-        }
-        Each::Rows(rows) => results::hits(py, py.detach(|| answer(rows)).map_err(refused)?),
+        Each::One(one) => (false, std::slice::from_ref(one)),
+        Each::Rows(rows) => (true, rows),
     }
 }
 
@@ -68,25 +73,44 @@ pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     let sides = sides(rect)?;
     let asked: Each<[T; 4]> =
         Argument::reals("rect", sides.as_ref().unwrap_or(rect))?.one_or_rows()?;
-    region(py, &asked, Rect::all, ask)
+    let (many, rects) = rows_of(&asked);
+    region(py, many, || Rect::all(rects), ask)
 }
 
-/// The sides of a rectangle that knows them, or of a list of such: one like pygame's would be
-/// read as x, y, width and height.
+/// Attributes in which objects keep the sides of a rectangle: those of pygame's Rect, which
+/// would be read as x, y, width and height, and those of `jostle.Box`.
+const SIDES: [[&str; 4]; 2] =
+    [["left", "top", "right", "bottom"], ["min_x", "min_y", "max_x", "max_y"]];
+
+/// The sides of an object that has them as attributes, or of each object in a list.
 fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let names = ["left", "top", "right", "bottom"];
-    if rect.hasattr(names[3])? {
-        let sides = names.map(|name| rect.getattr(name));
-        let sides = sides.into_iter().collect::<PyResult<Vec<_>>>()?;
-        return Ok(Some(PyTuple::new(rect.py(), sides)?.into_any()));
+    if let Some(sides) = sides_of_one(rect)? {
+        return Ok(Some(sides.into_any()));
     }
     let list = rect.cast::<PyList>().ok().filter(|list| !list.is_empty());
     let Some(list) = list else { return Ok(None) };
-    if !list.get_item(0)?.hasattr(names[3])? {
+    if sides_of_one(&list.get_item(0)?)?.is_none() {
         return Ok(None);
     }
-    let all = list.iter().map(|rect| Ok(sides(&rect)?.unwrap_or(rect)));
-    Ok(Some(PyList::new(list.py(), all.collect::<PyResult<Vec<_>>>()?)?.into_any()))
+    let all = PyList::empty(rect.py());
+    for rect in list {
+        match sides_of_one(&rect)? {
+            Some(sides) => all.append(sides)?,
+            None => all.append(rect)?,
+        }
+    }
+    Ok(Some(all.into_any()))
+}
+
+fn sides_of_one<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+    for names in SIDES {
+        if rect.hasattr(names[3])? {
+            let sides = names.map(|name| rect.getattr(name));
+            let sides = sides.into_iter().collect::<PyResult<Vec<_>>>()?;
+            return PyTuple::new(rect.py(), sides).map(Some);
+        }
+    }
+    Ok(None)
 }
 
 /// `query_point`.
@@ -96,7 +120,8 @@ pub fn point<'py, T: Scalar + Element, I: Send + Into<i64>>(
     ask: impl FnOnce(&[Point<T>]) -> jostle::Result<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
-    region(py, &asked, Point::all, ask)
+    let (many, points) = rows_of(&asked);
+    region(py, many, || Point::all(points), ask)
 }
 
 /// `query_circle`.
@@ -108,9 +133,9 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let radius = Argument::reals("radius", radius)?;
     let centers: Each<[T; 2]> = Argument::reals("center", center)?.one_or_rows()?;
-    let asked = side_by_side(centers, radius.rows_if_any()?);
-    let radii = radius.real_each(asked.len().unwrap_or(1))?;
-    region(py, &asked, |centers| Circle::all(centers, &radii), ask)
+    let len = centers.len().map_or_else(|| radius.rows_if_any(), |len| Ok(Some(len)))?;
+    let radii = radius.real_each(len.unwrap_or(1))?;
+    region(py, len.is_some(), || Circle::all(&centers, &radii), ask)
 }
 
 /// `query_polygon`.
@@ -119,24 +144,17 @@ pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
     vertices: &Bound<'py, PyAny>,
     ask: impl FnOnce(&[Polygon<T>]) -> jostle::Result<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let asked: Each<Vec<[T; 2]>> = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
-    let many = matches!(asked, Each::Rows(_));
-    let polygons = |all: &[Vec<[T; 2]>]| -> jostle::Result<Vec<Polygon<T>>> {
-        let polygon = |(index, vertices): (usize, &Vec<[T; 2]>)| {
-            let named = |error| if many { of_polygon(index, error) } else { error };
-            Polygon::new(vertices).map_err(named)
-        };
-        all.iter().enumerate().map(polygon).collect()
+    let PointLists { points, many } = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
+    let Some((polygons, corners)) = many else {
+        // The row that its error names is a corner, and not the number of a question.
+        let hits = py.detach(|| ask(&[Polygon::new(&points)?])).map_err(refused)?;
+        return Ok(column(py, results::with_long_ids(hits).ids).into_any());
     };
-    match &asked {
-        // Its error names a corner, which is not the number of a question.
-        Each::One(vertices) => {
-            let one = std::slice::from_ref(vertices);
-            let hits = py.detach(|| ask(&polygons(one)?[..])).map_err(refused)?;
-            Ok(column(py, results::counted_by_numpy(hits).ids).into_any())
-        }
-        Each::Rows(_) => region(py, &asked, polygons, ask),
-    }
+    let polygon = |index: usize| {
+        Polygon::new(&points[index * corners..(index + 1) * corners])
+            .map_err(|error| of_polygon(index, error))
+    };
+    region(py, true, || (0..polygons).map(polygon).collect(), ask)
 }
 
 /// Says which of many polygons an error is about.
@@ -190,32 +208,18 @@ pub fn cast<'py, T: Scalar + Element>(
     let direction = Argument::reals("direction", direction)?;
     let origins: Each<[T; 2]> = Argument::reals("origin", origin)?.one_or_rows()?;
     let directions: Each<[T; 2]> = direction.one_or_rows()?;
-    let rows = match &directions {
-        Each::Rows(rows) => Some(rows.len()),
-        Each::One(_) => radius.as_ref().map_or(Ok(None), Argument::rows_if_any)?,
-    };
-    let origins = side_by_side(origins, rows);
-    let len = origins.len().unwrap_or(1);
-    if let Each::Rows(rows) = &directions
+    let radii_len = radius.as_ref().map_or(Ok(None), Argument::rows_if_any)?;
+    let len = origins.len().or(directions.len()).or(radii_len);
+    if let (Each::Rows(rows), Some(len)) = (&directions, len)
         && rows.len() != len
     {
         return Err(direction.wrong_shape(&format!("(2,) or ({len}, 2)")));
     }
-    let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len))?;
-    let hits = |origins: &[[T; 2]]| Ok(ask(&Ray::all(origins, &directions, &radii, reach)?));
-    match &origins {
-        Each::One(one) => {
-            let hits = py.detach(|| hits(std::slice::from_ref(one)));
-            results::ray_hit(py, &hits.map_err(without_row).map_err(refused)?)
-        }
-        Each::Rows(rows) => results::ray_hits(py, py.detach(|| hits(rows)).map_err(refused)?),
-    }
-}
-
-/// Repeats a single value where what belongs to it has rows.
-fn side_by_side<V: Clone>(values: Each<V>, rows: Option<usize>) -> Each<V> {
-    match (values, rows) {
-        (Each::One(value), Some(rows)) => Each::Rows(vec![value; rows]),
-        (values, _) => values,
+    let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len.unwrap_or(1)))?;
+    let hits = py.detach(|| Ok(ask(&Ray::all(&origins, &directions, &radii, reach)?)));
+    if len.is_some() {
+        results::ray_hits(py, hits.map_err(refused)?)
+    } else {
+        results::ray_hit(py, &hits.map_err(without_row).map_err(refused)?)
     }
 }

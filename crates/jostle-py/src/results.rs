@@ -8,12 +8,13 @@ use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::arrays::{column, decimal, matrix, table};
+use crate::arrays::{column, decimal, long, matrix, table};
 
 /// `jostle.Contacts`.
 pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (table(py, all.pairs)?, table(py, all.normals)?, column(py, all.depths));
+    let pairs = py.detach(|| long("pairs", &all.pairs))?;
+    let fields = (table(py, pairs)?, table(py, all.normals)?, column(py, all.depths));
     CONTACTS.import(py, "jostle.results", "Contacts")?.call1(fields)
 }
 
@@ -23,13 +24,14 @@ pub fn nodes<'py, T: Scalar>(
     tree: &jostle::Quadtree<T>,
 ) -> PyResult<Bound<'py, PyAny>> {
     static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let (cells, depths, counts, is_leaf) = py.detach(|| {
-        let all = tree.nodes();
-        let depths: Vec<u32> = all.iter().map(|node| u32::from(node.depth)).collect();
-        let counts: Vec<u32> = all.iter().map(|node| node.len() as u32).collect();
-        (tree.cells(), depths, counts, all.iter().map(jostle::Node::is_leaf).collect())
+    let (bounds, depths, counts, is_leaf) = py.detach(|| {
+        let all = tree.boxes();
+        let depths: Vec<i64> = all.iter().map(|one| one.depth as i64).collect();
+        let counts: Vec<i64> = all.iter().map(|one| one.count as i64).collect();
+        let bounds = all.iter().map(|one| one.bounds).collect();
+        (bounds, depths, counts, all.iter().map(|one| one.is_leaf).collect())
     });
-    let fields = (table(py, cells)?, column(py, depths), column(py, counts), column(py, is_leaf));
+    let fields = (table(py, bounds)?, column(py, depths), column(py, counts), column(py, is_leaf));
     NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
 }
 
@@ -40,8 +42,8 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
 }
 
-/// The same with ids as NumPy counts; needs no Python.
-pub fn counted_by_numpy<I: Into<i64>>(all: Hits<I>) -> Hits<i64> {
+/// The same with ids as they are given out; needs no Python.
+pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> Hits<i64> {
     let Hits { offsets, ids, tests } = all;
     Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests }
 }

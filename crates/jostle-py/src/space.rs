@@ -125,6 +125,8 @@ impl PySpace {
     /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
     ///     What each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
     ///     if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` have a bit.
+    ///     A negative integer stands for its low 32 bits, so ``masks=~SHIP`` is every category
+    ///     but SHIP. Of a uint8 or uint16 array ``~`` gives no bits above the 8th or 16th.
     ///
     /// Returns
     /// -------
@@ -136,7 +138,8 @@ impl PySpace {
     /// TypeError
     ///     If an argument does not hold numbers.
     /// ValueError
-    ///     If a shape is wrong, a value is not finite, or a size is negative.
+    ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
+    ///     or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
     ///
     /// Examples
     /// --------
@@ -236,8 +239,8 @@ impl PySpace {
     /// TypeError
     ///     If an argument does not hold numbers.
     /// ValueError
-    ///     If no shape has an id, or one is named twice, or a size is negative or not finite;
-    ///     then nothing changes.
+    ///     If no shape has an id, or one is named twice, or a size is not finite or out of
+    ///     range; then nothing changes.
     ///
     /// Examples
     /// --------
@@ -280,8 +283,8 @@ impl PySpace {
     /// TypeError
     ///     If an argument does not hold integers.
     /// ValueError
-    ///     If no shape has an id, or one is named twice, or a set of bits is not between 0
-    ///     and 0xFFFFFFFF; then nothing changes.
+    ///     If no shape has an id, or one is named twice, or a set of bits has more than 32;
+    ///     then nothing changes.
     ///
     /// Examples
     /// --------
@@ -444,7 +447,8 @@ impl PySpace {
     /// ----------
     /// rect : array_like, shape (4,) or (k, 4)
     ///     min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
-    ///     `top`, `right` and `bottom`, as pygame's Rect, is read by them, also in a list.
+    ///     `top`, `right` and `bottom`, as pygame's Rect, or `min_x`, `min_y`, `max_x` and
+    ///     `max_y`, as :class:`jostle.Box`, is read by them, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
@@ -508,7 +512,7 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a number is not finite, a radius is negative, or there are more than
+    ///     If a number is not finite, a radius is out of range, or there are more than
     ///     134217728 ids.
     ///
     /// Examples
@@ -632,6 +636,9 @@ impl PySpace {
     /// Returns
     /// -------
     /// Neighbors
+    ///     Unpacks as ``distances, ids``, in this order, as `cKDTree.query` of SciPy
+    ///     (:meth:`raycast` gives the id first).
+    ///
     ///     distances : ndarray of the space's dtype, shape (k,) or (n, k)
     ///         How far it is to the surface of each shape, nearest first; 0 inside,
     ///         infinity where there are fewer than k.
@@ -642,7 +649,8 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a coordinate is not finite, k is less than 1, or `max_distance` is negative.
+    ///     If a coordinate is not finite, k is less than 1, k times the number of points is more
+    ///     than 134217728, or `max_distance` is negative.
     ///
     /// Examples
     /// --------
@@ -687,9 +695,10 @@ impl PySpace {
     /// Returns
     /// -------
     /// RayHit or RayHits
-    ///     Id and distance, of shapes as far the smaller id; -1 and infinity
-    ///     where nothing is hit. The distance is that to the surface, 0 where a ray begins
-    ///     in a shape. Arrays of them for many rays. A ray that touches an edge hits it.
+    ///     Unpacks as ``id, distance``, in this order (:meth:`nearest` gives distances first).
+    ///     Of shapes at one distance the smaller id; -1 and infinity where nothing is hit. The
+    ///     distance is that to the surface, 0 where a ray begins in a shape. Arrays of them for
+    ///     many rays. A ray that touches an edge hits it.
     ///
     /// Raises
     /// ------
@@ -743,7 +752,7 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a number is not finite, a direction is (0, 0), or a radius or
+    ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
     ///     `max_distance` is negative.
     ///
     /// Examples

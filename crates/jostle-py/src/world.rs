@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
+use crate::arrays::{Argument, Given, column, count, decimal, long, number, point, table};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
@@ -227,7 +227,7 @@ impl PyWorld {
     ///
     /// Returns
     /// -------
-    /// ndarray of uint32, shape (k,)
+    /// ndarray of int64, shape (k,)
     ///     Their ids: the rows that they have in every column.
     ///
     /// Raises
@@ -240,7 +240,7 @@ impl PyWorld {
     /// >>> import jostle
     /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
     /// >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
-    /// array([1, 2], dtype=uint32)
+    /// array([1, 2])
     #[pyo3(
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
@@ -260,14 +260,14 @@ impl PyWorld {
         densities: Given<'py>,
         restitutions: Given<'py>,
         movable: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
         draft.densities = reals("densities", densities.value(), len)?;
         draft.restitutions = reals("restitutions", restitutions.value(), len)?;
         draft.movable = truths("movable", movable, len)?;
         let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
-        Ok(column(py, ids.map_err(refused)?.collect()))
+        Ok(column(py, ids.map_err(refused)?.map(i64::from).collect()))
     }
 
     /// Remove particles; the rows behind them close up, and the springs and attractors
@@ -515,13 +515,13 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.on_touch = on_touch)
     }
 
-    /// What merging has made of ids in the last call of `step`: ndarray of uint32, shape
+    /// What merging has made of ids in the last call of `step`: ndarray of int64, shape
     /// (n before it,), the new id of each old one, so that `ids = world.renumbered[ids]`
     /// follows particles; those that merged share one. None where nothing has merged.
     #[getter]
-    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
-        let ids = self.long(py, |state| state.world.renumbered().map(<[u32]>::to_vec))?;
-        Ok(ids.map(|ids| column(py, ids)))
+    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
+        let ids = self.long(py, |state| state.world.renumbered().map(|ids| long("renumbered", ids)))?;
+        Ok(ids.transpose()?.map(|ids| column(py, ids)))
     }
 
     /// How pairs are found: "quadtree" or "brute".

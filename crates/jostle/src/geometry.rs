@@ -7,22 +7,25 @@
 //! not overlap proves that none of its shapes does, without any tolerance.
 
 use std::cmp::Ordering;
-use std::fmt::{Debug, Display};
+use std::fmt::{Debug, Display, LowerExp};
 use std::ops::Neg;
 
 use crate::simd::Number;
 
 /// The arithmetic of a tree: `f32` or `f64`.
-pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
+pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     /// Zero.
     const ZERO: Self;
     /// One.
     const ONE: Self;
     /// Larger than every finite value.
     const INFINITY: Self;
-    /// The largest radius or half size: sums of four stay finite, so that the
-    /// formula never subtracts infinity from infinity.
+    /// The largest half size: sums of four stay finite, so that the formula never subtracts
+    /// infinity from infinity.
     const MAX_SIZE: Self;
+    /// The smallest radius but 0, and the largest: the square of a sum of two neither
+    /// overflows nor loses digits.
+    const RADII: [Self; 2];
     /// The distance from 1 to the next larger number.
     const EPSILON: Self;
     /// The smallest square with all its digits.
@@ -60,12 +63,13 @@ pub trait Scalar: Number + Debug + Display + Neg<Output = Self> {
 }
 
 macro_rules! scalar {
-    ($t:ty, $range:expr) => {
+    ($t:ty, $radii:expr, $range:expr) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const INFINITY: Self = <$t>::INFINITY;
             const MAX_SIZE: Self = <$t>::MAX / 8.0;
+            const RADII: [Self; 2] = $radii;
             const EPSILON: Self = <$t>::EPSILON;
             const SMALLEST_SQUARE: Self = <$t>::MIN_POSITIVE;
             const RANGE: [Self; 3] = $range;
@@ -104,8 +108,8 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, [two_to(50) as f32, two_to(-50) as f32, two_to(70) as f32]);
-scalar!(f64, [two_to(500), two_to(-500), two_to(600)]);
+scalar!(f32, [1e-18, 1e18], [two_to(50) as f32, two_to(-50) as f32, two_to(70) as f32]);
+scalar!(f64, [1e-150, 1e150], [two_to(500), two_to(-500), two_to(600)]);
 
 /// A power of two.
 const fn two_to(exponent: i64) -> f64 {
@@ -132,6 +136,13 @@ pub fn length<T: Scalar>(x: T, y: T) -> T {
     let [into, back] = into_range(x.most(y));
     let (x, y) = (x * into, y * into);
     (x * x + y * y).sqrt() * back
+}
+
+/// Whether √(x² + y²) ≤ radius, for two numbers that are not negative. The squares decide where
+/// the radius is one that a shape may have; nothing is within 0 but 0.
+#[inline(always)]
+pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
+    if radius == T::ZERO { x.most(y) == T::ZERO } else { x * x + y * y <= radius * radius }
 }
 
 /// Whether two rounded boxes overlap, from the distance of their centres along
@@ -243,9 +254,10 @@ pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
     ];
     let radius_sum = a.radius + b.radius;
     let e = [d[0].most(T::ZERO), d[1].most(T::ZERO)];
-    let length = (e[0] * e[0] + e[1] * e[1]).sqrt();
+    let length = length(e[0], e[1]);
     if length > T::ZERO {
-        let normal = [e[0] * sign(offset[0]), e[1] * sign(offset[1])];
+        let [into, _] = into_range(e[0].most(e[1]));
+        let normal = [e[0] * into * sign(offset[0]), e[1] * into * sign(offset[1])];
         // Scaled twice, so that tiny and huge offsets keep unit length.
         let scale = normal[0].abs().most(normal[1].abs()).recip();
         let unit = [normal[0] * scale, normal[1] * scale];

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::shapes::{check_finite, check_sizes};
+use crate::shapes::{self, check_finite};
 
 /// Coordinates and speeds beyond this are refused; nothing travels further.
 pub const FARTHEST: f32 = 1e18;
@@ -141,16 +141,9 @@ pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()>
     Ok(())
 }
 
-/// Refuses radii that are negative, not finite or too large.
+/// Refuses radii that no shape can have.
 pub fn check_radii(radii: &[f32]) -> Result<()> {
-    check_sizes("radii", "a radius", radii)?;
-    match radii.iter().position(|&r| r > FARTHEST) {
-        Some(index) => {
-            let rule = format!("a radius must be at most {FARTHEST:e}");
-            Err(Error::at("radii", index, format!("{:e}", radii[index]), &rule))
-        }
-        None => Ok(()),
-    }
+    shapes::check_radii("radii", radii)
 }
 
 /// Refuses masses that are not positive and reasonable.

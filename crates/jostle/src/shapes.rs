@@ -137,7 +137,7 @@ impl<T: Scalar> Shapes<T> {
             masks.check_len("masks", len)?;
         }
         check_finite("centers", &self.centers)?;
-        self.radii.check(|radii| check_sizes("radii", "a radius", radii))?;
+        self.radii.check(|radii| check_radii("radii", radii))?;
         let Some(half_sizes) = &self.half_sizes else { return Ok(()) };
         half_sizes.check_len("half_sizes", len)?;
         check_each_half_size(half_sizes)
@@ -186,28 +186,49 @@ pub fn check_finite<T: Scalar>(argument: &'static str, centers: &[[T; 2]]) -> Re
     }
 }
 
-/// Refuses a size that is negative, not finite or beyond [`Scalar::MAX_SIZE`].
-pub fn check_sizes<T: Scalar>(argument: &'static str, noun: &str, sizes: &[T]) -> Result<()> {
+/// Refuses a radius that is negative, not finite or out of [`Scalar::RADII`]; 0 is allowed.
+pub fn check_radii<T: Scalar>(argument: &'static str, radii: &[T]) -> Result<()> {
+    let [least, most] = T::RADII;
+    let fits = |r: &T| (*r == T::ZERO) | ((*r >= least) & (*r <= most));
+    let dtype = if size_of::<T>() == 4 { "float32" } else { "float64" };
+    let rule = format!("a radius must be 0, or between {least:e} and {most:e} in {dtype}");
+    check_each(argument, "a radius", radii, fits, &rule)
+}
+
+/// Refuses a half size that is negative, not finite or beyond [`Scalar::MAX_SIZE`].
+fn check_half_sizes<T: Scalar>(argument: &'static str, sizes: &[T]) -> Result<()> {
     let fits = |size: &T| (*size >= T::ZERO) & (*size <= T::MAX_SIZE);
+    let rule = format!("a half size must be at most {:e}", T::MAX_SIZE.to_f64());
+    check_each(argument, "a half size", sizes, fits, &rule)
+}
+
+/// Refuses the first size that does not fit: by the `rule`, if it is a size at all.
+fn check_each<T: Scalar>(
+    argument: &'static str,
+    noun: &str,
+    sizes: &[T],
+    fits: impl Fn(&T) -> bool,
+    rule: &str,
+) -> Result<()> {
+    // Without an early end the compiler looks at many numbers at once.
     if sizes.iter().fold(true, |all, size| all & fits(size)) {
         return Ok(());
     }
     let Some(index) = sizes.iter().position(|size| !fits(size)) else { return Ok(()) };
     let size = sizes[index];
-    let rule = if size >= T::ZERO && size.is_finite() {
-        format!("{noun} must be at most {:e}", T::MAX_SIZE.to_f64())
-    } else {
-        format!("{noun} must be finite and at least 0")
-    };
-    Err(Error::at(argument, index, size, &rule))
+    if size >= T::ZERO && size.is_finite() {
+        return Err(Error::at(argument, index, format!("{size:e}"), rule));
+    }
+    Err(Error::at(argument, index, size, &format!("{noun} must be finite and at least 0")))
 }
 
-/// Refuses half sizes one of which [`check_sizes`] refuses.
+/// Refuses half sizes that no tree can hold.
 pub fn check_each_half_size<T: Scalar>(half_sizes: &Each<[T; 2]>) -> Result<()> {
     half_sizes.check(|sizes| {
-        let bad = |size: &[T; 2]| check_sizes("half_sizes", "a half size", size).is_err();
+        let fits = |v: T| (v >= T::ZERO) & (v <= T::MAX_SIZE);
+        let bad = |size: &[T; 2]| !(fits(size[0]) & fits(size[1]));
         let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
-        check_sizes("half_sizes", "a half size", &sizes[row]).map_err(|error| match error {
+        check_half_sizes("half_sizes", &sizes[row]).map_err(|error| match error {
             Error::Value { argument, value, rule, .. } => Error::at(argument, row, value, &rule),
             other => other,
         })

@@ -67,12 +67,16 @@ pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     Ok(Some(Found { pairs, sure: Some(sure) }))
 }
 
-/// Circles; touching is meeting.
+/// Circles; touching is meeting. None where only pygame can tell.
 pub fn circles(a: &[Circle], b: Option<&[Circle]>) -> Result<Option<Found>> {
     let covers = |circles: &[Circle]| {
         let centers = circles.iter().map(|circle| circle.center).collect();
         Shapes::circles(centers, Each::Rows(circles.iter().map(reach).collect()))
     };
+    let too_large = |circle: &Circle| reach(circle) > f64::RADII[1];
+    if a.iter().chain(b.unwrap_or_default()).any(too_large) {
+        return Ok(None);
+    }
     let b_covers = b.map(covers).transpose()?;
     let mut judged = Vec::new();
     for pair in candidates(&covers(a)?, b_covers.as_ref())? {

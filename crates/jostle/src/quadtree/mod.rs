@@ -17,6 +17,8 @@ mod sort;
 use std::cmp::Ordering;
 use std::ops::Range;
 
+pub use cells::TreeBox;
+
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{Cover, Scalar};

@@ -4,7 +4,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
-use crate::shapes::{Each, check_finite, check_sizes};
+use crate::shapes::{Each, check_finite, check_radii};
 
 /// A disc; what only touches its edge does not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,12 +14,15 @@ pub struct Circle<T> {
 }
 
 impl<T: Scalar> Circle<T> {
-    /// A disc around each centre.
-    pub fn all(centers: &[[T; 2]], radii: &Each<T>) -> Result<Vec<Self>> {
-        check_finite("center", centers)?;
-        radii.check(|radii| check_sizes("radius", "a radius", radii))?;
-        let circle = |(row, &center)| Self { center, radius: radii.at(row) };
-        Ok(centers.iter().enumerate().map(circle).collect())
+    /// Discs from centres and radii, as many as the one or the other has rows, or one.
+    pub fn all(centers: &Each<[T; 2]>, radii: &Each<T>) -> Result<Vec<Self>> {
+        let len = centers.len().or(radii.len()).unwrap_or(1);
+        centers.check_len("center", len)?;
+        radii.check_len("radius", len)?;
+        centers.check(|centers| check_finite("center", centers))?;
+        radii.check(|radii| check_radii("radius", radii))?;
+        let circle = |row| Self { center: centers.at(row), radius: radii.at(row) };
+        Ok((0..len).map(circle).collect())
     }
 }
 

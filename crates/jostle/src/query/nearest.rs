@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape, length};
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::shapes::{MOST_ROWS, check_finite};
+use crate::shapes::check_finite;
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 
 /// How far a point is from a shape; 0 inside.
@@ -241,8 +241,12 @@ pub struct Neighbors<T> {
 pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)) -> Result<()> {
     check_finite("point", points)?;
     check_reach(max_distance)?;
-    if k > MOST_ROWS || k.saturating_mul(points.len()) > MOST_IDS {
-        let rule = format!("k for each point may be at most {MOST_IDS} ids");
+    let neighbors = k.saturating_mul(points.len().max(1));
+    if neighbors > MOST_IDS {
+        let of = if points.len() < 2 { "1 point".into() } else { format!("{} points", points.len()) };
+        let rule = format!(
+            "for {of} that is {neighbors} neighbours, more than {MOST_IDS}; ask for fewer at a time"
+        );
         return Err(Error::of("k", k, &rule));
     }
     Ok(())

@@ -3,7 +3,7 @@
 use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
-use crate::geometry::{Scalar, Shape};
+use crate::geometry::{Scalar, Shape, within};
 use crate::shapes::check_finite;
 
 /// A point, inside a shape also on its edge; of a rectangle the left and the upper
@@ -36,6 +36,6 @@ impl<T: Scalar> Region<T> for Point<T> {
             return (ox >= -hx) & (ox < hx) & (oy >= -hy) & (oy < hy);
         }
         let (x, y) = ((ox.abs() - hx).most(T::ZERO), (oy.abs() - hy).most(T::ZERO));
-        x * x + y * y <= shape.radius * shape.radius
+        within(x, y, shape.radius)
     }
 }

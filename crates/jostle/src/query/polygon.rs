@@ -12,9 +12,30 @@ use crate::geometry::{Cover, Scalar, Shape};
 /// are neither rounded away nor too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon<T> {
-    /// Corners; the inside is on the left of the way from one to the next.
-    vertices: Vec<[f64; 2]>,
+    sides: Vec<Side>,
     window: Window<T>,
+}
+
+/// A side of a polygon, the inside on its left. Its vector is `length` times `along`: `length` is a
+/// power of two and no component of `along` above 1, so that products with it stay finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Side {
+    start: [f64; 2],
+    along: [f64; 2],
+    length: f64,
+}
+
+impl Side {
+    fn new([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> Self {
+        let [x, y] = [bx - ax, by - ay];
+        let length = power_of_two_above(x.abs().max(y.abs()));
+        Self { start: [ax, ay], along: [x / length, y / length], length }
+    }
+}
+
+/// A power of two above `value`, at most twice as large where that is a normal number.
+fn power_of_two_above(value: f64) -> f64 {
+    2.0 * f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
 }
 
 impl<T: Scalar> Polygon<T> {
@@ -35,12 +56,20 @@ impl<T: Scalar> Polygon<T> {
         if let Some(index) = vertices.iter().position(infinite) {
             return refuse(index, "both coordinates must be finite");
         }
-        let mut vertices_left = vertices.to_vec();
-        if area(vertices) < 0.0 {
-            vertices_left.reverse();
+        let too_far = |vertex: &[T; 2]| !vertex.iter().all(|v| v.abs() <= T::MAX_SIZE);
+        if let Some(index) = vertices.iter().position(too_far) {
+            let rule = format!("both coordinates must be within ±{:e}", T::MAX_SIZE);
+            return refuse(index, &rule);
         }
-        if let Some(corner) = dent(&vertices_left) {
-            let index = if area(vertices) < 0.0 { vertices.len() - 1 - corner } else { corner };
+        let mut corners: Vec<[f64; 2]> = vertices.iter().map(|v| v.map(T::to_f64)).collect();
+        let scaled = scaled(&corners);
+        let reversed = area(&scaled) < 0.0;
+        if reversed {
+            corners.reverse();
+        }
+        let scaled = if reversed { scaled.into_iter().rev().collect() } else { scaled };
+        if let Some(corner) = dent::<T>(&scaled) {
+            let index = if reversed { vertices.len() - 1 - corner } else { corner };
             return refuse(index, "the polygon is not convex there, or has no area");
         }
         let corner = |pick: fn(T, T) -> T| {
@@ -48,23 +77,18 @@ impl<T: Scalar> Polygon<T> {
             [along(0).unwrap_or(T::ZERO), along(1).unwrap_or(T::ZERO)]
         };
         let window = Window { min: corner(T::least), max: corner(T::most), radius: T::ZERO };
-        let vertices = vertices_left.into_iter().map(|vertex| vertex.map(T::to_f64)).collect();
-        Ok(Self { vertices, window })
-    }
-
-    /// Where each side begins, and the way along it.
-    fn sides(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-        let next = self.vertices.iter().cycle().skip(1);
-        self.vertices.iter().zip(next).map(|(&a, &b)| (a, [b[0] - a[0], b[1] - a[1]]))
+        let next = corners.iter().cycle().skip(1);
+        let sides = corners.iter().zip(next).map(|(&a, &b)| Side::new(a, b)).collect();
+        Ok(Self { sides, window })
     }
 
     /// Whether the box inside the shape and the inside of the polygon overlap: no side
     /// has all of the box on its right. The sides of the box have been asked before.
     fn overlaps_core(&self, center: [f64; 2], [hx, hy]: [f64; 2]) -> bool {
-        self.sides().all(|(start, way)| {
+        self.sides.iter().all(|Side { start, along, .. }| {
             let (x, y) = (center[0] - start[0], center[1] - start[1]);
-            let outside = way[1] * x - way[0] * y;
-            outside - (way[1].abs() * hx + way[0].abs() * hy) < 0.0
+            let outside = along[1] * x - along[0] * y;
+            outside - (along[1].abs() * hx + along[0].abs() * hy) < 0.0
         })
     }
 
@@ -72,46 +96,53 @@ impl<T: Scalar> Polygon<T> {
     /// or a corner of that box to a side.
     fn is_within(&self, radius: f64, [cx, cy]: [f64; 2], [hx, hy]: [f64; 2]) -> bool {
         let reach = radius * radius;
-        let from_box = |&[x, y]: &[f64; 2]| {
+        let from_box = |[x, y]: [f64; 2]| {
             let (dx, dy) = (((cx - x).abs() - hx).max(0.0), ((cy - y).abs() - hy).max(0.0));
             dx * dx + dy * dy
         };
         let corners = [(-hx, -hy), (hx, -hy), (-hx, hy), (hx, hy)].map(|(x, y)| [cx + x, cy + y]);
         let corners = if hx == 0.0 && hy == 0.0 { &corners[..1] } else { &corners[..] };
-        self.vertices.iter().any(|vertex| from_box(vertex) < reach)
-            || self.sides().any(|(start, way)| {
-                corners.iter().any(|&corner| from_side(corner, start, way) < reach)
+        self.sides.iter().any(|side| from_box(side.start) < reach)
+            || self.sides.iter().any(|side| {
+                corners.iter().any(|&corner| from_side(corner, side) < reach)
             })
     }
 }
 
 /// Squared distance of a point from a side.
-fn from_side(point: [f64; 2], start: [f64; 2], way: [f64; 2]) -> f64 {
+fn from_side(point: [f64; 2], &Side { start, along, length }: &Side) -> f64 {
     let (x, y) = (point[0] - start[0], point[1] - start[1]);
-    let length = way[0] * way[0] + way[1] * way[1];
-    let along = if length > 0.0 { (x * way[0] + y * way[1]) / length } else { 0.0 };
-    let along = along.clamp(0.0, 1.0);
-    let (x, y) = (x - along * way[0], y - along * way[1]);
+    let square = along[0] * along[0] + along[1] * along[1];
+    let far = if square > 0.0 { (x * along[0] + y * along[1]) / square } else { 0.0 };
+    let far = far.clamp(0.0, length);
+    let (x, y) = (x - far * along[0], y - far * along[1]);
     x * x + y * y
 }
 
+/// The corners of a polygon of the same form whose area is neither too large nor too small.
+fn scaled(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let [x, y] = corners[0];
+    let spans = corners.iter().map(|corner| (corner[0] - x).abs().max((corner[1] - y).abs()));
+    let scale = power_of_two_above(spans.fold(0.0, f64::max));
+    corners.iter().map(|corner| corner.map(|v| v / scale)).collect()
+}
+
 /// Twice the area, positive where the inside is on the left.
-fn area<T: Scalar>(vertices: &[[T; 2]]) -> f64 {
-    let [x0, y0] = vertices[0].map(T::to_f64);
-    let from_first = |v: &[T; 2]| [v[0].to_f64() - x0, v[1].to_f64() - y0];
-    let fans = vertices[1..].windows(2).map(|pair| {
-        let [a, b] = [from_first(&pair[0]), from_first(&pair[1])];
+fn area(corners: &[[f64; 2]]) -> f64 {
+    let [x0, y0] = corners[0];
+    let fans = corners[1..].windows(2).map(|pair| {
+        let [a, b] = [pair[0], pair[1]].map(|[x, y]| [x - x0, y - y0]);
         a[0] * b[1] - a[1] * b[0]
     });
     fans.sum()
 }
 
 /// The first corner that keeps the polygon from being convex; the inside should be on the left.
-fn dent<T: Scalar>(vertices: &[[T; 2]]) -> Option<usize> {
+fn dent<T: Scalar>(vertices: &[[f64; 2]]) -> Option<usize> {
     let len = vertices.len();
     let way = |from: usize| {
         let (a, b) = (vertices[from % len], vertices[(from + 1) % len]);
-        [b[0].to_f64() - a[0].to_f64(), b[1].to_f64() - a[1].to_f64()]
+        [b[0] - a[0], b[1] - a[1]]
     };
     // A little is forgiven, or corners on a straight side would be refused by rounding.
     let slack = 4.0 * T::EPSILON.to_f64();
@@ -125,9 +156,9 @@ fn dent<T: Scalar>(vertices: &[[T; 2]]) -> Option<usize> {
     }
     // A star turns left at every corner too, but comes around more than once: seen from
     // the first corner, some side of it runs backwards.
-    let [x0, y0] = vertices[0].map(T::to_f64);
+    let [x0, y0] = vertices[0];
     let runs_backwards = |corner: usize| {
-        let ([ax, ay], [bx, by]) = (vertices[corner].map(T::to_f64), way(corner));
+        let ([ax, ay], [bx, by]) = (vertices[corner], way(corner));
         let (ax, ay) = (ax - x0, ay - y0);
         ax * by - ay * bx < -slack * (ax.abs() + ay.abs()) * (bx.abs() + by.abs())
     };
@@ -159,10 +190,10 @@ impl<T: Scalar> Region<T> for Polygon<T> {
     fn misses(&self, cover: &Cover<T>) -> bool {
         let Window { min, max, .. } = self.window;
         let span = (max[0].to_f64() - min[0].to_f64()) + (max[1].to_f64() - min[1].to_f64());
-        let roundings = (32.0 + 8.0 * self.vertices.len() as f64) * T::EPSILON.to_f64();
-        self.sides().any(|(start, way)| {
-            // Along the outward normal of the side, x and y.
-            let normal = [way[1], -way[0]];
+        let roundings = (32.0 + 8.0 * self.sides.len() as f64) * T::EPSILON.to_f64();
+        self.sides.iter().any(|Side { start, along, .. }| {
+            // The outward normal of the side.
+            let normal = [along[1], -along[0]];
             let (mut outside, mut size) = (0.0, 0.0);
             for axis in 0..2 {
                 let side = if normal[axis] < 0.0 { cover.max[axis] } else { cover.min[axis] };

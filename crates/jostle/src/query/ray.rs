@@ -7,10 +7,10 @@ use super::region::selects;
 use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape, into_range};
+use crate::geometry::{Cover, Scalar, Shape, into_range, within};
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::shapes::{Each, check_finite, check_sizes};
+use crate::shapes::{Each, check_finite, check_radii};
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 
 /// A way from a point into a direction, for a disc of some radius; a ray has none.
@@ -24,25 +24,29 @@ pub struct Ray<T> {
 }
 
 impl<T: Scalar> Ray<T> {
-    /// A ray from each origin. Directions may have any length but 0; radii are those of
-    /// discs thrown along the rays.
+    /// Rays, as many as an argument has rows, or one. Directions may have any length but 0;
+    /// radii are those of discs thrown along the rays.
     pub fn all(
-        origins: &[[T; 2]],
+        origins: &Each<[T; 2]>,
         directions: &Each<[T; 2]>,
         radii: &Each<T>,
         max_distance: T,
     ) -> Result<Vec<Self>> {
-        check_finite("origin", origins)?;
+        let len = origins.len().or(directions.len()).or(radii.len()).unwrap_or(1);
+        origins.check_len("origin", len)?;
+        directions.check_len("direction", len)?;
+        radii.check_len("radius", len)?;
+        origins.check(|origins| check_finite("origin", origins))?;
         directions.check(check_directions)?;
-        radii.check(|radii| check_sizes("radius", "a radius", radii))?;
+        radii.check(|radii| check_radii("radius", radii))?;
         check_reach(max_distance)?;
-        let ray = |(row, &origin)| Self {
-            origin,
+        let ray = |row| Self {
+            origin: origins.at(row),
             direction: unit(directions.at(row)),
             radius: radii.at(row),
             max_distance,
         };
-        Ok(origins.iter().enumerate().map(ray).collect())
+        Ok((0..len).map(ray).collect())
     }
 }
 
@@ -69,20 +73,21 @@ fn unit<T: Scalar>(direction: [T; 2]) -> [T; 2] {
 /// larger circle; for a box a box as wide, a box as high, and a circle at each corner.
 pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
     let m = [ray.origin[0] - shape.center[0], ray.origin[1] - shape.center[1]];
+    let [hx, hy] = shape.half_size;
     let reach = shape.radius + ray.radius;
-    let half_size = shape.half_size[0].most(shape.half_size[1]);
-    let [into, back] = into_range(m[0].abs().most(m[1].abs()).most(half_size).most(reach));
-    let m = m.map(|v| v * into);
-    hit_in_range(m, shape.half_size.map(|v| v * into), reach * into, ray).map(|far| far * back)
+    let (x, y) = ((m[0].abs() - hx).most(T::ZERO), (m[1].abs() - hy).most(T::ZERO));
+    if within(x, y, reach) {
+        return Some(T::ZERO);
+    }
+    let [into, back] = into_range(m[0].abs().most(m[1].abs()).most(hx.most(hy)).most(reach));
+    // Before the difference, which may be too large for the type.
+    let m = [0, 1].map(|axis| ray.origin[axis] * into - shape.center[axis] * into);
+    hit_in_range(m, [hx * into, hy * into], reach * into, ray).map(|far| far * back)
 }
 
 /// [`hit`] from `m`, as seen from the middle of a shape that is as large as `reach` more than
-/// `half_size`.
+/// `half_size`. For an `m` outside of it.
 fn hit_in_range<T: Scalar>(m: [T; 2], [hx, hy]: [T; 2], reach: T, ray: &Ray<T>) -> Option<T> {
-    let (x, y) = ((m[0].abs() - hx).most(T::ZERO), (m[1].abs() - hy).most(T::ZERO));
-    if x * x + y * y <= reach * reach {
-        return Some(T::ZERO);
-    }
     if hx == T::ZERO && hy == T::ZERO {
         return into_circle(m, ray.direction, reach);
     }
@@ -105,11 +110,11 @@ fn hit_in_range<T: Scalar>(m: [T; 2], [hx, hy]: [T; 2], reach: T, ray: &Ray<T>) 
 fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
     let along = m[0] * u[0] + m[1] * u[1];
     let aside = m[0] * u[1] - m[1] * u[0];
-    let half_chord = radius * radius - aside * aside;
-    // Written so that what is not a number misses.
-    if !(along <= T::ZERO && half_chord >= T::ZERO) {
+    // Squares may be too small to be compared. Written so that what is not a number misses.
+    if !(along <= T::ZERO && aside.abs() <= radius) {
         return None;
     }
+    let half_chord = (radius * radius - aside * aside).most(T::ZERO);
     Some((-along - half_chord.sqrt()).most(T::ZERO))
 }
 

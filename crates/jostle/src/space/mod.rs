@@ -14,7 +14,7 @@ mod touching;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
 use crate::settings::Settings;
-use crate::shapes::{Each, Shapes, check_each_half_size, check_finite, check_sizes};
+use crate::shapes::{Each, Shapes, check_each_half_size, check_finite, check_radii};
 pub use events::Events;
 use layers::Layers;
 pub use slots::Id;
@@ -117,7 +117,7 @@ impl<T: Scalar> Space<T> {
     ) -> Result<()> {
         if let Some(radii) = radii {
             radii.check_len("radii", ids.len())?;
-            radii.check(|radii| check_sizes("radii", "a radius", radii))?;
+            radii.check(|radii| check_radii("radii", radii))?;
         }
         if let Some(half_sizes) = half_sizes {
             half_sizes.check_len("half_sizes", ids.len())?;

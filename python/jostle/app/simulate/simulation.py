@@ -46,7 +46,7 @@ class TreeBoxes:
 class Touching:
     """The contacts after a step: (m, 2) rows of the frame, unit normals, depths."""
 
-    pairs: NDArray[np.uint32]
+    pairs: NDArray[np.int64]
     normals: NDArray[np.float32]
     depths: NDArray[np.float32]
 
@@ -93,7 +93,7 @@ class Frame:
     energies: Energies | None = None
     tree: TreeBoxes | None = None
     touching: Touching | None = None
-    springs: NDArray[np.uint32] | None = None  # (s, 2) rows
+    springs: NDArray[np.int64] | None = None  # (s, 2) rows
     attractors: tuple[Pull, ...] = ()
     scene: str = ""  # whose extras are shown
     begun_with: int | None = None  # the number of particles that the scene was made for

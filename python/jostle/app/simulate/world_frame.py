@@ -61,7 +61,7 @@ def _touching(world: jostle.World) -> Touching:
     return Touching(contacts.pairs, contacts.normals, contacts.depths)
 
 
-def _springs(world: jostle.World) -> NDArray[np.uint32] | None:
+def _springs(world: jostle.World) -> NDArray[np.int64] | None:
     pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
     return np.concatenate(pairs) if pairs else None
 

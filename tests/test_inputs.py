@@ -1,0 +1,351 @@
+"""What arguments may be: hostile, huge, masked and empty ones, bit sets, and the ids that come back."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jostle
+
+POINTS = np.array([(0.0, 0.0), (1.5, 0.0), (9.0, 9.0)])
+TREE = jostle.Quadtree(POINTS, 1.0)
+
+
+def space() -> jostle.Space:
+    """Return a space with the same shapes."""
+    space = jostle.Space()
+    space.add(POINTS, 1.0)
+    return space
+
+
+# ---- lists of objects ----------------------------------------------------------------------------
+
+RECT = SimpleNamespace(left=0, top=0, right=1, bottom=1)
+
+
+@pytest.mark.parametrize("query", [TREE.query_rect, space().query_rect])
+def test_a_list_that_contains_itself_is_refused(query: Any) -> None:
+    endless: list[Any] = [RECT]
+    endless.append(endless)
+    with pytest.raises((ValueError, TypeError), match="^rect "):
+        query(endless)
+    deep: list[Any] = [RECT]
+    for _ in range(50_000):
+        deep = [RECT, deep]
+    with pytest.raises((ValueError, TypeError), match="^rect "):
+        query(deep)
+    while deep[1:]:  # or freeing it recurses
+        deep = deep.pop()
+
+
+def test_objects_with_sides_are_rectangles() -> None:
+    assert TREE.query_rect(RECT).tolist() == [0, 1]
+    assert TREE.query_rect([RECT, (8, 8, 9, 9)]).lists()[1].tolist() == [2]
+    assert TREE.query_rect(jostle.Box(8, 8, 10, 10)).tolist() == [2]
+    assert [len(ids) for ids in TREE.query_rect([jostle.Box(8, 8, 10, 10), RECT]).lists()] == [1, 2]
+
+
+# ---- more rows than there can be -----------------------------------------------------------------
+
+MANY = 5_000_000_000
+NUMBERS = np.broadcast_to(1.0, (MANY,))
+PLACES = np.broadcast_to(1.0, (MANY, 2))
+INTEGERS = np.broadcast_to(1, (MANY,))
+TOO_MANY = {
+    "radius": [
+        lambda: TREE.query_circle((0, 0), NUMBERS),
+        lambda: TREE.circle_cast((0, 0), (1, 0), NUMBERS),
+        lambda: space().query_circle((0, 0), NUMBERS),
+    ],
+    "direction": [lambda: TREE.raycast((0, 0), PLACES)],
+    "center": [lambda: TREE.query_circle(PLACES, 1.0)],
+    "point": [lambda: TREE.nearest(PLACES), lambda: TREE.query_point(PLACES)],
+    "rect": [lambda: TREE.query_rect(np.broadcast_to(1.0, (MANY, 4)))],
+    "vertices": [
+        lambda: TREE.query_polygon(np.zeros((MANY, 0, 2))),
+        lambda: TREE.query_polygon(np.broadcast_to(1.0, (MANY, 3, 2))),
+    ],
+    "centers": [
+        lambda: jostle.find_pairs(PLACES),
+        lambda: jostle.Quadtree(PLACES),
+        lambda: space().add(PLACES),
+    ],
+    "radii": [lambda: jostle.find_pairs(POINTS, NUMBERS)],
+    "masks": [lambda: jostle.Quadtree(POINTS, masks=INTEGERS)],
+    "ids": [lambda: space().remove(INTEGERS)],
+    "positions": [lambda: jostle.World(PLACES, PLACES, 1.0)],
+}
+
+
+@pytest.mark.parametrize("name", TOO_MANY)
+def test_too_many_rows_are_refused_before_anything_is_copied(name: str) -> None:
+    message = f"{name} has {MANY} rows; it may have at most 2147483647"
+    for call in TOO_MANY[name]:
+        with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+            call()
+
+
+def test_polygons_without_corners_need_no_memory() -> None:
+    with pytest.raises(ValueError, match=r"^vertices\[0\] is a list of 0; a polygon has at least 3"):
+        TREE.query_polygon(np.zeros((2_000_000_000, 0, 2)))
+    assert TREE.query_polygon(np.zeros((0, 3, 2))).ids.tolist() == []
+
+
+def test_what_does_not_fit_into_memory_is_a_memory_error() -> None:
+    program = """
+import resource
+import numpy as np
+import jostle
+
+tree = jostle.Quadtree(np.zeros((3, 2)), 1.0)
+many = np.broadcast_to(1.0, (2_000_000_000,))
+places = np.broadcast_to(np.float32(1), (2_000_000_000, 2))
+bits = np.broadcast_to(1, (2_000_000_000,))
+resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+for name, size, call in [
+    ("radius", 16, lambda: tree.query_circle((0, 0), many)),
+    ("radius", 16, lambda: tree.circle_cast((0, 0), (1, 0), many)),
+    ("direction", 32, lambda: tree.raycast((0, 0), places)),
+    ("centers", 16, lambda: jostle.find_pairs(places)),
+    ("centers", 32, lambda: jostle.Quadtree(np.broadcast_to(1.0, places.shape))),
+    ("ids", 16, lambda: jostle.Space().remove(bits)),
+]:
+    try:
+        call()
+    except MemoryError as error:
+        assert str(error) == f"{name}: there is no memory for {size}000000000 bytes", error
+    else:
+        raise AssertionError(name)
+print("done")
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert (run.stdout, run.stderr) == ("done\n", "")
+
+
+# ---- arrays that answer what they like -----------------------------------------------------------
+
+
+class Liar(np.ndarray[Any, Any]):
+    """An array whose conversions answer with another length and another type."""
+
+    def astype(self, *_: Any, **__: Any) -> Any:
+        return np.arange(900)
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        return np.zeros((7, 7), complex)
+
+    def __getattribute__(self, name: str) -> Any:
+        return (100,) if name == "shape" else super().__getattribute__(name)
+
+
+@pytest.mark.parametrize("dtype", ["f4", "f8", ">f8", "i2", "f2"])
+def test_an_array_cannot_lie_about_itself(dtype: str) -> None:
+    centers, radii = POINTS.astype(dtype).view(Liar), np.ones(3, dtype).view(Liar)
+    assert jostle.find_pairs(centers, radii).tolist() == [[0, 1]]
+    assert TREE.query_circle(centers, radii).lists()[2].tolist() == [2]
+    assert TREE.nearest(centers[::2]).ids.tolist() == [[0], [2]]
+    ids = np.array([2, 0]).astype(">i4").view(Liar)
+    collection = space()
+    collection.remove(ids)
+    assert collection.ids.tolist() == [1]
+    world = jostle.World(centers, centers, radii)
+    np.testing.assert_array_equal(world.positions, POINTS.astype(dtype).astype(np.float32))
+
+
+def test_an_object_that_answers_differently_each_time_is_read_once() -> None:
+    class Fickle:
+        calls = 0
+
+        def __array__(self, *_: Any, **__: Any) -> Any:
+            self.calls += 1
+            return np.zeros((3 * self.calls, 2))
+
+    centers = Fickle()
+    assert len(jostle.find_pairs(centers, 1.0)) == 3
+    assert centers.calls == 1
+
+
+# ---- masked arrays -------------------------------------------------------------------------------
+
+
+def test_masked_elements_are_refused() -> None:
+    centers = np.ma.masked_greater(POINTS, 8)
+    radii = np.ma.masked_equal([1.0, 2.0, 1.0], 2.0)
+    pieces = [np.ma.array(row) for row in POINTS] + [np.ma.masked_less([1.0, 0.0], 1)]
+    zeros = np.zeros((3, 2))
+    calls = {
+        "centers[2]": [lambda: jostle.find_pairs(centers), lambda: space().add(centers)],
+        "radii[1]": [
+            lambda: jostle.Quadtree(POINTS, radii),
+            lambda: jostle.World(POINTS, zeros, radii),
+        ],
+        "centers[3]": [lambda: jostle.find_pairs(pieces)],
+        "radii": [lambda: jostle.find_pairs(POINTS, np.ma.masked)],
+        "positions[2]": [lambda: jostle.World(centers, zeros, 1.0)],
+        "point[2]": [lambda: TREE.nearest(centers)],
+        "ids[0]": [lambda: space().remove(np.ma.array([1, 2], mask=[True, False]))],
+    }
+    for name, several in calls.items():
+        for call in several:
+            with pytest.raises(ValueError, match=f"^{re.escape(name)} is masked, and masks are not"):
+                call()
+
+
+def test_a_masked_array_without_masked_elements_is_an_array() -> None:
+    assert jostle.find_pairs(np.ma.array(POINTS), np.ma.ones(3)).tolist() == [[0, 1]]
+    assert jostle.find_pairs([np.ma.array(row) for row in POINTS], 1.0).tolist() == [[0, 1]]
+    assert jostle.find_pairs(np.ma.masked_equal(POINTS, 77), 1.0).tolist() == [[0, 1]]
+
+
+# ---- nothing at all ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dtype", [float, np.int8, object, "U3", bool, complex])
+def test_an_array_without_elements_holds_nothing_wrong(dtype: Any) -> None:
+    nothing = np.array([], dtype)
+    collection = space()
+    collection.remove(nothing)
+    collection.move(nothing, nothing)
+    collection.set_filter(nothing, categories=nothing)
+    assert len(collection) == 3
+    assert collection.centers(nothing).shape == (0, 2)
+    assert jostle.find_pairs(nothing, nothing).shape == (0, 2)
+    assert len(jostle.Quadtree(nothing, masks=nothing)) == 0
+    world = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
+    world.remove(nothing)
+    world.set(nothing, radii=nothing, movable=nothing)
+    assert len(world.positions) == 3
+    with pytest.raises(ValueError, match=r"^ids has shape \(0, 2\)"):
+        world.remove(np.zeros((0, 2), dtype))
+
+
+# ---- bit sets ------------------------------------------------------------------------------------
+
+SHIP = 2
+
+
+@pytest.mark.parametrize(
+    "inverted",
+    [~SHIP, [~SHIP] * 3, np.int8(~SHIP), np.full(3, ~SHIP, np.int16), ~np.uint32(SHIP), -SHIP - 1],
+)
+def test_all_bits_but_some(inverted: Any) -> None:
+    assert (jostle.Space().add(POINTS[:0], masks=inverted if np.ndim(inverted) == 0 else [])).size == 0
+    collection = jostle.Space()
+    collection.add(POINTS, 1.0, masks=inverted)
+    assert collection.masks().tolist() == [0xFFFFFFFD] * 3
+    tree = jostle.Quadtree(POINTS, 1.0, categories=[SHIP, 1, 1 << 31], masks=inverted)
+    assert tree.pairs().tolist() == []
+    if np.ndim(inverted) == 0:
+        assert tree.query_rect((-9, -9, 9, 9), mask=inverted).tolist() == [1, 2]
+        assert tree.nearest((0, 0), mask=inverted).ids.tolist() == [1]
+
+
+def test_the_highest_bit_can_be_left_out_and_all_can() -> None:
+    collection = jostle.Space()
+    collection.add(POINTS, masks=[~(1 << 31), ~0xFFFFFFFF, ~0])
+    assert collection.masks().tolist() == [0x7FFFFFFF, 0, 0xFFFFFFFF]
+
+
+@pytest.mark.parametrize("bits", [2**32, -(2**32) - 1, 2**64, -(2**63)])
+def test_more_than_32_bits_are_refused(bits: int) -> None:
+    rule = "it must be a set of 32 bits: between 0 and 4294967295, or a negative integer from"
+    with pytest.raises(ValueError, match=f"^masks is {bits}; {rule}"):
+        jostle.Quadtree(POINTS, masks=bits)
+    with pytest.raises(ValueError, match=f"^mask is {bits}; {rule}"):
+        TREE.query_point((0, 0), mask=bits)
+    if abs(bits) < 2**63:
+        with pytest.raises(ValueError, match=rf"^masks\[1\] is {bits}; {rule}"):
+            jostle.Quadtree(POINTS, masks=[1, bits, 1])
+
+
+def test_ids_are_no_bit_sets() -> None:
+    world = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
+    with pytest.raises(ValueError, match=r"^ids\[1\] is -1; it must be between 0"):
+        world.remove([0, -1])
+    with pytest.raises(ValueError, match=r"^pairs\[1\] is -2; it must be between 0"):
+        jostle.Springs([(0, 1), (2, -2)], lengths=1.0, stiffness=1.0)
+
+
+# ---- ids that come back --------------------------------------------------------------------------
+
+
+def test_every_id_is_an_int64() -> None:
+    world = jostle.World(POINTS, np.zeros((3, 2)), 1.0, on_touch="merge")
+    added = world.add([(50, 50)], [(0, 0)], 1.0)
+    world.step(1.0)
+    other = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
+    other.step(1e-3)
+    collection = space()
+    events = collection.update()
+    boxes = TREE.nodes()
+    answers = {
+        "find_pairs": jostle.find_pairs(POINTS, 1.0),
+        "find_pairs of one type": jostle.find_pairs(POINTS.astype("f4"), 1.0, method="quadtree"),
+        "pairs": TREE.pairs(),
+        "pairs with another": TREE.pairs(TREE),
+        "contacts": TREE.contacts().pairs,
+        "query_rect": TREE.query_rect((0, 0, 1, 1)),
+        "hits": TREE.query_rect([(0, 0, 1, 1)]).ids,
+        "offsets": TREE.query_rect([(0, 0, 1, 1)]).offsets,
+        "nearest": TREE.nearest((0, 0)).ids,
+        "rays": TREE.raycast([(0, 0)], (1, 0)).ids,
+        "depths": boxes.depths,
+        "counts": boxes.counts,
+        "space": collection.ids,
+        "space's pairs": collection.pairs(),
+        "entered": events.entered,
+        "World.add": added,
+        "World.renumbered": world.renumbered,
+        "World.contacts": other.contacts.pairs,
+        "Springs.pairs": jostle.Springs([(0, 1)], lengths=1.0, stiffness=1.0).pairs,
+    }
+    assert {name: ids.dtype.name for name, ids in answers.items()} == dict.fromkeys(answers, "int64")
+    assert all(ids.size for ids in answers.values())
+    pairs = answers["find_pairs"]
+    assert (pairs[:, 0] - pairs[:, 1]).tolist() == [-1]
+
+
+# ---- sentences -----------------------------------------------------------------------------------
+
+
+def test_too_many_neighbours_are_refused_with_both_numbers() -> None:
+    message = "k is 70000; for 2000 points that is 140000000 neighbours, more than 134217728"
+    with pytest.raises(ValueError, match=f"^{message}; ask for fewer at a time$"):
+        TREE.nearest(np.zeros((2000, 2)), k=70_000)
+    with pytest.raises(ValueError, match="^k is 4294967296; for 1 point that is 4294967296 neighb"):
+        TREE.nearest((0, 0), k=2**32)
+
+
+def test_trees_of_two_types_have_no_pairs() -> None:
+    single = jostle.Quadtree(POINTS.astype(np.float32), np.float32(1))
+    with pytest.raises(TypeError, match=r"^other computes in float32 and this tree in float64; build"):
+        TREE.pairs(single)
+
+
+def test_a_tree_with_itself_has_pairs_in_both_orders() -> None:
+    assert TREE.pairs(TREE, sort=True).tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [2, 2]]
+
+
+# ---- boxes of shapes at one place ----------------------------------------------------------------
+
+
+def test_shapes_at_one_place_are_in_one_box() -> None:
+    tree = jostle.Quadtree(np.full((1000, 2), 5.0))
+    boxes, depths, counts, is_leaf = tree.nodes()
+    assert len(boxes) == 1
+    assert (depths.tolist(), counts.tolist(), is_leaf.tolist()) == ([0], [1000], [True])
+    assert tree.stats == (1, 1, 0, 0)
+    apart = jostle.Quadtree(np.vstack([np.full((1000, 2), 5.0), np.zeros((3, 2))]), leaf_capacity=2)
+    boxes, depths, counts, is_leaf = apart.nodes()
+    assert sorted(counts.tolist()) == [3, 1000, 1003]
+    assert len(np.unique(boxes, axis=0)) == 3
+    assert depths.tolist() == [0, 1, 1]
+    assert apart.stats == (3, 2, 1, 0)
