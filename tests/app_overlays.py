@@ -71,7 +71,7 @@ def frame_of(positions, radii=5.0, *, time: float = 0.0, **columns) -> Frame:
 def touching_of(pairs, normals, depths) -> Touching:
     """Contacts as a frame has them."""
     return Touching(
-        np.array(pairs, np.uint32).reshape(-1, 2),
+        np.array(pairs, np.int64).reshape(-1, 2),
         np.array(normals, np.float32).reshape(-1, 2),
         np.array(depths, np.float32),
     )

@@ -17,7 +17,7 @@ QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ig
 
 # Beyond these, squares are too large or too small: numbers are brought into range by a power of
 # two, which costs no digit.
-RANGES = {"float32": (2.0**50, 2.0**-50, 2.0**70), "float64": (2.0**500, 2.0**-500, 2.0**600)}
+RANGES = {"float32": (2.0**50, 2.0**-50, 2.0**90), "float64": (2.0**500, 2.0**-500, 2.0**600)}
 
 
 def into_range(largest: NDArray[Any]) -> NDArray[Any]:
@@ -53,13 +53,18 @@ def in_circle(shapes: Shapes, center: NDArray[Any], radius: Any) -> NDArray[np.b
         )
 
 
+def _within(outside: NDArray[Any], radii: NDArray[Any]) -> NDArray[np.bool_]:
+    squares = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= radii**2
+    return np.where(radii == 0, outside.max(axis=1, initial=0) == 0, squares)
+
+
 def at_point(shapes: Shapes, point: NDArray[Any]) -> NDArray[np.bool_]:
     """Whether a point is in each shape; rectangles are open on the right and below."""
     half = halves(shapes)
     with np.errstate(**QUIET):
         offset = point - shapes.centers
         outside = np.maximum(np.abs(offset) - half, 0)
-        closed = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= shapes.radii**2
+        closed = _within(outside, shapes.radii)
         half_open = ((offset >= -half) & (offset < half)).all(axis=1)
     rectangle = (shapes.radii == 0) & (half > 0).any(axis=1)
     return np.where(rectangle, half_open, closed)
@@ -85,11 +90,11 @@ def along_ray(
         u = scaled / np.sqrt(scaled[0] ** 2 + scaled[1] ** 2)
         m = origin - shapes.centers
         reach = shapes.radii + radius
+        inside = _within(np.maximum(np.abs(m) - half, 0), reach)
         largest = np.maximum(np.abs(m).max(axis=1, initial=0), half.max(axis=1, initial=0))
         into = into_range(np.maximum(largest, reach))
-        m, half, reach = m * into[:, None], half * into[:, None], reach * into
-        outside = np.maximum(np.abs(m) - half, 0)
-        inside = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= reach**2
+        half, reach = half * into[:, None], reach * into
+        m = origin * into[:, None] - shapes.centers * into[:, None]
         ways = [
             _to_box(m, u, half + np.stack([reach, np.zeros_like(reach)], axis=1)),
             _to_box(m, u, half + np.stack([np.zeros_like(reach), reach], axis=1)),
@@ -107,7 +112,7 @@ def _to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArra
     along = m[:, 0] * u[0] + m[:, 1] * u[1]
     aside = m[:, 0] * u[1] - m[:, 1] * u[0]
     half_chord = radius**2 - aside**2
-    meets = (along <= 0) & (half_chord >= 0)
+    meets = (along <= 0) & (np.abs(aside) <= radius)
     far = np.maximum(-along - np.sqrt(np.maximum(half_chord, 0)), 0)
     return np.where(meets, far, np.inf).astype(m.dtype)
 

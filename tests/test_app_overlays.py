@@ -147,7 +147,7 @@ def test_the_few_stay_the_same_when_others_go() -> None:
 
 
 def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
-    springs = np.array([(0, 1), (1, 2)], np.uint32)
+    springs = np.array([(0, 1), (1, 2)], np.int64)
     places = [(10, 50), (40, 50), (300, 50)]
     for container, count in [(None, 2), (jostle.Torus(320, 240), 1)]:
         notes = Notes()

@@ -39,7 +39,7 @@ def test_equals_brute_force_in_numpy(shapes: Shapes, method: Any) -> None:
     np.testing.assert_array_equal(sorted_ones, expected)
 
 
-@given(any_shapes(dtype=np.float64, boxes=False), st.floats(0, 10))
+@given(any_shapes(dtype=np.float64, boxes=False), st.just(0.0) | st.floats(1e-150, 10))
 def test_equals_the_tree_of_scipy(shapes: Shapes, radius: float) -> None:
     """SciPy counts touching as overlapping and rounds otherwise: leaves out such pairs."""
     centers = shapes.centers[np.abs(shapes.centers).max(axis=1, initial=0) < 1e6]
@@ -72,7 +72,7 @@ def test_a_crowd_against_scipy(dtype: Any) -> None:
 @pytest.mark.parametrize("n", [0, 1, 2, 500])
 def test_the_answer_is_a_plain_array(n: int, method: Any) -> None:
     pairs = jostle.find_pairs(discs(n), 0.5, method=method)
-    assert pairs.dtype == np.uint32
+    assert pairs.dtype == np.int64
     assert pairs.ndim == 2
     assert pairs.shape[1] == 2
     assert pairs.flags.c_contiguous

@@ -43,7 +43,7 @@ def test_attributes_are_the_arguments() -> None:
 def test_springs_are_columns() -> None:
     assert len(SPRINGS) == 2
     np.testing.assert_array_equal(SPRINGS.pairs, [(0, 1), (1, 2)])
-    assert SPRINGS.pairs.dtype == np.uint32
+    assert SPRINGS.pairs.dtype == np.int64
     np.testing.assert_array_equal(SPRINGS.lengths, np.float32([1, 2.5]))
     np.testing.assert_array_equal(SPRINGS.stiffness, np.float32([40, 40]))
     np.testing.assert_array_equal(SPRINGS.damping, np.float32([0.1, 0.1]))

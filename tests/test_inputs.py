@@ -111,7 +111,7 @@ resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
 for name, size, call in [
     ("radius", 16, lambda: tree.query_circle((0, 0), many)),
     ("radius", 16, lambda: tree.circle_cast((0, 0), (1, 0), many)),
-    ("direction", 32, lambda: tree.raycast((0, 0), places)),
+    ("direction", 16, lambda: tree.raycast((0, 0), places)),
     ("centers", 16, lambda: jostle.find_pairs(places)),
     ("centers", 32, lambda: jostle.Quadtree(np.broadcast_to(1.0, places.shape))),
     ("ids", 16, lambda: jostle.Space().remove(bits)),

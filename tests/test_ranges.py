@@ -15,7 +15,7 @@ import jostle
 
 # Whole numbers: every product below is exact in float32, times any power of two.
 RNG = np.random.default_rng(11)
-N = 60
+N = 90
 CENTERS = RNG.integers(-20, 20, (N, 2))
 RADII = RNG.integers(0, 4, N)
 HALVES = RNG.integers(0, 4, (N, 2))
@@ -106,24 +106,28 @@ def test_whether_shapes_of_very_different_sizes_overlap(dtype: Any) -> None:
     low, high = (1e-18, 1e18) if dtype is np.float32 else (1e-150, 1e150)
     rng = np.random.default_rng(5)
     decades = np.log10(high) + 3
-    centers = (10 ** rng.uniform(-decades, decades, (150, 2)) * rng.choice([-1, 0, 1], (150, 2)))
-    radii = 10 ** rng.uniform(np.log10(low), np.log10(high), 150)
+    n = 60
+    centers = 10 ** rng.uniform(-decades, decades, (n, 2)) * rng.choice([-1, 0, 1], (n, 2))
+    radii = 10 ** rng.uniform(np.log10(low), np.log10(high), n)
     centers, radii = centers.astype(dtype), radii.astype(dtype).clip(low, high)
     tree = jostle.Quadtree(centers, radii, leaf_capacity=4)
-    exact = [(Fraction(float(x)), Fraction(float(y))) for x, y in centers]
-    sizes = [Fraction(float(r)) for r in radii]
+    unit = Fraction(2) ** 700  # every number is a whole number of 2^-700
+    exact = [[int(Fraction(v) * unit) for v in center] for center in centers.tolist()]
+    sizes = [int(Fraction(r) * unit) for r in radii.tolist()]
 
-    def inside(i: int, j: int, reach: Fraction) -> bool:
-        return sum((a - b) ** 2 for a, b in zip(exact[i], exact[j], strict=True)) < reach**2
+    def inside(i: int, j: int, reach: int) -> bool:
+        (x, y), (u, v) = exact[i], exact[j]
+        return (x - u) ** 2 + (y - v) ** 2 < reach**2
 
-    pairs = {(i, j) for i in range(150) for j in range(i) if inside(i, j, sizes[i] + sizes[j])}
+    pairs = {(i, j) for i in range(n) for j in range(i) if inside(i, j, sizes[i] + sizes[j])}
+    assert 100 < len(pairs) < n * (n - 1) // 2
     assert {(j, i) for i, j in tree.pairs().tolist()} == pairs
     assert {(j, i) for i, j in jostle.find_pairs(centers, radii, method="brute").tolist()} == pairs
     around = tree.query_circle(centers, radii).lists()
-    assert {(i, j) for i in range(150) for j in around[i] if j < i} == pairs
+    assert {(i, j) for i in range(n) for j in around[i].tolist() if j < i} == pairs
     at = tree.query_point(centers).lists()
-    expected = {(i, j) for i in range(150) for j in range(150) if inside(i, j, sizes[j])}
-    assert {(i, j) for i in range(150) for j in at[i].tolist()} == expected
+    expected = {(i, j) for i in range(n) for j in range(n) if inside(i, j, sizes[j])}
+    assert {(i, j) for i in range(n) for j in at[i].tolist()} == expected
 
 
 OUT_OF_RANGE = [
@@ -175,7 +179,7 @@ def test_a_world_has_the_same_limits() -> None:
     for radius in (1e-19, 2e18):
         with pytest.raises(ValueError, match=r"^radii is .*; a radius must be 0, or between 1e-18"):
             jostle.World([(0, 0)], [(0, 0)], radius)
-    world = jostle.World([(0, 0), (1e-18, 0)], [(0, 0), (0, 0)], 1e-18, on_touch="ignore")
+    world = jostle.World([(0, 0), (1e-18, 0)], np.zeros((2, 2)), 1e-18, masses=1, on_touch="ignore")
     assert world.contacts.pairs.tolist() == [[0, 1]]
 
 
@@ -187,7 +191,10 @@ def test_half_sizes_of_any_size(dtype: Any) -> None:
         centers = np.array([(0, 0), (half, half), (2 * half, 0)], dtype)
         tree = jostle.Quadtree(centers, half_sizes=np.full((3, 2), half, dtype))
         assert tree.pairs(sort=True).tolist() == [[0, 1], [1, 2]]
-        assert tree.query_point(centers).lists()[1].tolist() == [1, 2]
-        assert tree.query_polygon(centers).tolist() == [0, 1, 2]
+        assert tree.query_point(centers).lists()[1].tolist() == [1]
+        corners = np.array([(0, 0), (half, 0), (half, half)], dtype)
+        assert tree.query_polygon(corners).tolist() == [0, 1, 2]
+    with pytest.raises(ValueError, match=r"^vertices\[1\] is .*; both coordinates must be within"):
+        tree.query_polygon(np.array([(0, 0), (2 * largest, 0), (0, 1)], dtype))
     with pytest.raises(ValueError, match=r"^half_sizes is .*; a half size must be at most "):
         jostle.Quadtree(np.zeros((1, 2), dtype), half_sizes=np.full((1, 2), largest * 2)[0])

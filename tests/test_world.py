@@ -232,7 +232,7 @@ def test_add_appends_rows() -> None:
         restitutions=[0.5, 1],
         movable=[True, False],
     )
-    assert ids.dtype == np.uint32
+    assert ids.dtype == np.int64
     assert ids.tolist() == [3, 4]
     assert world.positions[ids].tolist() == [[30, 0], [40, 0]]
     assert world.velocities[ids].tolist() == [[0, 1], [0, 0]]
@@ -358,7 +358,7 @@ def test_what_a_step_leaves_behind(method: Any) -> None:
     assert isinstance(stats, jostle.Stats)
     pairs, normals, depths = contacts
     assert len(pairs) > 0
-    assert (pairs.dtype, normals.dtype, depths.dtype) == (np.uint32, np.float32, np.float32)
+    assert (pairs.dtype, normals.dtype, depths.dtype) == (np.int64, np.float32, np.float32)
     assert (pairs[:, 0] < pairs[:, 1]).all()
     assert (pairs < len(world)).all()
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, rtol=1e-5)
@@ -432,7 +432,7 @@ def test_what_touches_merges_and_ids_can_be_followed() -> None:
     assert world.renumbered is None
     world.step(0.01)
     assert world.renumbered is not None
-    assert (world.renumbered.dtype, world.renumbered.tolist()) == (np.uint32, [0, 1, 0, 2])
+    assert (world.renumbered.dtype, world.renumbered.tolist()) == (np.int64, [0, 1, 0, 2])
     assert world.masses.tolist() == [2, 1, 1]
     assert world.positions[0].tolist() == [0.75, 0]
     (springs,) = world.forces

@@ -215,7 +215,8 @@ pub fn cast<'py, T: Scalar + Element>(
     {
         return Err(direction.wrong_shape(&format!("(2,) or ({len}, 2)")));
     }
-    let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len.unwrap_or(1)))?;
+    let radii =
+        radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len.unwrap_or(1)))?;
     let hits = py.detach(|| Ok(ask(&Ray::all(&origins, &directions, &radii, reach)?)));
     if len.is_some() {
         results::ray_hits(py, hits.map_err(refused)?)

@@ -520,7 +520,8 @@ impl PyWorld {
     /// follows particles; those that merged share one. None where nothing has merged.
     #[getter]
     fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
-        let ids = self.long(py, |state| state.world.renumbered().map(|ids| long("renumbered", ids)))?;
+        let ids =
+            self.long(py, |state| state.world.renumbered().map(|ids| long("renumbered", ids)))?;
         Ok(ids.transpose()?.map(|ids| column(py, ids)))
     }
 

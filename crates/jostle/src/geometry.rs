@@ -108,7 +108,7 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, [1e-18, 1e18], [two_to(50) as f32, two_to(-50) as f32, two_to(70) as f32]);
+scalar!(f32, [1e-18, 1e18], [two_to(50) as f32, two_to(-50) as f32, two_to(90) as f32]);
 scalar!(f64, [1e-150, 1e150], [two_to(500), two_to(-500), two_to(600)]);
 
 /// A power of two.

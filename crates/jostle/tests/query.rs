@@ -81,7 +81,12 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
     let rects: Vec<[T; 4]> = around.clone().map(corners).collect();
     regions_agree(&shapes, &tree, &Rect::all(&rects).expect("valid"), mask);
     let radii = Each::Rows(asked.sizes.iter().map(|size| T::from_f64(size[0])).collect());
-    regions_agree(&shapes, &tree, &Circle::all(&places, &radii).expect("valid"), mask);
+    regions_agree(
+        &shapes,
+        &tree,
+        &Circle::all(&Each::Rows(places.clone()), &radii).expect("valid"),
+        mask,
+    );
     regions_agree(&shapes, &tree, &Point::all(&places).expect("valid"), mask);
     let polygons = around.zip(&asked.ways).filter_map(|((&[x, y], &[w, h]), &[p, q])| {
         let corners = [[x, y], [x + w, y - h], [x + w + p.abs(), y + q], [x + w, y + h]];
@@ -105,7 +110,8 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
 
     for radii in [Each::One(T::ZERO), radii] {
         let rays =
-            Ray::all(&places, &Each::Rows(typed(&asked.ways)), &radii, reach).expect("valid");
+            Ray::all(&Each::Rows(places.clone()), &Each::Rows(typed(&asked.ways)), &radii, reach)
+                .expect("valid");
         let found = query::first_hits(&tree, &rays, mask);
         let seen = query::first_hits_by(&rays, Some(1), |best: &mut FirstHit<T>| {
             for row in 0..shapes.len() {
@@ -143,8 +149,13 @@ fn instructions_and_threads_change_nothing() {
     let answers = |instructions, threads| {
         simd::limit(instructions);
         let tree = built(&shapes, Settings { threads: Some(threads), ..Settings::default() });
-        let circles = Circle::all(&points, &Each::One(1.3)).expect("valid");
-        let rays = Ray::all(&points, &Each::Rows(ways.clone()), &Each::One(0.0), f64::INFINITY);
+        let circles = Circle::all(&Each::Rows(points.clone()), &Each::One(1.3)).expect("valid");
+        let rays = Ray::all(
+            &Each::Rows(points.clone()),
+            &Each::Rows(ways.clone()),
+            &Each::One(0.0),
+            f64::INFINITY,
+        );
         (
             query::search(&tree, &circles, None).expect("few"),
             query::nearest(&tree, &points, (5, f64::INFINITY), None).expect("valid"),
@@ -164,7 +175,7 @@ fn equal_distances_go_to_the_smaller_row() {
     let tree = built(&grid(8), Settings { leaf_capacity: 2, ..Settings::default() });
     let found = query::nearest(&tree, &[[3.5, 3.5]], (4, 9.0), None).expect("valid");
     assert_eq!(found.ids, [27, 28, 35, 36]);
-    let ray = Ray::all(&[[3.5, -5.0]], &Each::One([0.0, 1.0]), &Each::One(0.5), 99.0);
+    let ray = Ray::all(&Each::One([3.5, -5.0]), &Each::One([0.0, 1.0]), &Each::One(0.5), 99.0);
     assert_eq!(query::first_hits(&tree, &ray.expect("valid"), None).ids, [3]);
 }
 
@@ -184,7 +195,7 @@ fn refusals_name_argument_index_and_value() {
     assert!(said(Rect::all(&upside_down).unwrap_err()).starts_with("rect[1] is (3, 0, 2, 1); "));
     let nowhere = [[0.0, f64::NAN]];
     assert!(said(Point::all(&nowhere).unwrap_err()).starts_with("point[0] is (0, NaN); "));
-    let still = Ray::all(&[[0.0; 2]], &Each::Rows(vec![[0.0; 2]]), &Each::One(0.0), 1.0);
+    let still = Ray::all(&Each::One([0.0; 2]), &Each::Rows(vec![[0.0; 2]]), &Each::One(0.0), 1.0);
     assert!(said(still.unwrap_err()).starts_with("direction[0] is (0, 0); "));
     let dented = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
     assert!(said(Polygon::new(&dented).unwrap_err()).starts_with("vertices[2] is (1, 1); "));

@@ -237,7 +237,7 @@ impl<T: Scalar> Trial<T> {
             let touched = chosen.iter().filter(|(_, shape)| point.touches(shape));
             assert!(touched.map(|(id, _)| **id).eq(found.of(question).iter().copied()));
         }
-        let circles = Circle::all(&[at], &Each::One(size)).unwrap();
+        let circles = Circle::all(&Each::One(at), &Each::One(size)).unwrap();
         let touched = chosen.iter().filter(|(_, shape)| circles[0].touches(shape));
         let found = self.space.search(&circles, mask).unwrap();
         assert!(touched.map(|(id, _)| **id).eq(found.ids));
@@ -250,7 +250,7 @@ impl<T: Scalar> Trial<T> {
         assert!(near.into_iter().eq(found.distances.into_iter().zip(found.ids)));
 
         let (way, radii) = (Each::One([T::ONE, size]), Each::One(size));
-        let rays = Ray::all(&[at], &way, &radii, T::INFINITY).unwrap();
+        let rays = Ray::all(&Each::One(at), &way, &radii, T::INFINITY).unwrap();
         let hits =
             chosen.iter().filter_map(|(id, shape)| Some((query::hit(&rays[0], shape)?, **id)));
         let first = hits.min_by(|a, b| a.0.partial_cmp(&b.0).unwrap().then(a.1.cmp(&b.1)));

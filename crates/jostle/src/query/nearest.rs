@@ -243,7 +243,8 @@ pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)
     check_reach(max_distance)?;
     let neighbors = k.saturating_mul(points.len().max(1));
     if neighbors > MOST_IDS {
-        let of = if points.len() < 2 { "1 point".into() } else { format!("{} points", points.len()) };
+        let of =
+            if points.len() < 2 { "1 point".into() } else { format!("{} points", points.len()) };
         let rule = format!(
             "for {of} that is {neighbors} neighbours, more than {MOST_IDS}; ask for fewer at a time"
         );

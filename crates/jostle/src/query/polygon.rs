@@ -103,9 +103,10 @@ impl<T: Scalar> Polygon<T> {
         let corners = [(-hx, -hy), (hx, -hy), (-hx, hy), (hx, hy)].map(|(x, y)| [cx + x, cy + y]);
         let corners = if hx == 0.0 && hy == 0.0 { &corners[..1] } else { &corners[..] };
         self.sides.iter().any(|side| from_box(side.start) < reach)
-            || self.sides.iter().any(|side| {
-                corners.iter().any(|&corner| from_side(corner, side) < reach)
-            })
+            || self
+                .sides
+                .iter()
+                .any(|side| corners.iter().any(|&corner| from_side(corner, side) < reach))
     }
 }
 

@@ -1,7 +1,5 @@
 //! Axis-aligned rectangles.
 
-use std::fmt::Display;
-
 use super::region::Region;
 use super::window::Window;
 use crate::error::{Error, Result};
@@ -38,8 +36,12 @@ impl<T: Scalar> Rect<T> {
 }
 
 /// Numbers as Python writes a tuple of them.
-pub(super) fn list(values: &[impl Display]) -> String {
-    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+pub(super) fn list<T: Scalar>(values: &[T]) -> String {
+    let number = |v: &T| {
+        let size = v.abs().to_f64();
+        if size < 1e16 && (size >= 1e-4 || size == 0.0) { v.to_string() } else { format!("{v:e}") }
+    };
+    let values: Vec<String> = values.iter().map(number).collect();
     format!("({})", values.join(", "))
 }
 
