@@ -5,7 +5,6 @@ What its particles do is tested in test_physics*.py.
 
 from __future__ import annotations
 
-import _thread
 import inspect
 import re
 import threading
@@ -19,6 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import jostle
+from signals import reaction_to_ctrl_c
 
 COLUMNS = ["positions", "velocities", "radii", "masses", "restitutions", "movable"]
 
@@ -493,9 +493,7 @@ def test_other_threads_see_the_world_between_steps() -> None:
 
 def test_a_long_call_can_be_interrupted() -> None:
     world = gas(50)
-    threading.Timer(0.2, _thread.interrupt_main).start()
-    with pytest.raises(KeyboardInterrupt):
-        world.step(1 / 60, steps=10**12)
+    assert reaction_to_ctrl_c(lambda: world.step(1 / 60, steps=10**7)) < 1
     assert world.time > 0
     world.step(1 / 60)  # and it is still in order
 

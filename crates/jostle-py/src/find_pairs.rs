@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Given, table, truth};
 use crate::error::refused;
+use crate::interrupt::detached;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
 
@@ -34,7 +35,7 @@ use crate::shapes::{Rows, Shapes};
 /// max_pairs : int, default 134217728
 ///     The most pairs to return; the default is a gibibyte of them.
 /// threads : int, optional
-///     How many threads work; one for each core unless given. The answer is the
+///     How many threads work, at most one for each core, which is the default. The answer is the
 ///     same for every number.
 ///
 /// Returns
@@ -49,6 +50,8 @@ use crate::shapes::{Rows, Shapes};
 /// ValueError
 ///     If a shape is wrong, a value is not finite, a size is negative, or more
 ///     than `max_pairs` pairs overlap.
+/// MemoryError
+///     If there is no memory for the pairs.
 ///
 /// Notes
 /// -----
@@ -89,10 +92,10 @@ pub fn find_pairs<'py>(
         threads: settings::threads(threads)?,
     };
     let shapes = Shapes::read(centers, &radii, half_sizes, None, None)?;
-    let found = py.detach(|| match shapes {
+    let found = detached(py, || match shapes {
         Shapes::Single(rows) => search.run(rows),
         Shapes::Double(rows) => search.run(rows),
-    });
+    })?;
     table(py, found.map_err(refused)?)
 }
 
@@ -110,7 +113,7 @@ impl Search {
             pairs::find_with(tree, &shapes, self.method, self.threads, self.max_pairs)
         })?;
         if self.sort {
-            found.sort();
+            found.sort()?;
         }
         Ok(found.pairs)
     }

@@ -9,6 +9,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::arrays::{Argument, Given, column, count, number};
 use crate::error::refused;
+use crate::interrupt::detached;
 use crate::results;
 
 /// An argument of a question.
@@ -16,6 +17,9 @@ pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// An argument that may be left out or None.
 pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
+
+/// What a search finds, or why it refuses; Python's error where it could not begin.
+pub type Answer<R> = PyResult<jostle::Result<R>>;
 
 /// The categories that a question is about; None stands for all, and for what has none.
 pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
@@ -46,16 +50,19 @@ fn region<'py, V: Clone + Sync, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
     asked: &Each<V>,
     regions: impl FnOnce(&[V]) -> jostle::Result<Vec<R>> + Send,
-    ask: impl FnOnce(&[R]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let answer = |rows: &[V]| Ok(results::counted_by_numpy(ask(&regions(rows)?)?));
+    let answer = |rows: &[V]| match regions(rows) {
+        Ok(regions) => Ok(ask(&regions)?.and_then(results::counted_by_numpy)),
+        Err(error) => Ok(Err(error)),
+    };
     match asked {
         Each::One(one) => {
             let one = std::slice::from_ref(one);
-            let hits = py.detach(|| answer(one)).map_err(without_row).map_err(refused)?;
+            let hits = detached(py, || answer(one))??.map_err(without_row).map_err(refused)?;
             Ok(column(py, hits.ids).into_any())
         }
-        Each::Rows(rows) => results::hits(py, py.detach(|| answer(rows)).map_err(refused)?),
+        Each::Rows(rows) => results::hits(py, detached(py, || answer(rows))??.map_err(refused)?),
     }
 }
 
@@ -63,7 +70,7 @@ fn region<'py, V: Clone + Sync, R: Send, I: Send + Into<i64>>(
 pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     rect: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Rect<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Rect<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let sides = sides(rect)?;
     let asked: Each<[T; 4]> =
@@ -93,7 +100,7 @@ fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
 pub fn point<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     point: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Point<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Point<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     region(py, &asked, Point::all, ask)
@@ -104,7 +111,7 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     center: &Bound<'py, PyAny>,
     radius: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Circle<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Circle<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let radius = Argument::reals("radius", radius)?;
     let centers: Each<[T; 2]> = Argument::reals("center", center)?.one_or_rows()?;
@@ -117,7 +124,7 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
 pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     vertices: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Polygon<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Polygon<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let asked: Each<Vec<[T; 2]>> = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
     let many = matches!(asked, Each::Rows(_));
@@ -132,8 +139,10 @@ pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
         // Its error names a corner, which is not the number of a question.
         Each::One(vertices) => {
             let one = std::slice::from_ref(vertices);
-            let hits = py.detach(|| ask(&polygons(one)?[..])).map_err(refused)?;
-            Ok(column(py, results::counted_by_numpy(hits).ids).into_any())
+            let polygons = polygons(one).map_err(refused)?;
+            let answer = || Ok(ask(&polygons)?.and_then(results::counted_by_numpy));
+            let hits = detached(py, answer)??.map_err(refused)?;
+            Ok(column(py, hits.ids).into_any())
         }
         Each::Rows(_) => region(py, &asked, polygons, ask),
     }
@@ -159,18 +168,18 @@ pub fn nearest<'py, T: Scalar + Element>(
     point: &Bound<'py, PyAny>,
     k: &Given<'py>,
     max_distance: &Given<'py>,
-    ask: impl FnOnce(&[[T; 2]], (usize, T)) -> jostle::Result<Neighbors<T>> + Send,
+    ask: impl FnOnce(&[[T; 2]], (usize, T)) -> Answer<Neighbors<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let k = k.value().map_or(Ok(1), |k| count("k", k, 1))?;
     let reach = reach(max_distance)?;
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     match &asked {
         Each::One(one) => {
-            let found = py.detach(|| ask(std::slice::from_ref(one), (k, reach)));
+            let found = detached(py, || ask(std::slice::from_ref(one), (k, reach)))??;
             results::neighbors(py, found.map_err(without_row).map_err(refused)?, None)
         }
         Each::Rows(rows) => {
-            let found = py.detach(|| ask(rows, (k, reach))).map_err(refused)?;
+            let found = detached(py, || ask(rows, (k, reach)))??.map_err(refused)?;
             results::neighbors(py, found, Some((rows.len(), k)))
         }
     }
@@ -183,7 +192,7 @@ pub fn cast<'py, T: Scalar + Element>(
     direction: &Bound<'py, PyAny>,
     radius: Maybe<'_, 'py>,
     max_distance: &Given<'py>,
-    ask: impl FnOnce(&[Ray<T>]) -> RayHits<T> + Send,
+    ask: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let reach = reach(max_distance)?;
     let radius = radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
@@ -202,13 +211,16 @@ pub fn cast<'py, T: Scalar + Element>(
         return Err(direction.wrong_shape(&format!("(2,) or ({len}, 2)")));
     }
     let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len))?;
-    let hits = |origins: &[[T; 2]]| Ok(ask(&Ray::all(origins, &directions, &radii, reach)?));
+    let hits = |origins: &[[T; 2]]| match Ray::all(origins, &directions, &radii, reach) {
+        Ok(rays) => ask(&rays),
+        Err(error) => Ok(Err(error)),
+    };
     match &origins {
         Each::One(one) => {
-            let hits = py.detach(|| hits(std::slice::from_ref(one)));
+            let hits = detached(py, || hits(std::slice::from_ref(one)))??;
             results::ray_hit(py, &hits.map_err(without_row).map_err(refused)?)
         }
-        Each::Rows(rows) => results::ray_hits(py, py.detach(|| hits(rows)).map_err(refused)?),
+        Each::Rows(rows) => results::ray_hits(py, detached(py, || hits(rows))??.map_err(refused)?),
     }
 }
 

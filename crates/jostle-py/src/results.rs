@@ -1,14 +1,17 @@
 //! Answers of several arrays, as the named tuples of `jostle.results`.
 
-use jostle::Scalar;
+use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{GaltonBoard, Nozzle};
+use jostle::{Scalar, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::arrays::{column, decimal, matrix, table};
+use crate::error::refused;
+use crate::interrupt::detached;
 
 /// `jostle.Contacts`.
 pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
@@ -23,12 +26,14 @@ pub fn nodes<'py, T: Scalar>(
     tree: &jostle::Quadtree<T>,
 ) -> PyResult<Bound<'py, PyAny>> {
     static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let (cells, depths, counts, is_leaf) = py.detach(|| {
+    let columns = detached(py, || -> jostle::Result<_> {
         let all = tree.nodes();
-        let depths: Vec<u32> = all.iter().map(|node| u32::from(node.depth)).collect();
-        let counts: Vec<u32> = all.iter().map(|node| node.len() as u32).collect();
-        (tree.cells(), depths, counts, all.iter().map(jostle::Node::is_leaf).collect())
-    });
+        let depths = memory::collect(all.iter().map(|node| u32::from(node.depth)))?;
+        let counts = memory::collect(all.iter().map(|node| node.len() as u32))?;
+        let is_leaf = memory::collect(all.iter().map(jostle::Node::is_leaf))?;
+        Ok((tree.cells()?, depths, counts, is_leaf))
+    })?;
+    let (cells, depths, counts, is_leaf) = columns.map_err(refused)?;
     let fields = (table(py, cells)?, column(py, depths), column(py, counts), column(py, is_leaf));
     NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
 }
@@ -41,9 +46,19 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
 }
 
 /// The same with ids as NumPy counts; needs no Python.
-pub fn counted_by_numpy<I: Into<i64>>(all: Hits<I>) -> Hits<i64> {
+pub fn counted_by_numpy<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;
-    Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests }
+    if size_of::<I>() == size_of::<i64>() {
+        // This takes no other memory.
+        return Ok(Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests });
+    }
+    let mut long = memory::with_room(ids.len())?;
+    let mut pulse = Pulse::current();
+    for id in ids {
+        pulse.check(1)?;
+        long.push(id.into());
+    }
+    Ok(Hits { offsets, ids: long, tests })
 }
 
 /// `jostle.Hits`.

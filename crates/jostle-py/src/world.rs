@@ -1,15 +1,12 @@
 //! `jostle.World`.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use jostle::pairs::Overlaps;
 use jostle::{Each, Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::sync::MutexExt;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
 use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
@@ -17,6 +14,8 @@ use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
 use crate::forces;
+use crate::interrupt::detached_to_the_end;
+use crate::lock::{Guard, Shared};
 use crate::particles::{Draft, reals, truths, vectors};
 use crate::results;
 use crate::settings;
@@ -73,7 +72,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found, never which.
 /// threads : int, optional
-///     How many threads work; one for each core unless given.
+///     How many threads work, at most one for each core, which is the default.
 /// leaf_capacity : int, default 96
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
@@ -100,7 +99,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 ///        [1., 0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "World", frozen)]
 pub struct PyWorld {
-    state: Mutex<State>,
+    state: Shared<State>,
 }
 
 struct State {
@@ -810,12 +809,13 @@ impl PyWorld {
 impl PyWorld {
     /// The Python face of a world.
     pub fn of(world: World) -> Self {
-        Self { state: Mutex::new(State { world, profile: Default::default() }) }
+        let state = State { world, profile: Default::default() };
+        Self { state: Shared::new(state, "world", "restore a snapshot or make a new one") }
     }
 
     /// For a glance: other Python threads wait.
-    fn state(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, State>> {
-        self.state.lock_py_attached(py).map_err(|_| broken())
+    fn state(&self, py: Python<'_>) -> PyResult<Guard<'_, State>> {
+        self.state.lock_attached(py)
     }
 
     /// For work that depends on the number of particles: other Python threads run.
@@ -824,8 +824,7 @@ impl PyWorld {
         py: Python<'_>,
         act: impl FnOnce(&mut State) -> R + Send,
     ) -> PyResult<R> {
-        let done = py.detach(|| self.state.lock().ok().map(|mut state| act(&mut state)));
-        done.ok_or_else(broken)
+        detached_to_the_end(py, || Ok(act(&mut *self.state.lock()?)))?
     }
 
     fn len(&self, py: Python<'_>) -> PyResult<usize> {
@@ -906,9 +905,4 @@ impl State {
             Ok(())
         })
     }
-}
-
-/// A panic is a bug; what it leaves behind is not to be trusted.
-fn broken() -> PyErr {
-    PyRuntimeError::new_err("this world broke down in the middle of an earlier call")
 }

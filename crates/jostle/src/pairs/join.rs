@@ -136,7 +136,7 @@ impl<T: Scalar, F: Finish> Work<T> for Walk<'_, '_, T, F> {
         let mut scratch = Scratch::default();
         let mut stack = vec![task];
         while let Some(task) = stack.pop() {
-            if output.is_full() {
+            if output.is_over(1) {
                 return;
             }
             let (first, second) = (task.0 as usize, task.1 as usize);

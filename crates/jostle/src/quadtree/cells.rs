@@ -2,23 +2,39 @@
 //! Finding pairs does without.
 
 use super::Quadtree;
+use crate::error::Result;
 use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
 
 /// A box: min x, min y, max x, max y.
 type Cell = [f64; 4];
 
+/// About as many numbers are read for a cell.
+const CELL_WORK: usize = 8;
+
 impl<T: Scalar> Quadtree<T> {
     /// The cell of every node. Children tile what of their parent's cell holds shapes;
     /// a cell holds the centres of its shapes.
-    pub fn cells(&self) -> Vec<Cell> {
-        let mut cells: Vec<Cell> = self.nodes.iter().map(|node| self.own_cell(node)).collect();
+    pub fn cells(&self) -> Result<Vec<Cell>> {
+        self.cells_unless_stopped(&mut Pulse::current())
+    }
+
+    pub(super) fn cells_unless_stopped(&self, pulse: &mut Pulse) -> Result<Vec<Cell>> {
+        let mut cells = memory::with_room(self.nodes.len())?;
+        for node in &self.nodes {
+            pulse.check(CELL_WORK)?;
+            cells.push(self.own_cell(node));
+        }
         for (index, node) in self.nodes.iter().enumerate() {
+            pulse.check(CELL_WORK)?;
             for child in node.children() {
                 cells[child] = common(cells[child], cells[index]);
             }
         }
         // In a world 1e30 wide, keys round a centre across its cell's border.
         for (index, node) in self.nodes.iter().enumerate().rev() {
+            pulse.check(CELL_WORK)?;
             let cover = &self.covers[index];
             let [left, top] = cover.min.map(T::to_f64);
             let [right, bottom] = cover.max.map(T::to_f64);
@@ -27,7 +43,7 @@ impl<T: Scalar> Quadtree<T> {
                 cells[index] = union(cells[index], cells[child]);
             }
         }
-        cells
+        Ok(cells)
     }
 
     /// The node's cell in its own grid; of a node that split, the part that it split.

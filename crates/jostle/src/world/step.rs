@@ -97,7 +97,7 @@ impl World {
         }
         self.sweep(dt);
         watch(Stage::Integrate);
-        self.build();
+        self.build()?;
         watch(Stage::Build);
         self.candidates()?;
         watch(Stage::Pairs);
@@ -147,11 +147,11 @@ impl World {
     }
 
     /// Builds the tree of the sweeps.
-    fn build(&mut self) {
+    fn build(&mut self) -> Result<()> {
         let particles = &self.particles;
         let memory = &mut self.memory;
         let tie = |a: usize, b: usize| compare_particles(particles, a, b);
-        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
+        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 
     /// Brings everything into the order of the tree. Nothing can fail any more.
