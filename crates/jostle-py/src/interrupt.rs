@@ -69,7 +69,7 @@ fn runs_signal_handlers(py: Python<'_>) -> PyResult<bool> {
     static NAMES: PyOnceLock<[Py<PyAny>; 2]> = PyOnceLock::new();
     let [own, main] = NAMES.get_or_try_init(py, || {
         let threading = py.import("threading")?;
-        let name = |name| Ok(threading.getattr(name)?.unbind());
+        let name = |name| PyResult::Ok(threading.getattr(name)?.unbind());
         PyResult::Ok([name("get_ident")?, name("main_thread")?])
     })?;
     own.bind(py).call0()?.eq(main.bind(py).call0()?.getattr("ident")?)

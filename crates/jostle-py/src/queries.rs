@@ -52,9 +52,11 @@ fn region<'py, V: Clone + Sync, R: Send, I: Send + Into<i64>>(
     regions: impl FnOnce(&[V]) -> jostle::Result<Vec<R>> + Send,
     ask: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let answer = |rows: &[V]| match regions(rows) {
-        Ok(regions) => Ok(ask(&regions)?.and_then(results::counted_by_numpy)),
-        Err(error) => Ok(Err(error)),
+    let answer = |rows: &[V]| -> Answer<Hits<i64>> {
+        match regions(rows) {
+            Ok(regions) => Ok(ask(&regions)?.and_then(results::counted_by_numpy)),
+            Err(error) => Ok(Err(error)),
+        }
     };
     match asked {
         Each::One(one) => {
@@ -140,7 +142,8 @@ pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
         Each::One(vertices) => {
             let one = std::slice::from_ref(vertices);
             let polygons = polygons(one).map_err(refused)?;
-            let answer = || Ok(ask(&polygons)?.and_then(results::counted_by_numpy));
+            let answer =
+                || -> Answer<Hits<i64>> { Ok(ask(&polygons)?.and_then(results::counted_by_numpy)) };
             let hits = detached(py, answer)??.map_err(refused)?;
             Ok(column(py, hits.ids).into_any())
         }

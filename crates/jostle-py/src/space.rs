@@ -38,8 +38,8 @@ use crate::settings;
 /// max_depth : int, default 4096
 ///     Subdivisions allowed; the default never stops a split.
 /// threads : int, optional
-///     How many threads work, at most one for each core, which is the default. Every answer is the same for
-///     every number.
+///     How many threads work, at most one for each core, which is the default. Every answer
+///     is the same for every number.
 ///
 /// Raises
 /// ------

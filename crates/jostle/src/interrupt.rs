@@ -106,9 +106,9 @@ impl Stop {
     }
 }
 
-/// Work between two looks at a [`Stop`], in numbers read: some microseconds to a
-/// millisecond.
-const ENOUGH: usize = 1 << 16;
+/// Work between two looks at a [`Stop`], in numbers read: tens of microseconds to some
+/// milliseconds.
+const ENOUGH: usize = 1 << 18;
 
 /// Counts the work of one task and looks at its [`Stop`] every so often.
 #[derive(Clone, Debug)]

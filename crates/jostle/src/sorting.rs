@@ -83,7 +83,7 @@ fn part<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<[usiz
     }
     for value in 0..256 {
         while nexts[value] < ends[value] {
-            pulse.check(1)?;
+            pulse.check(4)?;
             let place = nexts[value];
             let wanted = usize::from(items[place].byte(at));
             if wanted != value {

@@ -4,6 +4,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
+use crate::memory;
 use crate::shapes::{Each, check_finite, check_sizes};
 
 /// A disc; what only touches its edge does not overlap it.
@@ -19,7 +20,7 @@ impl<T: Scalar> Circle<T> {
         check_finite("center", centers)?;
         radii.check(|radii| check_sizes("radius", "a radius", radii))?;
         let circle = |(row, &center)| Self { center, radius: radii.at(row) };
-        Ok(centers.iter().enumerate().map(circle).collect())
+        memory::collect(centers.iter().enumerate().map(circle))
     }
 }
 

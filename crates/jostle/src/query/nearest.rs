@@ -334,7 +334,7 @@ pub fn nearest_by<T: Scalar>(
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
         let mut pulse = Pulse::of(&stop);
-        let mut found = Vec::with_capacity(QUESTIONS);
+        let mut found = Vec::with_capacity(parts[part].len());
         for &question in parts[part] {
             pulse.check(NODE_WORK)?;
             let mut best = Nearest::new(k, max_distance, pulse);

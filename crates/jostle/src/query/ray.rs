@@ -44,7 +44,7 @@ impl<T: Scalar> Ray<T> {
             radius: radii.at(row),
             max_distance,
         };
-        Ok(origins.iter().enumerate().map(ray).collect())
+        memory::collect(origins.iter().enumerate().map(ray))
     }
 }
 
@@ -368,7 +368,7 @@ pub fn first_hits_by<T: Scalar>(
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
         let mut pulse = Pulse::of(&stop);
-        let mut found = Vec::with_capacity(QUESTIONS);
+        let mut found = Vec::with_capacity(parts[part].len());
         for &question in parts[part] {
             pulse.check(NODE_WORK)?;
             let mut best = FirstHit::new(rays[question as usize], pulse);

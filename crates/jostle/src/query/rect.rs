@@ -6,6 +6,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
+use crate::memory;
 
 /// A rectangle; what only touches its border does not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +34,7 @@ impl<T: Scalar> Rect<T> {
             min: [min_x, min_y],
             max: [max_x, max_y],
         };
-        Ok(rows.iter().map(rect).collect())
+        memory::collect(rows.iter().map(rect))
     }
 }
 
