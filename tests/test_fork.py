@@ -2,6 +2,8 @@
 
 import os
 import signal
+import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -9,8 +11,12 @@ import pytest
 import jostle
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
-@pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
+pytestmark = [
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork"),
+    pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning"),
+]
+
+
 @pytest.mark.parametrize("threads", [None, 2])
 def test_a_forked_process_finds_the_same_pairs(threads: int | None) -> None:
     centers = np.random.default_rng(0).random((60_000, 2))
@@ -23,3 +29,78 @@ def test_a_forked_process_finds_the_same_pairs(threads: int | None) -> None:
         os._exit(0 if same else 1)
     _, status = os.waitpid(child, 0)
     assert os.waitstatus_to_exitcode(status) == 0
+
+
+def exit_code_of_child(work: Callable[[], object]) -> int:
+    """Fork; 0 where `work` answers, 2 where it refuses with a sentence about the fork."""
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        code = 1
+        try:
+            work()
+            code = 0
+        except RuntimeError as error:
+            code = 2 if "when this process was forked" in str(error) else 3
+        finally:
+            os._exit(code)
+    _, status = os.waitpid(child, 0)
+    return os.waitstatus_to_exitcode(status)
+
+
+def forks_during(call: Callable[[], object], work: Callable[[], object]) -> set[int]:
+    """What becomes of `work` in processes that are forked while a thread calls `call`."""
+    done = threading.Event()
+
+    def keep_calling() -> None:
+        while not done.is_set():
+            call()
+
+    thread = threading.Thread(target=keep_calling)
+    thread.start()
+    try:
+        return {exit_code_of_child(work) for _ in range(8)}
+    finally:
+        done.set()
+        thread.join()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_fork_while_another_thread_is_at_work_does_not_hang(threads: int) -> None:
+    rng = np.random.default_rng(0)
+    centers = rng.random((20_000, 2))
+    space = jostle.Space(threads=threads)
+    ids = space.add(centers, 0.001)
+    world = jostle.World(centers, centers, 0.001, threads=threads)
+    tree = jostle.Quadtree(centers, 0.001, threads=threads)
+    expected = jostle.find_pairs(centers, 0.001, sort=True)
+
+    def find() -> None:
+        assert np.array_equal(jostle.find_pairs(centers, 0.001, sort=True, threads=2), expected)
+
+    def move() -> None:
+        space.move(ids, rng.random((20_000, 2)))
+        space.update()
+
+    assert forks_during(find, find) == {0}
+    assert forks_during(tree.pairs, tree.pairs) == {0}
+    assert forks_during(move, lambda: len(space)) <= {0, 2}
+    assert forks_during(move, space.update) <= {0, 2}
+    assert forks_during(lambda: world.step(0.001), lambda: world.positions) <= {0, 2}
+
+
+def test_a_child_can_use_what_no_other_thread_was_using() -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (1, 0)], 1.0)
+    world = jostle.World([(0, 0)], [(1, 0)], 1.0)
+
+    def work() -> None:
+        assert len(space.update().entered) == 1
+        world.step(0.5)
+        # Threads of the child share them as they do elsewhere.
+        thread = threading.Thread(target=lambda: [space.update() for _ in range(100)])
+        thread.start()
+        assert all(len(space.pairs()) == 1 for _ in range(100))
+        thread.join()
+
+    assert exit_code_of_child(work) == 0

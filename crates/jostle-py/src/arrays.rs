@@ -7,8 +7,9 @@
 
 use std::fmt::Display;
 
+use jostle::interrupt::Pulse;
 use jostle::shapes::MOST_ROWS;
-use jostle::{Each, Scalar};
+use jostle::{Each, Scalar, memory};
 use numpy::ndarray::Array2;
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
@@ -603,13 +604,18 @@ pub fn matrix<V: Element>(
 
 /// Ids and pairs of ids as they are given out, in 64 bits with a sign, so that a difference of two
 /// is right; needs no Python.
-pub fn long<I: Widen>(name: &str, ids: &[I]) -> PyResult<Vec<I::Long>> {
-    let mut long = Vec::new();
-    let size = size_of::<I::Long>();
-    long.try_reserve_exact(ids.len()).map_err(|_| no_memory(name, ids.len(), size))?;
-    long.extend(ids.iter().map(|&id| id.widen()));
+pub fn long<I: Widen>(ids: &[I]) -> jostle::Result<Vec<I::Long>> {
+    let mut long = memory::with_room(ids.len())?;
+    let mut pulse = Pulse::current();
+    for some in ids.chunks(AT_A_TIME) {
+        pulse.check(some.len())?;
+        long.extend(some.iter().map(|&id| id.widen()));
+    }
     Ok(long)
 }
+
+/// Ids that are widened between two checks for an interruption.
+const AT_A_TIME: usize = 1 << 12;
 
 /// An id of the core, or several.
 pub trait Widen: Copy {

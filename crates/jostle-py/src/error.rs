@@ -1,16 +1,23 @@
 //! Errors on their way to Python: a wrong type is a TypeError, a wrong value a
-//! ValueError, each a sentence that begins with the argument.
+//! ValueError, each a sentence that begins with the argument; what does not fit into
+//! memory is a MemoryError.
 
 use std::fmt::Display;
 
+use jostle::Error;
 use pyo3::PyErr;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 /// What the core refuses is the value, never the type.
 #[expect(clippy::needless_pass_by_value, reason = "the shape that map_err wants")]
-pub fn refused(error: jostle::Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
+pub fn refused(error: Error) -> PyErr {
+    match error {
+        Error::NoMemory { .. } => PyMemoryError::new_err(error.to_string()),
+        // What a signal handler has raised is raised before.
+        Error::Interrupted => PyKeyboardInterrupt::new_err(()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
 }
 
 /// A value of the right type that breaks a rule.

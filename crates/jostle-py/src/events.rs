@@ -1,5 +1,6 @@
 //! `jostle.Events`.
 
+use jostle::memory;
 use jostle::space::{Events, Id};
 use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
@@ -8,6 +9,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
 use crate::arrays::table;
+use crate::error::refused;
 use crate::space::PySpace;
 
 /// What became of the pairs of a space from one update to the next.
@@ -42,7 +44,7 @@ impl PyEvents {
     /// Pairs that overlap now and did not at the update before: ndarray of int64, shape (m, 2).
     #[getter]
     fn entered<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        kept(py, &self.entered, || Ok(py.detach(|| self.events.entered.clone())))
+        kept(py, &self.entered, || copied(py, &self.events.entered))
     }
 
     /// Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
@@ -65,7 +67,7 @@ impl PyEvents {
     /// removed: ndarray of int64, shape (m, 2).
     #[getter]
     fn left<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        kept(py, &self.left, || Ok(py.detach(|| self.events.left.clone())))
+        kept(py, &self.left, || copied(py, &self.events.left))
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -85,6 +87,10 @@ impl PyEvents {
         let [entered, stayed, left] = [const { PyOnceLock::new() }; 3];
         Self { events, space, entered, stayed, left }
     }
+}
+
+fn copied(py: Python<'_>, pairs: &[[Id; 2]]) -> PyResult<Vec<[Id; 2]>> {
+    py.detach(|| memory::collect(pairs.iter().copied())).map_err(refused)
 }
 
 /// The same array each time.

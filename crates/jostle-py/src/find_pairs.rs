@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Given, long, table, truth};
 use crate::error::refused;
+use crate::interrupt::detached;
 use crate::queries::Maybe;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
@@ -41,7 +42,7 @@ use crate::shapes::{Rows, Shapes};
 /// max_pairs : int, default 134217728
 ///     The most pairs to return; the default is two gibibytes of them.
 /// threads : int, optional
-///     How many threads work; one for each core unless given. The answer is the
+///     How many threads work, at most one for each core, which is the default. The answer is the
 ///     same for every number.
 ///
 /// Returns
@@ -57,6 +58,8 @@ use crate::shapes::{Rows, Shapes};
 /// ValueError
 ///     If a shape is wrong, a value is not finite, a size is negative or out of range, or
 ///     more than `max_pairs` pairs overlap.
+/// MemoryError
+///     If there is no memory for the pairs.
 ///
 /// Notes
 /// -----
@@ -105,14 +108,14 @@ pub fn find_pairs<'py>(
         threads: settings::threads(threads)?,
     };
     let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [None, None])?;
-    let pairs = py.detach(|| {
+    let pairs = detached(py, || {
         let found = match shapes {
             Shapes::Single(rows) => search.run(rows),
             Shapes::Double(rows) => search.run(rows),
         };
-        long("pairs", &found.map_err(refused)?)
-    });
-    table(py, pairs?)
+        long(&found?)
+    })?;
+    table(py, pairs.map_err(refused)?)
 }
 
 struct Search {
@@ -129,7 +132,7 @@ impl Search {
             pairs::find_with(tree, &shapes, self.method, self.threads, self.max_pairs)
         })?;
         if self.sort {
-            found.sort();
+            found.sort()?;
         }
         Ok(found.pairs)
     }

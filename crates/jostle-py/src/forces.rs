@@ -324,7 +324,10 @@ impl PySprings {
     /// particles before them are removed.
     #[getter]
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
-        Ok(read_only(table(py, self.0.0.iter().map(|spring| spring.pair.map(i64::from)).collect())?))
+        Ok(read_only(table(
+            py,
+            self.0.0.iter().map(|spring| spring.pair.map(i64::from)).collect(),
+        )?))
     }
 
     /// Lengths at rest: ndarray of float32, shape (m,).

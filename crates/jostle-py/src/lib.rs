@@ -2,6 +2,8 @@
 //! is computed in the core; `arrays` is the only place that converts.
 
 mod error;
+mod interrupt;
+mod lock;
 mod files;
 mod masked;
 mod arrays;

@@ -9,6 +9,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::arrays::{Argument, Given, PointLists, column, count, number};
 use crate::error::refused;
+use crate::interrupt::detached;
 use crate::results;
 
 /// An argument of a question.
@@ -16,6 +17,9 @@ pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// An argument that may be left out or None.
 pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
+
+/// What a search finds, or why it refuses; Python's error where it could not begin.
+pub type Answer<R> = PyResult<jostle::Result<R>>;
 
 /// The categories that a question is about; None stands for all, and for what has none.
 pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
@@ -46,9 +50,15 @@ fn region<'py, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
     many: bool,
     regions: impl FnOnce() -> jostle::Result<Vec<R>> + Send,
-    ask: impl FnOnce(&[R]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let hits = py.detach(|| Ok(results::with_long_ids(ask(&regions()?)?)));
+    let answer = || -> Answer<Hits<i64>> {
+        match regions() {
+            Ok(regions) => Ok(ask(&regions)?.and_then(results::with_long_ids)),
+            Err(error) => Ok(Err(error)),
+        }
+    };
+    let hits = detached(py, answer)??;
     if many {
         results::hits(py, hits.map_err(refused)?)
     } else {
@@ -68,7 +78,7 @@ fn rows_of<V>(asked: &Each<V>) -> (bool, &[V]) {
 pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     rect: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Rect<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Rect<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let sides = sides(rect)?;
     let asked: Each<[T; 4]> =
@@ -122,7 +132,7 @@ fn sides_of_one<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyT
 pub fn point<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     point: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Point<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Point<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     let (many, points) = rows_of(&asked);
@@ -134,7 +144,7 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     center: &Bound<'py, PyAny>,
     radius: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Circle<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Circle<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let radius = Argument::reals("radius", radius)?;
     let centers: Each<[T; 2]> = Argument::reals("center", center)?.one_or_rows()?;
@@ -147,13 +157,14 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
 pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     vertices: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Polygon<T>]) -> jostle::Result<Hits<I>> + Send,
+    ask: impl FnOnce(&[Polygon<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let PointLists { points, many } = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
     let Some((polygons, corners)) = many else {
         // The row that its error names is a corner, and not the number of a question.
-        let hits = py.detach(|| ask(&[Polygon::new(&points)?])).map_err(refused)?;
-        return Ok(column(py, results::with_long_ids(hits).ids).into_any());
+        let polygon = Polygon::new(&points).map_err(refused)?;
+        let answer = || PyResult::Ok(ask(&[polygon])?.and_then(results::with_long_ids));
+        return Ok(column(py, detached(py, answer)??.map_err(refused)?.ids).into_any());
     };
     let polygon = |index: usize| {
         Polygon::new(&points[index * corners..(index + 1) * corners])
@@ -182,18 +193,18 @@ pub fn nearest<'py, T: Scalar + Element>(
     point: &Bound<'py, PyAny>,
     k: &Given<'py>,
     max_distance: &Given<'py>,
-    ask: impl FnOnce(&[[T; 2]], (usize, T)) -> jostle::Result<Neighbors<T>> + Send,
+    ask: impl FnOnce(&[[T; 2]], (usize, T)) -> Answer<Neighbors<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let k = k.value().map_or(Ok(1), |k| count("k", k, 1))?;
     let reach = reach(max_distance)?;
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     match &asked {
         Each::One(one) => {
-            let found = py.detach(|| ask(std::slice::from_ref(one), (k, reach)));
+            let found = detached(py, || ask(std::slice::from_ref(one), (k, reach)))??;
             results::neighbors(py, found.map_err(without_row).map_err(refused)?, None)
         }
         Each::Rows(rows) => {
-            let found = py.detach(|| ask(rows, (k, reach))).map_err(refused)?;
+            let found = detached(py, || ask(rows, (k, reach)))??.map_err(refused)?;
             results::neighbors(py, found, Some((rows.len(), k)))
         }
     }
@@ -206,7 +217,7 @@ pub fn cast<'py, T: Scalar + Element>(
     direction: &Bound<'py, PyAny>,
     radius: Maybe<'_, 'py>,
     max_distance: &Given<'py>,
-    ask: impl FnOnce(&[Ray<T>]) -> RayHits<T> + Send,
+    ask: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let reach = reach(max_distance)?;
     let radius = radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
@@ -222,7 +233,11 @@ pub fn cast<'py, T: Scalar + Element>(
     }
     let radii =
         radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len.unwrap_or(1)))?;
-    let hits = py.detach(|| Ok(ask(&Ray::all(&origins, &directions, &radii, reach)?)));
+    let hits = || match Ray::all(&origins, &directions, &radii, reach) {
+        Ok(rays) => ask(&rays),
+        Err(error) => Ok(Err(error)),
+    };
+    let hits = detached(py, hits)??;
     if len.is_some() {
         results::ray_hits(py, hits.map_err(refused)?)
     } else {

@@ -1,19 +1,22 @@
 //! Answers of several arrays, as the named tuples of `jostle.results`.
 
-use jostle::Scalar;
+use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{GaltonBoard, Nozzle};
+use jostle::{Scalar, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::arrays::{column, decimal, long, matrix, table};
+use crate::error::refused;
+use crate::interrupt::detached;
 
 /// `jostle.Contacts`.
 pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let pairs = py.detach(|| long("pairs", &all.pairs))?;
+    let pairs = detached(py, || long(&all.pairs))?.map_err(refused)?;
     let fields = (table(py, pairs)?, table(py, all.normals)?, column(py, all.depths));
     CONTACTS.import(py, "jostle.results", "Contacts")?.call1(fields)
 }
@@ -24,13 +27,14 @@ pub fn nodes<'py, T: Scalar>(
     tree: &jostle::Quadtree<T>,
 ) -> PyResult<Bound<'py, PyAny>> {
     static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let (bounds, depths, counts, is_leaf) = py.detach(|| {
-        let all = tree.boxes();
-        let depths: Vec<i64> = all.iter().map(|one| one.depth as i64).collect();
-        let counts: Vec<i64> = all.iter().map(|one| one.count as i64).collect();
-        let bounds = all.iter().map(|one| one.bounds).collect();
-        (bounds, depths, counts, all.iter().map(|one| one.is_leaf).collect())
-    });
+    let columns = detached(py, || -> jostle::Result<_> {
+        let all = tree.boxes()?;
+        let depths = memory::collect(all.iter().map(|one| one.depth as i64))?;
+        let counts = memory::collect(all.iter().map(|one| one.count as i64))?;
+        let is_leaf = memory::collect(all.iter().map(|one| one.is_leaf))?;
+        Ok((memory::collect(all.iter().map(|one| one.bounds))?, depths, counts, is_leaf))
+    })?;
+    let (bounds, depths, counts, is_leaf) = columns.map_err(refused)?;
     let fields = (table(py, bounds)?, column(py, depths), column(py, counts), column(py, is_leaf));
     NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
 }
@@ -43,9 +47,19 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
 }
 
 /// The same with ids as they are given out; needs no Python.
-pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> Hits<i64> {
+pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;
-    Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests }
+    if size_of::<I>() == size_of::<i64>() {
+        // This takes no other memory.
+        return Ok(Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests });
+    }
+    let mut long = memory::with_room(ids.len())?;
+    let mut pulse = Pulse::current();
+    for id in ids {
+        pulse.check(1)?;
+        long.push(id.into());
+    }
+    Ok(Hits { offsets, ids: long, tests })
 }
 
 /// `jostle.Hits`.

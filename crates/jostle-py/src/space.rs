@@ -1,20 +1,21 @@
 //! `jostle.Space`.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use jostle::geometry::Shape;
+use jostle::interrupt::Pulse;
 use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use jostle::space::{Events, Id};
-use jostle::{Each, Scalar, Shapes, Space};
+use jostle::{Each, Scalar, Shapes, Space, sorting};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
 use crate::arrays::{Argument, Given, column, long_ids, table, truth};
 use crate::error::{refused, type_error, value_error};
 use crate::events::PyEvents;
+use crate::interrupt::detached;
+use crate::lock::Shared;
 use crate::queries::{self, Asked, Maybe, without_row};
 use crate::settings;
 use crate::shapes::{Places, Where};
@@ -38,8 +39,8 @@ use crate::shapes::{Places, Where};
 /// max_depth : int, default 4096
 ///     Subdivisions allowed; the default never stops a split.
 /// threads : int, optional
-///     How many threads work; one for each core unless given. Every answer is the same for
-///     every number.
+///     How many threads work, at most one for each core, which is the default. Every answer
+///     is the same for every number.
 ///
 /// Raises
 /// ------
@@ -71,17 +72,16 @@ pub struct PySpace {
 
 /// The core's space, in one precision or the other.
 enum Either {
-    Single(Mutex<Space<f32>>),
-    Double(Mutex<Space<f64>>),
+    Single(Shared<Space<f32>>),
+    Double(Shared<Space<f64>>),
 }
 
-/// Runs the same expression for either precision, unless an earlier call broke down.
+/// Runs the same expression for either precision.
 macro_rules! with_space {
     ($self:ident, $name:ident => $do:expr) => {
         match &$self.space {
-            Either::Single($name) if !$name.is_poisoned() => $do,
-            Either::Double($name) if !$name.is_poisoned() => $do,
-            _ => Err(broken()),
+            Either::Single($name) => $do,
+            Either::Double($name) => $do,
         }
     };
 }
@@ -104,9 +104,9 @@ impl PySpace {
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
         let space = if is_single(&dtype)? {
-            Either::Single(Mutex::new(Space::new(settings).map_err(refused)?))
+            Either::Single(shared(Space::new(settings)).map_err(refused)?)
         } else {
-            Either::Double(Mutex::new(Space::new(settings).map_err(refused)?))
+            Either::Double(shared(Space::new(settings)).map_err(refused)?)
         };
         Ok(Self { space })
     }
@@ -185,7 +185,7 @@ impl PySpace {
                 half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
                 filters: bits(filters, len.unwrap_or(1))?,
             };
-            let ids = py.detach(|| lock(space).add(&new.shapes(places)?));
+            let ids = long(py, space, |space| space.add(&new.shapes(places)?))?;
             let ids = told(ids, len.is_none())?;
             if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
         })
@@ -240,10 +240,10 @@ impl PySpace {
             let ids = Ids::read(ids)?;
             let places = Where::read(centers, None, boxes)?;
             let places = if ids.single { places.only() } else { places.rows(ids.all.len()) }?;
-            ids.told(py.detach(|| match &places {
-                Places::Centers(centers) => lock(space).move_to(&ids.all, centers),
-                Places::Boxes(boxes) => lock(space).move_to_boxes(&ids.all, boxes),
-            }))
+            ids.told(long(py, space, |space| match &places {
+                Places::Centers(centers) => space.move_to(&ids.all, centers),
+                Places::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
+            })?)
         })
     }
 
@@ -289,7 +289,7 @@ impl PySpace {
             let radii = reals("radii", radii, ids.all.len())?;
             let sizes = sizes(half_sizes, ids.all.len())?;
             let (radii, sizes) = (radii.as_ref(), sizes.as_ref());
-            ids.told(py.detach(|| lock(space).resize(&ids.all, radii, sizes)))
+            ids.told(long(py, space, |space| space.resize(&ids.all, radii, sizes))?)
         })
     }
 
@@ -332,7 +332,7 @@ impl PySpace {
             let ids = Ids::read(ids)?;
             let [categories, masks] = bits([categories, masks], ids.all.len())?;
             let (categories, masks) = (categories.as_ref(), masks.as_ref());
-            ids.told(py.detach(|| lock(space).set_filter(&ids.all, categories, masks)))
+            ids.told(long(py, space, |space| space.set_filter(&ids.all, categories, masks))?)
         })
     }
 
@@ -361,7 +361,7 @@ impl PySpace {
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         with_space!(self, space => {
             let ids = Ids::read(ids)?;
-            ids.told(py.detach(|| lock(space).remove(&ids.all)))
+            ids.told(long(py, space, |space| space.remove(&ids.all))?)
         })
     }
 
@@ -408,7 +408,7 @@ impl PySpace {
         let max_pairs = settings::max_pairs(&max_pairs)?;
         let this = slf.get();
         let events = with_space!(this, space => {
-            slf.py().detach(|| lock(space).update(max_pairs)).map_err(refused)
+            long(slf.py(), space, |space| space.update(max_pairs))?.map_err(refused)
         });
         Ok(PyEvents::of(events?, slf.clone().unbind()))
     }
@@ -456,13 +456,13 @@ impl PySpace {
         let mask = queries::mask(mask)?;
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         with_space!(self, space => {
-            let pairs = py.detach(|| {
-                let mut pairs = lock(space).pairs(mask, max_pairs)?;
+            let pairs = long(py, space, |space| {
+                let mut pairs = space.pairs(mask, max_pairs)?;
                 if sort {
-                    pairs.sort_unstable();
+                    sorting::sort(&mut pairs, &mut Pulse::current())?;
                 }
                 Ok(pairs)
-            });
+            })?;
             table(py, pairs.map_err(refused)?)
         })
     }
@@ -514,7 +514,7 @@ impl PySpace {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::rect(py, rect, |rects| {
-            lock(space).search(rects, mask)
+            Ok(space.lock()?.search(rects, mask))
         }))
     }
 
@@ -558,7 +558,7 @@ impl PySpace {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::circle(py, center, radius, |circles| {
-            lock(space).search(circles, mask)
+            Ok(space.lock()?.search(circles, mask))
         }))
     }
 
@@ -602,7 +602,7 @@ impl PySpace {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::point(py, point, |points| {
-            lock(space).search(points, mask)
+            Ok(space.lock()?.search(points, mask))
         }))
     }
 
@@ -643,7 +643,7 @@ impl PySpace {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::polygon(py, vertices, |polygons| {
-            lock(space).search(polygons, mask)
+            Ok(space.lock()?.search(polygons, mask))
         }))
     }
 
@@ -701,7 +701,7 @@ impl PySpace {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mask = queries::mask(mask)?;
         with_space!(self, space => queries::nearest(py, point, &k, &max_distance, |points, wanted| {
-            lock(space).nearest(points, wanted, mask)
+            Ok(space.lock()?.nearest(points, wanted, mask))
         }))
     }
 
@@ -955,7 +955,10 @@ impl PySpace {
     /// The ids of all shapes, ascending: ndarray of int64, shape (n,).
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
-        with_space!(self, space => Ok(column(py, py.detach(|| lock(space).ids()))))
+        with_space!(self, space => {
+            let ids = long(py, space, |space| space.ids())?.map_err(refused)?;
+            Ok(column(py, ids))
+        })
     }
 
     /// The precision of its arithmetic: "float32" or "float64".
@@ -974,11 +977,11 @@ impl PySpace {
         }
         let number = if id.is_instance_of::<PyBool>() { None } else { id.extract::<Id>().ok() };
         let Some(id) = number else { return Ok(false) };
-        with_space!(self, space => Ok(py.detach(|| lock(space).contains(id))))
+        with_space!(self, space => Ok(space.lock_attached(py)?.contains(id)))
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
-        with_space!(self, space => Ok(py.detach(|| lock(space).len())))
+        with_space!(self, space => Ok(space.lock_attached(py)?.len()))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -989,7 +992,9 @@ impl PySpace {
 impl PySpace {
     /// The pairs that overlapped at both updates, unless there has been another since.
     pub fn stayed(&self, py: Python<'_>, events: &Events) -> PyResult<Option<Vec<[Id; 2]>>> {
-        with_space!(self, space => Ok(py.detach(|| lock(space).stayed(events))))
+        with_space!(self, space => {
+            long(py, space, |space| space.stayed(events))?.map_err(refused)
+        })
     }
 
     fn cast<'py>(
@@ -1002,21 +1007,24 @@ impl PySpace {
         let mask = queries::mask(mask)?;
         with_space!(self, space => {
             queries::cast(py, origin, direction, radius, max_distance, |rays| {
-                lock(space).first_hits(rays, mask)
+                Ok(space.lock()?.first_hits(rays, mask))
             })
         })
     }
 }
 
-/// For any work: other Python threads run meanwhile, or wait for the space. What an earlier
-/// call broke has been looked for.
-fn lock<T>(space: &Mutex<Space<T>>) -> MutexGuard<'_, Space<T>> {
-    space.lock().unwrap_or_else(PoisonError::into_inner)
+/// A space that many threads may hold.
+fn shared<T>(space: jostle::Result<Space<T>>) -> jostle::Result<Shared<Space<T>>> {
+    Ok(Shared::new(space?, "space", "make a new one"))
 }
 
-/// A panic is a bug; what it leaves behind is not to be trusted.
-fn broken() -> PyErr {
-    PyRuntimeError::new_err("this space broke down in the middle of an earlier call")
+/// Works with a space while other Python threads run.
+fn long<T: Scalar, R: Send>(
+    py: Python<'_>,
+    space: &Shared<Space<T>>,
+    act: impl FnOnce(&mut Space<T>) -> R + Send,
+) -> PyResult<R> {
+    detached(py, || Ok(act(&mut *space.lock()?)))?
 }
 
 /// Whether the precision asked for is float32.
@@ -1104,23 +1112,22 @@ fn bits([categories, masks]: [Maybe<'_, '_>; 2], len: usize) -> PyResult<[Option
 /// Something of each shape, and whether it was one id that was asked for.
 fn read<T: Scalar, V: Send>(
     py: Python<'_>,
-    space: &Mutex<Space<T>>,
+    space: &Shared<Space<T>>,
     ids: Maybe<'_, '_>,
     of: impl Fn(Shape<T>) -> V + Send,
 ) -> PyResult<(Vec<V>, bool)> {
     let ids = ids.map(Ids::read).transpose()?;
     let single = ids.as_ref().is_some_and(|ids| ids.single);
-    let values = py.detach(|| {
-        let space = lock(space);
-        let all = ids.map_or_else(|| space.ids(), |ids| ids.all);
+    let values = long(py, space, |space| {
+        let all = ids.map_or_else(|| space.ids(), |ids| Ok(ids.all))?;
         space.read(&all, of)
-    });
+    })?;
     Ok((told(values, single)?, single))
 }
 
 fn read_rows<'py, T: Scalar + Element, const W: usize>(
     py: Python<'py>,
-    space: &Mutex<Space<T>>,
+    space: &Shared<Space<T>>,
     ids: Maybe<'_, 'py>,
     of: impl Fn(Shape<T>) -> [T; W] + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -1132,7 +1139,7 @@ fn read_rows<'py, T: Scalar + Element, const W: usize>(
 
 fn read_bits<'py, T: Scalar>(
     py: Python<'py>,
-    space: &Mutex<Space<T>>,
+    space: &Shared<Space<T>>,
     ids: Maybe<'_, 'py>,
     of: impl Fn(Shape<T>) -> u32 + Send,
 ) -> PyResult<Bound<'py, PyAny>> {

@@ -1,18 +1,13 @@
 //! `jostle.World`.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex, MutexGuard};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use jostle::pairs::Overlaps;
 use jostle::{Each, Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::sync::MutexExt;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
 use crate::arrays::{Argument, Given, column, count, decimal, number, point, read_only, table};
@@ -20,6 +15,8 @@ use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
 use crate::forces;
+use crate::interrupt::{detached, detached_to_the_end};
+use crate::lock::{Guard, Shared};
 use crate::particles::{Draft, reals, truths, vectors};
 use crate::results;
 use crate::settings;
@@ -27,12 +24,6 @@ use crate::settings;
 /// Between whole steps, a long call looks about this often whether the user has
 /// pressed Ctrl-C and lets other threads at the world.
 const LOOK_UP: Duration = Duration::from_millis(50);
-
-/// A step of less work than this, particles times sub-steps, is done by the calling thread.
-const LITTLE_WORK: usize = 8_000;
-
-/// So is none that took longer than this the last time.
-const LITTLE_TIME: Duration = Duration::from_millis(20);
 
 /// Names of the stages, in the order of [`Stage`].
 const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve", "forces"];
@@ -82,7 +73,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found, never which.
 /// threads : int, optional
-///     How many threads work; one for each core unless given.
+///     How many threads work, at most one for each core, which is the default.
 /// leaf_capacity : int, default 96
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
@@ -109,7 +100,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 ///        [1., 0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "World", frozen)]
 pub struct PyWorld {
-    state: Arc<Mutex<State>>,
+    state: Shared<State>,
 }
 
 struct State {
@@ -860,12 +851,12 @@ impl PyWorld {
     /// The Python face of a world.
     pub fn of(world: World) -> Self {
         let state = State { world, profile: Default::default() };
-        Self { state: Arc::new(Mutex::new(state)) }
+        Self { state: Shared::new(state, "world", "restore a snapshot or make a new one") }
     }
 
     /// For a glance: other Python threads wait.
-    fn state(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, State>> {
-        self.state.lock_py_attached(py).map_err(|_| broken())
+    fn state(&self, py: Python<'_>) -> PyResult<Guard<'_, State>> {
+        self.state.lock_attached(py)
     }
 
     /// For work that depends on the number of particles: other Python threads run.
@@ -874,42 +865,14 @@ impl PyWorld {
         py: Python<'_>,
         act: impl FnOnce(&mut State) -> R + Send,
     ) -> PyResult<R> {
-        let done = py.detach(|| self.state.lock().ok().map(|mut state| act(&mut state)));
-        done.ok_or_else(broken)
+        detached_to_the_end(py, || Ok(act(&mut *self.state.lock()?)))?
     }
 
     /// Does some of the steps, and returns how many are left.
-    ///
-    /// Steps that may take long run in a thread of their own, so that this one can look for
-    /// Ctrl-C: Python's signals arrive in no other. After Ctrl-C the call returns at once; the
-    /// thread holds the world until it has undone the step under way.
     fn step_some(&self, py: Python<'_>, dt: f64, left: usize) -> PyResult<usize> {
-        let stop = Arc::new(AtomicBool::new(false));
-        if self.state(py)?.is_quick() {
-            return self.long(py, |state| state.step(dt, left, &stop))?.map_err(refused);
-        }
-        let (tell, mut hear) = mpsc::channel();
-        let (state, watched) = (self.state.clone(), stop.clone());
-        let work = move || {
-            let done = state.lock().ok().map(|mut state| state.step(dt, left, &watched));
-            // Nobody listens any more after Ctrl-C.
-            let _ = tell.send(done);
-        };
-        if thread::Builder::new().name("jostle-step".into()).spawn(work).is_err() {
-            // The system starts no more threads.
-            return self.long(py, |state| state.step(dt, left, &stop))?.map_err(refused);
-        }
-        loop {
-            let heard;
-            (heard, hear) = py.detach(move || (hear.recv_timeout(LOOK_UP), hear));
-            match heard {
-                Ok(done) => return done.ok_or_else(broken)?.map_err(refused),
-                Err(RecvTimeoutError::Disconnected) => return Err(broken()),
-                Err(RecvTimeoutError::Timeout) => {
-                    py.check_signals().inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
-                }
-            }
-        }
+        let left = detached(py, || PyResult::Ok(self.state.lock()?.step(dt, left)))??;
+        py.check_signals()?;
+        left.map_err(refused)
     }
 
     fn len(&self, py: Python<'_>) -> PyResult<usize> {
@@ -953,14 +916,8 @@ impl State {
         Ok(())
     }
 
-    /// Whether a step is certainly over before anybody could want to interrupt it.
-    fn is_quick(&self) -> bool {
-        let work = self.world.len() * self.world.settings().substeps;
-        work < LITTLE_WORK && self.profile.iter().sum::<Duration>() < LITTLE_TIME
-    }
-
     /// Does some of the steps, and returns how many are left.
-    fn step(&mut self, dt: f64, mut left: usize, stop: &AtomicBool) -> jostle::Result<usize> {
+    fn step(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
         let start = Instant::now();
         while left > 0 {
             let mut profile = <[Duration; STAGES.len()]>::default();
@@ -970,7 +927,7 @@ impl State {
                 profile[stage as usize] += now - since;
                 since = now;
             };
-            self.world.step_until(dt, 1, watch, stop)?;
+            self.world.step(dt, 1, watch)?;
             self.profile = profile;
             left -= 1;
             if start.elapsed() >= LOOK_UP {
@@ -1010,9 +967,4 @@ fn in_file(path: &Path, error: &Error) -> PyErr {
         other => other.to_string(),
     };
     PyValueError::new_err(format!("{} holds {found}", path.display()))
-}
-
-/// A panic is a bug; what it leaves behind is not to be trusted.
-fn broken() -> PyErr {
-    PyRuntimeError::new_err("this world broke down in the middle of an earlier call")
 }

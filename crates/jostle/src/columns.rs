@@ -1,7 +1,10 @@
 //! Shapes as columns: one array for each number, so that a leaf's shapes lie
 //! side by side for vector instructions.
 
+use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
+use crate::interrupt;
+use crate::memory;
 use crate::parallel;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes, corners};
 use crate::simd::LANES;
@@ -37,15 +40,29 @@ pub struct Columns<T> {
 
 impl<T: Scalar> Columns<T> {
     /// All shapes in the order of their rows.
-    pub fn of(shapes: &Shapes<T>) -> Self {
+    pub fn of(shapes: &Shapes<T>) -> Result<Self> {
         let mut columns = Self::default();
-        columns.fill(shapes, shapes.len(), Some(1), |place| place);
-        columns
+        columns.fill(shapes, shapes.len(), Some(1), |place| place)?;
+        Ok(columns)
     }
 
     /// Replaces the contents by the shapes in `rows`, in that order.
-    pub fn gather(&mut self, shapes: &Shapes<T>, rows: &[u32], threads: Option<usize>) {
-        self.fill(shapes, rows.len(), threads, |place| rows[place] as usize);
+    pub fn gather(
+        &mut self,
+        shapes: &Shapes<T>,
+        rows: &[u32],
+        threads: Option<usize>,
+    ) -> Result<()> {
+        self.fill(shapes, rows.len(), threads, |place| rows[place] as usize)
+    }
+
+    /// Forgets all shapes and keeps their memory.
+    pub fn clear(&mut self) {
+        self.len = 0;
+        let numbers =
+            [&mut self.x, &mut self.y, &mut self.radius, &mut self.half_x, &mut self.half_y];
+        numbers.into_iter().for_each(Vec::clear);
+        [&mut self.category, &mut self.mask].into_iter().for_each(Vec::clear);
     }
 
     #[inline(always)]
@@ -55,34 +72,35 @@ impl<T: Scalar> Columns<T> {
         len: usize,
         threads: Option<usize>,
         row: impl Fn(usize) -> usize + Sync + Send,
-    ) {
+    ) -> Result<()> {
         self.len = len;
         let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
         let pairs = |to: [&mut Vec<T>; 2], from: &[[T; 2]]| {
-            put_pairs(to, len, threads, |place| from[row(place)]);
+            put_pairs(to, len, threads, |place| from[row(place)])
         };
         let (lower, upper) = ([&mut self.x, &mut self.y], [&mut self.max_x, &mut self.max_y]);
         if let Some(boxes) = boxes {
-            put_pairs(lower, len, threads, |place| corners(&boxes[row(place)])[0]);
-            put_pairs(upper, len, threads, |place| corners(&boxes[row(place)])[1]);
+            put_pairs(lower, len, threads, |place| corners(&boxes[row(place)])[0])?;
+            put_pairs(upper, len, threads, |place| corners(&boxes[row(place)])[1])?;
         } else {
-            pairs(lower, centers);
+            pairs(lower, centers)?;
             upper.into_iter().for_each(Vec::clear);
         }
-        put_each(&mut self.radius, radii, len, threads, &row);
+        put_each(&mut self.radius, radii, len, threads, &row)?;
         let half = [&mut self.half_x, &mut self.half_y];
         match half_sizes {
             None => half.into_iter().for_each(Vec::clear),
-            Some(Each::Rows(sizes)) => pairs(half, sizes),
-            Some(Each::One(size)) => put_pairs(half, len, threads, |_| *size),
+            Some(Each::Rows(sizes)) => pairs(half, sizes)?,
+            Some(Each::One(size)) => put_pairs(half, len, threads, |_| *size)?,
         }
         match filters {
             None => [&mut self.category, &mut self.mask].into_iter().for_each(Vec::clear),
             Some([categories, masks]) => {
-                put_each(&mut self.category, categories, len, threads, &row);
-                put_each(&mut self.mask, masks, len, threads, &row);
+                put_each(&mut self.category, categories, len, threads, &row)?;
+                put_each(&mut self.mask, masks, len, threads, &row)?;
             }
         }
+        Ok(())
     }
 
     /// Bytes of memory that they keep, used or not.
@@ -165,8 +183,9 @@ fn put_each<V: Copy + Default + Send + Sync>(
     len: usize,
     threads: Option<usize>,
     row: impl Fn(usize) -> usize + Sync + Send,
-) {
-    column.resize(len + LANES, V::default());
+) -> Result<()> {
+    interrupt::check()?;
+    memory::resize(column, len + LANES, V::default())?;
     match values {
         Each::One(value) => column[..len].fill(*value),
         Each::Rows(values) => parallel::for_chunks(threads, &mut column[..len], |first, chunk| {
@@ -175,6 +194,7 @@ fn put_each<V: Copy + Default + Send + Sync>(
             }
         }),
     }
+    Ok(())
 }
 
 /// Fills two columns of `len` values from pairs, and spare rows behind them.
@@ -184,12 +204,14 @@ fn put_pairs<T: Scalar>(
     len: usize,
     threads: Option<usize>,
     pair: impl Fn(usize) -> [T; 2] + Sync + Send,
-) {
-    x.resize(len + LANES, T::ZERO);
-    y.resize(len + LANES, T::ZERO);
+) -> Result<()> {
+    interrupt::check()?;
+    memory::resize(x, len + LANES, T::ZERO)?;
+    memory::resize(y, len + LANES, T::ZERO)?;
     parallel::for_chunks_of_two(threads, &mut x[..len], &mut y[..len], |first, x, y| {
         for (offset, (x, y)) in x.iter_mut().zip(y).enumerate() {
             [*x, *y] = pair(first + offset);
         }
     });
+    Ok(())
 }

@@ -1,13 +1,20 @@
-//! What can be wrong with an argument, said in one sentence.
+//! What can go wrong with a call, said in one sentence.
 
 use std::fmt;
 
-/// A refused argument, or an answer that would not fit.
+/// A refused argument, an answer that would not fit, or a call that was stopped.
 ///
 /// The sentence names the argument, the index and the value, so that a caller
 /// with a million rows can find the one that is wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Error {
+    /// The caller asked for a stop; see [`watch`](crate::interrupt::watch).
+    Interrupted,
+    /// The system has no memory for something.
+    NoMemory {
+        /// How large it would have been.
+        bytes: usize,
+    },
     /// One value breaks the rule of its argument.
     Value {
         /// Name of the argument, as the caller spells it.
@@ -33,8 +40,6 @@ pub enum Error {
         /// The limit that was passed.
         most: usize,
     },
-    /// The caller asked a long call to stop.
-    Interrupted,
     /// A step would give a particle a number that no world can hold.
     NotFinite {
         /// The column, as the caller spells it.
@@ -86,6 +91,10 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Interrupted => write!(f, "the call was interrupted"),
+            Self::NoMemory { bytes } => {
+                write!(f, "not enough memory: {} could not be allocated", Size(*bytes))
+            }
             Self::Value { argument, index: Some(index), value, rule } => {
                 write!(f, "{argument}[{index}] is {value}; {rule}")
             }
@@ -103,7 +112,6 @@ impl fmt::Display for Error {
                 "more than {most} pairs of particles may touch in one step; \
                  spread the particles out, or take smaller steps"
             ),
-            Self::Interrupted => write!(f, "the call was interrupted"),
             Self::NotFinite { argument, index, value } => write!(
                 f,
                 "the step would make {argument}[{index}] {value}, which is not finite; the world \
@@ -123,6 +131,21 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// A number of bytes in the largest unit that leaves at least 1.
+struct Size(usize);
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bytes = self.0 as f64;
+        match self.0 {
+            0..1024 => write!(f, "{} bytes", self.0),
+            1024..1_048_576 => write!(f, "{:.1} KiB", bytes / 1024.0),
+            1_048_576..1_073_741_824 => write!(f, "{:.1} MiB", bytes / 1_048_576.0),
+            _ => write!(f, "{:.1} GiB", bytes / 1_073_741_824.0),
+        }
+    }
+}
 
 /// A result whose error is [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;

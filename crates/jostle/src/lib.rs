@@ -4,6 +4,9 @@
 //! The modules stand in reading order: each uses only those above it.
 
 pub mod error;
+pub mod memory;
+pub mod interrupt;
+pub mod sorting;
 pub mod settings;
 pub mod simd;
 pub mod geometry;

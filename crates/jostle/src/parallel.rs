@@ -3,29 +3,31 @@
 //! Work is cut into tasks by the data alone and results are put together in
 //! the order of the tasks, so the number of threads never shows in an answer.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 #[cfg(feature = "parallel")]
-use std::collections::BTreeMap;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+
 #[cfg(feature = "parallel")]
-use std::sync::{Arc, Mutex, PoisonError};
+use core::time::Duration;
+
+#[cfg(feature = "parallel")]
+use crate::interrupt::{self, Stop};
 
 /// Runs `task(0)`, …, `task(count - 1)` on `threads` threads (`None`: one for
 /// each core) and returns the results in that order.
-#[cfg(feature = "parallel")]
 pub fn map<R: Send>(
     threads: Option<usize>,
     count: usize,
     task: impl Fn(usize) -> R + Sync + Send,
 ) -> Vec<R> {
-    use rayon::prelude::*;
-    if threads == Some(1) || count < 2 {
-        return (0..count).map(task).collect();
+    #[cfg(feature = "parallel")]
+    if count > 1
+        && let Some(team) = Team::of(threads)
+    {
+        use rayon::prelude::*;
+        return team.run(|| (0..count).into_par_iter().with_max_len(1).map(&task).collect());
     }
-    run(threads, || (0..count).into_par_iter().with_max_len(1).map(&task).collect())
-}
-
-/// Without the feature `parallel` every call runs on the caller's thread.
-#[cfg(not(feature = "parallel"))]
-pub fn map<R>(_threads: Option<usize>, count: usize, task: impl Fn(usize) -> R) -> Vec<R> {
+    let _ = threads;
     (0..count).map(task).collect()
 }
 
@@ -36,9 +38,11 @@ pub fn for_each<T: Send>(
     act: impl Fn(&mut T) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if threads != Some(1) && items.len() > 1 {
+    if items.len() > 1
+        && let Some(team) = Team::of(threads)
+    {
         use rayon::prelude::*;
-        return run(threads, || items.par_iter_mut().with_max_len(1).for_each(act));
+        return team.run(|| items.par_iter_mut().with_max_len(1).for_each(act));
     }
     let _ = threads;
     items.iter_mut().for_each(act);
@@ -62,8 +66,8 @@ pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
 /// Runs `work` where the threads are, so that each of its parallel parts starts at once.
 pub fn among<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
     #[cfg(feature = "parallel")]
-    if threads != Some(1) {
-        return run(threads, work);
+    if let Some(team) = Team::of(threads) {
+        return team.run(work);
     }
     let _ = threads;
     work()
@@ -77,9 +81,11 @@ pub fn for_chunks<T: Send>(
     act: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if threads != Some(1) && items.len() > WORTHWHILE {
+    if items.len() > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
         use rayon::prelude::*;
-        return run(threads, || {
+        return team.run(|| {
             let chunks = items.par_chunks_mut(CHUNK).enumerate();
             chunks.for_each(|(index, chunk)| act(index * CHUNK, chunk));
         });
@@ -97,9 +103,11 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
 ) {
     debug_assert_eq!(a.len(), b.len());
     #[cfg(feature = "parallel")]
-    if threads != Some(1) && a.len() > WORTHWHILE {
+    if a.len() > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
         use rayon::prelude::*;
-        return run(threads, || {
+        return team.run(|| {
             let chunks = a.par_chunks_mut(CHUNK).zip(b.par_chunks_mut(CHUNK)).enumerate();
             chunks.for_each(|(index, (a, b))| act(index * CHUNK, a, b));
         });
@@ -126,11 +134,13 @@ pub fn gather<V: Copy + Default + Send + Sync>(
 /// Calls `act` with every number below `len`.
 pub fn for_rows(threads: Option<usize>, len: usize, act: impl Fn(usize) + Sync + Send) {
     #[cfg(feature = "parallel")]
-    if threads != Some(1) && len > WORTHWHILE {
+    if len > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
         use rayon::prelude::*;
         let chunks = len.div_ceil(CHUNK);
         let chunk = |index: usize| index * CHUNK..len.min((index + 1) * CHUNK);
-        return run(threads, || {
+        return team.run(|| {
             (0..chunks).into_par_iter().for_each(|index| chunk(index).for_each(&act));
         });
     }
@@ -143,42 +153,183 @@ pub fn is_parallel(threads: Option<usize>) -> bool {
     cfg!(feature = "parallel") && threads != Some(1)
 }
 
-/// The pools started so far, by number of threads; 0 is one for each core. They are
-/// kept: starting threads costs more than a small call.
+/// The threads that work on a call.
 #[cfg(feature = "parallel")]
-static POOLS: Mutex<BTreeMap<usize, Arc<rayon::ThreadPool>>> = Mutex::new(BTreeMap::new());
+enum Team {
+    /// Those among which the present thread is one already.
+    Present,
+    /// Others; the present thread waits for them.
+    Others(Arc<rayon::ThreadPool>),
+}
 
-/// Runs `work` with `threads` threads at hand; on the caller's own where the system
-/// starts no more.
 #[cfg(feature = "parallel")]
-fn run<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
-    // Inside a pool there is nothing to look for, and no lock to take.
-    if rayon::current_thread_index().is_some() {
-        return work();
+impl Team {
+    /// `threads` threads, at most one for each core. None where the present thread is to work
+    /// alone: because one thread is enough, or because the system starts no others.
+    fn of(threads: Option<usize>) -> Option<Self> {
+        if threads == Some(1) {
+            return None;
+        }
+        if rayon::current_thread_index().is_some() {
+            return Some(Self::Present);
+        }
+        Era::present().pools().pool(threads).map(Self::Others)
     }
-    let count = threads.unwrap_or(0);
-    let pool = {
-        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-        let kept = pools.get(&count).cloned();
-        kept.or_else(|| {
-            let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(count).build().ok()?);
-            pools.insert(count, pool.clone());
-            Some(pool)
-        })
-    };
-    match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
+
+    fn run<R: Send>(self, work: impl FnOnce() -> R + Send) -> R {
+        let Self::Others(pool) = self else { return work() };
+        let stop = Stop::current();
+        if !stop.is_watched() {
+            return pool.install(work);
+        }
+        let answer = Answer::default();
+        pool.in_place_scope(|scope| {
+            scope.spawn(|_| {
+                let _done = Done(&answer);
+                let value = interrupt::under(stop.clone(), work);
+                answer.lock().0 = Some(value);
+            });
+            answer.wait(&stop);
+        });
+        let value = answer.lock().0.take();
+        value.expect("a panic of the work goes on where its scope ends")
+    }
+}
+
+/// How long a caller waits for its answer before it polls.
+#[cfg(feature = "parallel")]
+const POLL_EVERY: Duration = Duration::from_millis(20);
+
+/// What other threads work out for a waiting one, and whether they are done.
+#[cfg(feature = "parallel")]
+struct Answer<R> {
+    value: Mutex<(Option<R>, bool)>,
+    changed: Condvar,
+}
+
+#[cfg(feature = "parallel")]
+impl<R> Default for Answer<R> {
+    fn default() -> Self {
+        Self { value: Mutex::new((None, false)), changed: Condvar::new() }
+    }
+}
+
+#[cfg(feature = "parallel")]
+impl<R> Answer<R> {
+    fn lock(&self) -> MutexGuard<'_, (Option<R>, bool)> {
+        self.value.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until it is done; polls meanwhile.
+    fn wait(&self, stop: &Stop) {
+        loop {
+            let waited = self.changed.wait_timeout_while(self.lock(), POLL_EVERY, |now| !now.1);
+            if waited.unwrap_or_else(PoisonError::into_inner).0.1 {
+                return;
+            }
+            stop.is_set();
+        }
+    }
+}
+
+/// Tells that an answer is done, also after a panic.
+#[cfg(feature = "parallel")]
+struct Done<'a, R>(&'a Answer<R>);
+
+#[cfg(feature = "parallel")]
+impl<R> Drop for Done<'_, R> {
+    fn drop(&mut self) {
+        self.0.lock().1 = true;
+        self.0.changed.notify_one();
+    }
+}
+
+/// Most pools that are kept, for different numbers of threads.
+#[cfg(feature = "parallel")]
+const MOST_POOLS: usize = 3;
+
+/// Calls that work on one thread after the system has refused to start others.
+#[cfg(feature = "parallel")]
+const PATIENCE: usize = 1000;
+
+/// The pools used last, latest first. They are kept: starting threads costs more than a
+/// small call.
+#[cfg(feature = "parallel")]
+struct Pools {
+    kept: Vec<Arc<rayon::ThreadPool>>,
+    /// Cores that this process may use; 0 as long as nobody has asked.
+    cores: usize,
+    /// Calls until the next attempt to start threads.
+    refused: usize,
+}
+
+#[cfg(feature = "parallel")]
+impl Pools {
+    fn pool(&mut self, threads: Option<usize>) -> Option<Arc<rayon::ThreadPool>> {
+        if self.cores == 0 {
+            self.cores = std::thread::available_parallelism().map_or(1, usize::from);
+        }
+        let count = threads.unwrap_or(self.cores).min(self.cores);
+        if count < 2 {
+            return None;
+        }
+        let known = self.kept.iter().position(|pool| pool.current_num_threads() == count);
+        if let Some(place) = known {
+            self.kept[..=place].rotate_right(1);
+            return Some(self.kept[0].clone());
+        }
+        if self.refused > 0 {
+            self.refused -= 1;
+            return None;
+        }
+        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(count).build() else {
+            self.refused = PATIENCE;
+            return None;
+        };
+        self.kept.truncate(MOST_POOLS - 1);
+        self.kept.insert(0, Arc::new(pool));
+        Some(self.kept[0].clone())
+    }
+}
+
+/// How often the process was forked from one in which this library was loaded.
+static FORKS: AtomicUsize = AtomicUsize::new(0);
+
+/// Number of forks between the process that loaded this library and the present one.
+pub fn forks() -> usize {
+    FORKS.load(Ordering::Relaxed)
+}
+
+/// The pools of one process. A forked one begins with an era of its own: the threads of the
+/// former have not come along, and one of them may have held its lock.
+#[cfg(feature = "parallel")]
+struct Era {
+    pools: Mutex<Pools>,
+    next: OnceLock<Box<Era>>,
+}
+
+#[cfg(feature = "parallel")]
+impl Era {
+    const fn new() -> Self {
+        let pools = Mutex::new(Pools { kept: Vec::new(), cores: 0, refused: 0 });
+        Self { pools, next: OnceLock::new() }
+    }
+
+    fn present() -> &'static Self {
+        static FIRST: Era = Era::new();
+        let next = |era: &'static Self| era.next.get_or_init(|| Box::new(Self::new()));
+        (0..forks()).fold(&FIRST, |era, _| next(era))
+    }
+
+    fn pools(&self) -> MutexGuard<'_, Pools> {
+        self.pools.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// Forgets all threads. To be called in a process that was forked from one in which
-/// they ran: they did not come along.
+/// they ran, before it starts any: they did not come along.
 pub fn abandon_threads() {
+    FORKS.fetch_add(1, Ordering::Relaxed);
     #[cfg(feature = "parallel")]
-    {
-        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-        // Not dropped: that would talk to threads which are not there.
-        std::mem::forget(std::mem::take(&mut *pools));
-    }
+    Era::present();
 }

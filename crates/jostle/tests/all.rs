@@ -4,6 +4,8 @@ mod common;
 
 mod determinism;
 mod forces;
+mod interrupt;
+mod limits;
 mod merging;
 mod physics;
 mod query;

@@ -1,11 +1,12 @@
 //! What a step never does: write numbers that no world can hold, work without bound, or leave
 //! a world halfway.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use jostle::forces::{Force, Gravitation, Spring, Springs};
-use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle::interrupt::watch;
+use jostle::{Container, OnTouch, Particles, World, WorldSettings};
 
 /// Far more than any of these steps takes; a step without a bound took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -108,23 +109,31 @@ fn worlds() -> Vec<(&'static str, World)> {
     ]
 }
 
+thread_local! {
+    /// Checks that do not stop.
+    static LEFT: Cell<u32> = const { Cell::new(0) };
+}
+
+fn poll() -> bool {
+    let left = LEFT.get();
+    LEFT.set(left.saturating_sub(1));
+    left == 0
+}
+
 #[test]
 fn an_interrupted_step_is_undone_wherever_it_stops() {
     for (name, mut world) in worlds() {
         world.step(1.0 / 60.0, 5, &mut |_| ()).unwrap();
         let mut other = World::restore(&world.snapshot()).unwrap();
-        // Stop after the first stage, after the second, and so on, until the step gets through.
-        for stages in 0.. {
+        // Stop at the first check, at the second, and so on, until the step gets through.
+        for checks in 0.. {
             let before = state(&world);
-            let (stop, mut seen) = (AtomicBool::new(stages == 0), 0);
-            let watch = &mut |_: Stage| {
-                seen += 1;
-                stop.store(seen >= stages, Ordering::Relaxed);
-            };
-            let Err(error) = world.step_until(1.0 / 60.0, 1, watch, &stop) else { break };
+            LEFT.set(checks);
+            let stepped = watch(poll, || world.step(1.0 / 60.0, 1, &mut |_| ()));
+            let Err(error) = stepped else { break };
             assert_eq!(error, jostle::Error::Interrupted);
-            assert_eq!(state(&world), before, "{name} stopped after {stages} stages");
-            assert!(stages < 1000);
+            assert_eq!(state(&world), before, "{name} stopped at check {checks}");
+            assert!(checks < 10_000);
         }
         world.forget_renumbering();
         other.step(1.0 / 60.0, 1, &mut |_| ()).unwrap();
@@ -141,8 +150,7 @@ fn positions_that_a_caller_gave_are_back_after_a_step_that_is_undone() {
     let all = Particles::new(vec![[-3.0, 25.0], [5.0, 5.0]], vec![[1.0; 2]; 2], vec![1.0; 2], 1.0);
     let settings = WorldSettings { container: torus, ..Default::default() };
     let mut world = World::new(all, settings).unwrap();
-    let stop = AtomicBool::new(true);
-    world.step_until(0.1, 1, &mut |_| (), &stop).unwrap_err();
+    watch(|| true, || world.step(0.1, 1, &mut |_| ())).unwrap_err();
     assert_eq!(world.positions()[0], [-3.0, 25.0]);
 }
 

@@ -112,7 +112,7 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
         let rays =
             Ray::all(&Each::Rows(places.clone()), &Each::Rows(typed(&asked.ways)), &radii, reach)
                 .expect("valid");
-        let found = query::first_hits(&tree, &rays, mask);
+        let found = query::first_hits(&tree, &rays, mask).unwrap();
         let seen = query::first_hits_by(&rays, Some(1), |best: &mut FirstHit<T>| {
             for row in 0..shapes.len() {
                 let shape = shapes.shape(row);
@@ -121,6 +121,7 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
                 }
             }
         });
+        let seen = seen.unwrap();
         assert_eq!((found.ids, found.distances), (seen.ids, seen.distances));
     }
 }
@@ -159,7 +160,7 @@ fn instructions_and_threads_change_nothing() {
         (
             query::search(&tree, &circles, None).expect("few"),
             query::nearest(&tree, &points, (5, f64::INFINITY), None).expect("valid"),
-            query::first_hits(&tree, &rays.expect("valid"), None),
+            query::first_hits(&tree, &rays.expect("valid"), None).unwrap(),
         )
     };
     let first = answers(Instructions::Portable, 1);
@@ -176,7 +177,7 @@ fn equal_distances_go_to_the_smaller_row() {
     let found = query::nearest(&tree, &[[3.5, 3.5]], (4, 9.0), None).expect("valid");
     assert_eq!(found.ids, [27, 28, 35, 36]);
     let ray = Ray::all(&Each::One([3.5, -5.0]), &Each::One([0.0, 1.0]), &Each::One(0.5), 99.0);
-    assert_eq!(query::first_hits(&tree, &ray.expect("valid"), None).ids, [3]);
+    assert_eq!(query::first_hits(&tree, &ray.expect("valid"), None).unwrap().ids, [3]);
 }
 
 #[test]

@@ -231,7 +231,7 @@ impl<T: Scalar> Trial<T> {
                 let (ids, _) = self.named(which, |one| *one);
                 self.remove(&ids);
             }
-            Call::RemoveAll => self.remove(&self.space.ids()),
+            Call::RemoveAll => self.remove(&self.space.ids().unwrap()),
             Call::Update => self.update(),
             Call::Pairs => {
                 let mut found = self.space.pairs(None, DEFAULT_MAX_PAIRS).expect("they fit");
@@ -291,9 +291,9 @@ impl<T: Scalar> Trial<T> {
         assert_eq!(events.entered, without(&now, &self.touching));
         assert_eq!(events.left, without(&self.touching, &now));
         let stayed = without(&now, &events.entered);
-        assert_eq!(self.space.stayed(&events), Some(stayed));
+        assert_eq!(self.space.stayed(&events).unwrap(), Some(stayed));
         if let Some(old) = self.events.replace(events) {
-            assert_eq!(self.space.stayed(&old), None);
+            assert_eq!(self.space.stayed(&old).unwrap(), None);
         }
         self.touching = now;
     }
@@ -324,7 +324,7 @@ impl<T: Scalar> Trial<T> {
         let hits =
             chosen.iter().filter_map(|(id, shape)| Some((query::hit(&rays[0], shape)?, **id)));
         let first = hits.min_by(|a, b| a.0.partial_cmp(&b.0).unwrap().then(a.1.cmp(&b.1)));
-        let found = self.space.first_hits(&rays, mask);
+        let found = self.space.first_hits(&rays, mask).unwrap();
         assert_eq!((found.distances[0], found.ids[0]), first.unwrap_or((T::INFINITY, -1)));
     }
 
@@ -336,7 +336,7 @@ impl<T: Scalar> Trial<T> {
                 continue;
             }
             assert!(!self.space.contains(bad));
-            let mut ids = self.space.ids();
+            let mut ids = self.space.ids().unwrap();
             ids.push(bad);
             let centers = vec![[T::ZERO; 2]; ids.len()];
             let (size, bits) = (Each::One(T::ONE), Each::One(7));
@@ -356,7 +356,7 @@ impl<T: Scalar> Trial<T> {
     }
 
     fn refuse_values(&mut self, which: usize) {
-        let mut ids = self.space.ids();
+        let mut ids = self.space.ids().unwrap();
         if ids.is_empty() {
             return;
         }
@@ -389,7 +389,7 @@ impl<T: Scalar> Trial<T> {
         self.space.check().expect("its invariants hold");
         assert_eq!(self.space.len(), self.shapes.len());
         let ids: Vec<Id> = self.shapes.keys().copied().collect();
-        assert_eq!(self.space.ids(), ids);
+        assert_eq!(self.space.ids().unwrap(), ids);
         let shapes = self.space.read(&ids, |shape| shape).expect("they are there");
         assert!(shapes.iter().eq(self.shapes.values()));
     }

@@ -33,20 +33,20 @@ fn agree<T: Scalar>(shapes: &Raw, settings: Settings) {
     let given = shapes.typed::<T>();
     let expected = by_the_book(&given, &given, true);
     let mut brute =
-        pairs::brute(&Columns::of(&given), settings.threads, DEFAULT_MAX_PAIRS).unwrap();
-    brute.sort();
+        pairs::brute(&Columns::of(&given).unwrap(), settings.threads, DEFAULT_MAX_PAIRS).unwrap();
+    brute.sort().unwrap();
     assert_eq!(brute.pairs, expected, "brute force");
     let tree = built(&given, settings);
     for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
         // Other tests may set another limit meanwhile: then more than one is tested here.
         simd::limit(most);
         let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
-        found.sort();
+        found.sort().unwrap();
         assert_eq!(found.pairs, expected, "the tree, with {most:?}");
     }
     let auto = pairs::find(&given, None, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     let mut auto = auto;
-    auto.sort();
+    auto.sort().unwrap();
     assert_eq!(auto.pairs, expected, "the faster of the two");
 }
 
@@ -66,10 +66,10 @@ proptest! {
         let (a, b) = (first.typed::<f32>(), second.typed::<f32>());
         let (tree_a, tree_b) = (built(&a, settings), built(&b, Settings::default()));
         let mut found = pairs::between(&tree_a, &tree_b, DEFAULT_MAX_PAIRS).unwrap();
-        found.sort();
+        found.sort().unwrap();
         prop_assert_eq!(&found.pairs, &by_the_book(&a, &b, false));
-        let mut brute = pairs::brute_between(&Columns::of(&a), &Columns::of(&b), [0.0; 2], DEFAULT_MAX_PAIRS).unwrap();
-        brute.sort();
+        let mut brute = pairs::brute_between(&Columns::of(&a).unwrap(), &Columns::of(&b).unwrap(), [0.0; 2], DEFAULT_MAX_PAIRS).unwrap();
+        brute.sort().unwrap();
         prop_assert_eq!(&found.pairs, &brute.pairs);
     }
 
@@ -80,7 +80,7 @@ proptest! {
         let tree = built(&shapes.typed::<f32>(), settings);
         let columns = tree.columns();
         let mut found = pairs::places_between(&tree, &tree, shift, DEFAULT_MAX_PAIRS).unwrap();
-        found.sort();
+        found.sort().unwrap();
         let brute = pairs::brute_between(columns, columns, shift, DEFAULT_MAX_PAIRS).unwrap();
         prop_assert_eq!(found.pairs, brute.pairs);
     }
@@ -304,7 +304,10 @@ fn too_many_pairs_are_an_error_that_names_the_limit() {
         for max_pairs in [exact - 1, 1000, 0] {
             let error = Error::TooManyPairs { max_pairs };
             assert_eq!(pairs::within(&tree, max_pairs), Err(error.clone()));
-            assert_eq!(pairs::brute(&Columns::of(&all), Some(threads), max_pairs), Err(error));
+            assert_eq!(
+                pairs::brute(&Columns::of(&all).unwrap(), Some(threads), max_pairs),
+                Err(error)
+            );
         }
     }
 }
@@ -316,14 +319,14 @@ fn a_limit_stops_the_search_long_before_the_end() {
     let tree = Quadtree::new(&all, Settings { max_depth: 0, ..Settings::default() }).unwrap();
     assert!(pairs::within(&tree, 1_000_000).is_err());
     assert!(pairs::between(&tree, &tree, 1_000_000).is_err());
-    assert!(pairs::brute(&Columns::of(&all), None, 1_000_000).is_err());
+    assert!(pairs::brute(&Columns::of(&all).unwrap(), None, 1_000_000).is_err());
 }
 
 #[test]
 fn a_small_tree_has_these_boxes() {
     let four = discs([[1.0, 1.0], [6.0, 2.0], [2.0, 7.0], [7.0, 7.0]].into_iter(), 0.5);
     let settings = Settings { leaf_capacity: 1, ..Settings::default() };
-    let cells: Vec<[f64; 4]> = built(&four, settings).cells();
+    let cells: Vec<[f64; 4]> = built(&four, settings).cells().unwrap();
     // Extent 6, so the side is 8, and the origin a multiple of 1.
     assert_eq!(cells[0], [1.0, 1.0, 9.0, 9.0]);
     assert_eq!(

@@ -213,7 +213,7 @@ fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u3
     };
     let few = a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len());
     if few {
-        let (a, b) = (Columns::of(a), Columns::of(b));
+        let (a, b) = (Columns::of(a)?, Columns::of(b)?);
         return Ok(pairs::brute_between(&a, &b, [T::ZERO; 2], DEFAULT_MAX_PAIRS)?.pairs);
     }
     let settings = Settings { threads: THREADS, ..Settings::default() };

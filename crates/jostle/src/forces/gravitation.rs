@@ -17,6 +17,7 @@ use super::{Bodies, check_number, nearest, nearest_on};
 use crate::columns::Columns;
 use crate::container::Container;
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::parallel;
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
@@ -158,7 +159,9 @@ fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
     let settings =
         Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
     let tie = |a: usize, b: usize| -> Ordering { bodies.masses[a].total_cmp(&bodies.masses[b]) };
-    tree.rebuild(shapes, settings, &tie);
+    // The caller is in the middle of a step, from which there is no way back.
+    let built = interrupt::unwatched(|| tree.rebuild(shapes, settings, &tie));
+    built.expect("there is memory for the tree of gravitation");
     all.clear();
     let Columns { x, y, .. } = tree.columns();
     for (place, &row) in tree.rows().iter().enumerate() {

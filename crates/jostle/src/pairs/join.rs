@@ -12,6 +12,9 @@ use crate::simd::{Simd, Work};
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
 
+/// About as many numbers are read for a task, beside those of its shapes.
+const TASK_WORK: usize = 16;
+
 /// Two trees to be walked together; `itself` where they are the same tree and
 /// each unordered pair is wanted once.
 pub(super) struct Join<'a, T> {
@@ -143,7 +146,7 @@ impl<T: Scalar, F: Finish> Work<T> for Walk<'_, '_, T, F> {
         let mut scratch = Scratch::default();
         let mut stack = vec![task];
         while let Some(task) = stack.pop() {
-            if output.is_full() {
+            if output.is_over(TASK_WORK) {
                 return;
             }
             let (first, second) = (task.0 as usize, task.1 as usize);

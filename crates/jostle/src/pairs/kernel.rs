@@ -246,7 +246,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 if near_b.len > 0 {
                     self.packed::<F, CORE, FILTERS>(near_a, near_b, output);
                 }
-                if output.is_full() {
+                if output.is_over(near_a.len * (1 + near_b.len)) {
                     return;
                 }
             }
@@ -473,7 +473,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
                 self.against::<F, CORE, FILTERS>(first, &some, start, &others, wanted, output);
-                if output.is_full() {
+                if output.is_over(CHUNK * LANES) {
                     return;
                 }
             }

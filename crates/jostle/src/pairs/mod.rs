@@ -15,11 +15,14 @@ use std::ops::Range;
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{self, Scalar};
+use crate::interrupt::Pulse;
+use crate::memory;
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::Shapes;
 use crate::simd::{Simd, Work};
+use crate::sorting;
 use join::Join;
 use kernel::Kernel;
 use output::{Budget, Finish, Output};
@@ -30,6 +33,9 @@ const BRUTE_FORCE_LIMIT: usize = 192;
 /// As [`BRUTE_FORCE_LIMIT`] for circles, whose test is shorter. Measured with AVX-512 and
 /// AVX2; it is the same for all, or the order of the pairs would depend on the machine.
 const CIRCLES_LIMIT: usize = 384;
+
+/// Shapes that brute force tests one against before it looks whether to go on.
+const ALONG: usize = 1 << 14;
 
 /// By brute force, fewer shapes than this are not worth waking other threads for.
 const BRUTE_WORTH_WAKING: usize = 2048;
@@ -45,8 +51,8 @@ pub struct Found {
 
 impl Found {
     /// Sorts by first, then by second.
-    pub fn sort(&mut self) {
-        self.pairs.sort_unstable();
+    pub fn sort(&mut self) -> Result<()> {
+        sorting::sort(&mut self.pairs, &mut Pulse::current())
     }
 }
 
@@ -76,7 +82,7 @@ pub fn find_with<T: Scalar>(
     let limit = if circles { CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
     let small = shapes.len() <= limit;
     if method == Some(Method::Brute) || (method.is_none() && small) {
-        return brute(&Columns::of(shapes), threads, max_pairs);
+        return brute(&Columns::of(shapes)?, threads, max_pairs);
     }
     parallel::among(parallel::worthwhile(threads, shapes.len()), || {
         tree.fill(shapes, settings)?;
@@ -129,6 +135,9 @@ fn has_category<T: Scalar>(tree: &Quadtree<T>, place: u32, mask: u32) -> bool {
     tree.columns().shape(place as usize).category & mask != 0
 }
 
+/// About as many numbers are read for a contact.
+const CONTACT_WORK: usize = 16;
+
 /// The pairs of [`within`] with the geometry of their overlap.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlaps<T> {
@@ -145,9 +154,11 @@ pub struct Overlaps<T> {
 /// As [`within`], with normals and depths.
 pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overlaps<T>> {
     let Found { mut pairs, tests } = places_within(tree, max_pairs)?;
-    let (mut normals, mut depths) =
-        (Vec::with_capacity(pairs.len()), Vec::with_capacity(pairs.len()));
+    let mut normals = memory::with_room(pairs.len())?;
+    let mut depths = memory::with_room(pairs.len())?;
+    let mut pulse = Pulse::current();
     for pair in &mut pairs {
+        pulse.check(CONTACT_WORK)?;
         pair.sort_unstable_by_key(|&place| tree.rows()[place as usize]);
         let [a, b] = pair.map(|place| tree.columns().shape(place as usize));
         let (normal, depth) = geometry::contact(&a, &b);
@@ -247,19 +258,21 @@ impl<T: Scalar, F: Finish> Work<T> for Brute<'_, '_, T, F> {
             return kernel.itself(rows, b.len(), output);
         }
         for row in rows {
-            if output.is_full() {
-                return;
+            for others in (0..b.len()).step_by(ALONG) {
+                if output.is_over(ALONG) {
+                    return;
+                }
+                kernel.row(row, others..b.len().min(others + ALONG), output);
             }
-            kernel.row(row, 0..b.len(), output);
         }
     }
 }
 
 /// Sorts pairs of places below `len` by first, then by second, in `scratch`.
-pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScratch) {
+pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScratch) -> Result<()> {
     let SortScratch { starts, spare } = scratch;
     starts.clear();
-    starts.resize(len + 1, 0);
+    memory::resize(starts, len + 1, 0)?;
     for pair in pairs.iter() {
         starts[pair[0] as usize + 1] += 1;
     }
@@ -267,7 +280,7 @@ pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScra
         starts[place + 1] += starts[place];
     }
     spare.clear();
-    spare.resize(pairs.len(), [0; 2]);
+    memory::resize(spare, pairs.len(), [0; 2])?;
     for &pair in pairs.iter() {
         let start = &mut starts[pair[0] as usize];
         spare[*start as usize] = pair;
@@ -279,6 +292,7 @@ pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScra
         pairs[from..end as usize].sort_unstable();
         from = end as usize;
     }
+    Ok(())
 }
 
 /// Memory that [`sort_places`] keeps between calls.

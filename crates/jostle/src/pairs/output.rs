@@ -1,51 +1,71 @@
 //! Collecting pairs from many tasks, within one limit.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::Found;
 use crate::error::{Error, Result};
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
 use crate::parallel;
-use crate::simd::for_each_lane;
+use crate::simd::{LANES, for_each_lane};
 
 /// New pairs are reported to the common count in portions of this size.
 const PORTION: usize = 1 << 16;
+
+/// Pairs that are copied at a time.
+const COPIED: usize = 1 << 18;
 
 /// What becomes of a pair of places before it is handed out; nothing if it is not wanted.
 pub(super) trait Finish: Fn(u32, u32) -> Option<[u32; 2]> + Sync + Send {}
 impl<F: Fn(u32, u32) -> Option<[u32; 2]> + Sync + Send> Finish for F {}
 
-/// How many pairs all tasks together may still find.
+/// How many pairs all tasks together may still find, and whether they are to go on.
 pub(super) struct Budget {
     max_pairs: usize,
     count: AtomicUsize,
+    /// A task has failed, so the others need not go on.
+    failed: AtomicBool,
+    stop: Stop,
 }
 
 impl Budget {
     pub(super) fn new(max_pairs: usize) -> Self {
-        Self { max_pairs, count: AtomicUsize::new(0) }
+        let (count, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+        Self { max_pairs, count, failed, stop: Stop::current() }
     }
 
     /// Puts the parts together, in their order.
-    pub(super) fn collect(&self, threads: Option<usize>, mut parts: Vec<Found>) -> Result<Found> {
+    pub(super) fn collect(
+        &self,
+        threads: Option<usize>,
+        parts: Vec<Result<Found>>,
+    ) -> Result<Found> {
+        if self.count.load(Ordering::Relaxed) > self.max_pairs {
+            return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
+        }
+        let mut parts = parts.into_iter().collect::<Result<Vec<Found>>>()?;
         let count: usize = parts.iter().map(|part| part.pairs.len()).sum();
-        if count > self.max_pairs || self.count.load(Ordering::Relaxed) > self.max_pairs {
+        if count > self.max_pairs {
             return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
         }
         let tests = parts.iter().map(|part| part.tests).sum();
         if parts.len() <= 1 {
             return Ok(parts.pop().unwrap_or_default());
         }
-        let mut pairs = vec![[0; 2]; count];
+        let mut pairs = memory::zeroed(count)?;
         let mut rest = pairs.as_mut_slice();
-        let targets = parts.iter().map(|part| {
+        let mut targets: Vec<(&mut [[u32; 2]], &[[u32; 2]])> = Vec::new();
+        for part in &parts {
             let (target, behind) = std::mem::take(&mut rest).split_at_mut(part.pairs.len());
             rest = behind;
-            (target, &part.pairs)
-        });
-        let mut targets: Vec<_> = targets.collect();
+            targets.extend(target.chunks_mut(COPIED).zip(part.pairs.chunks(COPIED)));
+        }
         parallel::for_each(threads, &mut targets, |(target, source)| {
-            target.copy_from_slice(source);
+            if !self.stop.is_set() {
+                target.copy_from_slice(source);
+            }
         });
+        self.stop.check()?;
         Ok(Found { pairs, tests })
     }
 }
@@ -62,7 +82,16 @@ pub(super) struct Output<'a, F> {
     finish: F,
     budget: &'a Budget,
     reported: usize,
-    full: bool,
+    pulse: Pulse,
+    /// Why there is no point in going on.
+    over: Option<Over>,
+}
+
+/// Why a task ends early.
+enum Over {
+    /// There are more pairs than wanted, or another task has failed.
+    Enough,
+    Failed(Error),
 }
 
 impl<'a, F: Finish> Output<'a, F> {
@@ -74,7 +103,8 @@ impl<'a, F: Finish> Output<'a, F> {
             finish,
             budget,
             reported: 0,
-            full: false,
+            pulse: Pulse::of(&budget.stop),
+            over: None,
         }
     }
 
@@ -87,7 +117,11 @@ impl<'a, F: Finish> Output<'a, F> {
         first: impl Fn(u32) -> u32,
         second: impl Fn(usize) -> u32,
     ) {
-        for &(row, bits) in &self.notes[..count.min(NOTES)] {
+        let count = count.min(NOTES);
+        if self.pairs.capacity() - self.pairs.len() < count * LANES && !self.grow(count * LANES) {
+            return;
+        }
+        for &(row, bits) in &self.notes[..count] {
             let first = first(row);
             for_each_lane(bits, |lane| self.pairs.extend((self.finish)(first, second(lane))));
         }
@@ -96,21 +130,41 @@ impl<'a, F: Finish> Output<'a, F> {
         }
     }
 
+    /// Makes room for more pairs; returns whether there is some.
+    #[cold]
+    fn grow(&mut self, more: usize) -> bool {
+        memory::reserve(&mut self.pairs, more).map_err(|error| self.fail(error)).is_ok()
+    }
+
     #[cold]
     fn report(&mut self) {
         let new = self.pairs.len() - self.reported;
         let before = self.budget.count.fetch_add(new, Ordering::Relaxed);
         self.reported = self.pairs.len();
-        self.full = before + new > self.budget.max_pairs;
+        if before + new > self.budget.max_pairs {
+            self.over = Some(Over::Enough);
+        }
     }
 
-    /// Whether there is no point in going on.
+    #[cold]
+    fn fail(&mut self, error: Error) {
+        self.budget.failed.store(true, Ordering::Relaxed);
+        self.over = Some(Over::Failed(error));
+    }
+
+    /// Whether there is no point in going on, now that about `work` numbers have been read.
     #[inline(always)]
-    pub(super) fn is_full(&self) -> bool {
-        self.full
+    pub(super) fn is_over(&mut self, work: usize) -> bool {
+        if self.pulse.stops(work) && self.over.is_none() {
+            self.fail(Error::Interrupted);
+        }
+        self.over.is_some()
     }
 
-    pub(super) fn into_found(self) -> Found {
-        Found { pairs: self.pairs, tests: self.tests }
+    pub(super) fn into_found(self) -> Result<Found> {
+        match self.over {
+            Some(Over::Failed(error)) => Err(error),
+            _ => Ok(Found { pairs: self.pairs, tests: self.tests }),
+        }
     }
 }

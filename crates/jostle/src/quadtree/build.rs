@@ -10,7 +10,10 @@ use super::grid::GRID_LEVELS;
 use super::order::{Keyed, Order};
 use super::sort::key_of;
 use crate::columns::Columns;
+use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
 use crate::parallel;
 use crate::settings::Settings;
 use crate::simd::{LANES, Simd, Work, block};
@@ -33,35 +36,37 @@ pub fn nodes<T: Scalar>(
     settings: &Settings,
     nodes: &mut Vec<Node>,
     covers: &mut Vec<Cover<T>>,
-) {
+) -> Result<()> {
     nodes.clear();
     covers.clear();
     if columns.is_empty() {
-        return;
+        return Ok(());
     }
-    let builder = Builder { order, columns, settings };
+    let builder = Builder { order, columns, settings, stop: Stop::current() };
     nodes.push(Node { end: columns.len() as u32, ..Node::default() });
     if columns.len() <= LARGE {
-        builder.grow(nodes, 0);
-        covers.resize(nodes.len(), builder.nothing());
+        builder.grow(nodes, 0)?;
+        memory::resize(covers, nodes.len(), builder.nothing())?;
         return builder.cover(nodes, covers);
     }
-    builder.grow(nodes, columns.len() / SHARE);
+    builder.grow(nodes, columns.len() / SHARE)?;
     let upper = nodes.len();
     let open: Vec<usize> = (0..upper).filter(|&node| nodes[node].is_leaf()).collect();
     let parts =
         parallel::map(settings.threads, open.len(), |index| builder.below(nodes[open[index]]));
+    let parts = parts.into_iter().collect::<Result<Vec<_>>>()?;
+    memory::reserve(nodes, parts.iter().map(|part| part.0.len()).sum())?;
     for (&node, part) in open.iter().zip(&parts) {
         adopt(nodes, node, &part.0);
     }
-    covers.resize(nodes.len(), builder.nothing());
+    memory::resize(covers, nodes.len(), builder.nothing())?;
     let mut end = upper;
     for (&node, (_, part)) in open.iter().zip(&parts) {
         covers[node] = part[0];
         covers[end..end + part.len() - 1].copy_from_slice(&part[1..]);
         end += part.len() - 1;
     }
-    builder.cover(&nodes[..upper], covers);
+    builder.cover(&nodes[..upper], covers)
 }
 
 /// Appends the nodes below a part's root, which stands at `root` already.
@@ -77,38 +82,43 @@ struct Builder<'a, T> {
     order: &'a Order,
     columns: &'a Columns<T>,
     settings: &'a Settings,
+    stop: Stop,
 }
 
 impl<T: Scalar> Builder<'_, T> {
     /// The nodes from `root` down, counted from there, and their covers.
-    fn below(&self, root: Node) -> (Vec<Node>, Vec<Cover<T>>) {
+    fn below(&self, root: Node) -> Result<(Vec<Node>, Vec<Cover<T>>)> {
         let mut nodes = vec![root];
-        self.grow(&mut nodes, 0);
-        let mut covers = vec![self.nothing(); nodes.len()];
-        self.cover(&nodes, &mut covers);
-        (nodes, covers)
+        self.grow(&mut nodes, 0)?;
+        let mut covers = memory::filled(nodes.len(), self.nothing())?;
+        self.cover(&nodes, &mut covers)?;
+        Ok((nodes, covers))
     }
 
     /// Splits the nodes from the last one on until each holds `enough` shapes, or no
     /// more than a leaf may.
-    fn grow(&self, nodes: &mut Vec<Node>, enough: usize) {
-        T::with_widest(Grow { builder: self, nodes, enough });
+    fn grow(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
+        T::with_widest(Grow { builder: self, nodes, enough })
     }
 
     #[inline(always)]
-    fn grow_here(&self, nodes: &mut Vec<Node>, enough: usize) {
+    fn grow_here(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
+        let mut pulse = Pulse::of(&self.stop);
         let enough = enough.max(self.settings.leaf_capacity);
         let mut next = nodes.len() - 1;
         while next < nodes.len() {
             let node = nodes[next];
             if node.len() > enough && usize::from(node.depth) < self.settings.max_depth {
+                pulse.check(node.len().min(FEW))?;
+                memory::reserve(nodes, 4)?;
                 self.split(next, nodes);
             }
             next += 1;
         }
+        Ok(())
     }
 
-    /// Appends the non-empty quarters of a node.
+    /// Appends the non-empty quarters of a node; there is room for them.
     #[inline(always)]
     fn split(&self, index: usize, nodes: &mut Vec<Node>) {
         let node = &mut nodes[index];
@@ -135,8 +145,9 @@ impl<T: Scalar> Builder<'_, T> {
 
     /// Fills in the covers, children before parents. Where a leaf's `covers` entry
     /// stands for nodes below it, it has been filled in already.
-    fn cover(&self, nodes: &[Node], covers: &mut [Cover<T>]) {
-        T::with_widest(CoverAll { columns: self.columns, nodes, covers });
+    fn cover(&self, nodes: &[Node], covers: &mut [Cover<T>]) -> Result<()> {
+        let pulse = Pulse::of(&self.stop);
+        T::with_widest(CoverAll { columns: self.columns, nodes, covers, pulse })
     }
 
     fn nothing(&self) -> Cover<T> {
@@ -193,11 +204,11 @@ struct Grow<'a, T> {
 }
 
 impl<T: Scalar> Work<T> for Grow<'_, T> {
-    type Out = ();
+    type Out = Result<()>;
 
     #[inline(always)]
-    fn run<S: Simd<T>>(self, _: S) {
-        self.builder.grow_here(self.nodes, self.enough);
+    fn run<S: Simd<T>>(self, _: S) -> Result<()> {
+        self.builder.grow_here(self.nodes, self.enough)
     }
 }
 
@@ -206,21 +217,24 @@ struct CoverAll<'a, T> {
     columns: &'a Columns<T>,
     nodes: &'a [Node],
     covers: &'a mut [Cover<T>],
+    pulse: Pulse,
 }
 
 impl<T: Scalar> Work<T> for CoverAll<'_, T> {
-    type Out = ();
+    type Out = Result<()>;
 
     #[inline(always)]
-    fn run<S: Simd<T>>(self, simd: S) {
+    fn run<S: Simd<T>>(mut self, simd: S) -> Result<()> {
         for (index, node) in self.nodes.iter().enumerate().rev() {
             if node.is_leaf() {
+                self.pulse.check(node.len())?;
                 self.covers[index] = cover_of_leaf(simd, self.columns, node);
             } else if node.children().end <= self.nodes.len() {
                 let children = self.covers[node.children()].iter().copied();
                 self.covers[index] = children.reduce(Cover::join).unwrap_or(self.covers[index]);
             }
         }
+        Ok(())
     }
 }
 

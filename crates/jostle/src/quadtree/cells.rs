@@ -1,7 +1,10 @@
 //! The boxes of the tree as a caller sees them. Finding pairs does without.
 
 use super::{Node, Quadtree};
+use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
+use crate::interrupt::Pulse;
+use crate::memory;
 
 /// A box: min x, min y, max x, max y.
 type Cell = [f64; 4];
@@ -19,34 +22,46 @@ pub struct TreeBox {
     pub is_leaf: bool,
 }
 
+/// About as many numbers are read for a cell.
+const CELL_WORK: usize = 8;
+
 impl<T: Scalar> Quadtree<T> {
     /// The boxes, parents before children. Nodes that share out shapes at one place among them
     /// have the same box; it is listed once, as a leaf.
-    pub fn boxes(&self) -> Vec<TreeBox> {
-        let cells = self.cells();
-        let seen = self.seen_nodes().map(|(index, is_leaf)| {
+    pub fn boxes(&self) -> Result<Vec<TreeBox>> {
+        let cells = self.cells()?;
+        let hidden = self.hidden_nodes()?;
+        let seen = self.seen_nodes(&hidden).map(|(index, is_leaf)| {
             let node = &self.nodes[index];
             let (depth, count) = (usize::from(node.depth), node.len());
             TreeBox { bounds: cells[index], depth, count, is_leaf }
         });
-        seen.collect()
+        let mut boxes = memory::with_room(self.nodes.len())?;
+        boxes.extend(seen);
+        Ok(boxes)
     }
 
     /// Number of boxes, number of leaves among them, and the depth of the deepest.
-    pub fn count_boxes(&self) -> [usize; 3] {
-        self.seen_nodes().fold([0; 3], |[boxes, leaves, depth], (index, is_leaf)| {
+    pub fn count_boxes(&self) -> Result<[usize; 3]> {
+        let hidden = self.hidden_nodes()?;
+        Ok(self.seen_nodes(&hidden).fold([0; 3], |[boxes, leaves, depth], (index, is_leaf)| {
             let here = usize::from(self.nodes[index].depth);
             [boxes + 1, leaves + usize::from(is_leaf), depth.max(here)]
-        })
+        }))
     }
 
-    /// The nodes whose boxes a caller sees, and whether each is a leaf for them.
-    fn seen_nodes(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
-        let mut hidden = vec![false; self.nodes.len()];
+    /// Whether each node has the box of its parent.
+    fn hidden_nodes(&self) -> Result<Vec<bool>> {
+        let mut hidden = memory::filled(self.nodes.len(), false)?;
         for node in self.nodes.iter().filter(|node| self.is_one_place(node)) {
             hidden[node.children()].fill(true);
         }
-        let seen = (0..self.nodes.len()).filter(move |&index| !hidden[index]);
+        Ok(hidden)
+    }
+
+    /// The nodes whose boxes a caller sees, and whether each is a leaf for them.
+    fn seen_nodes(&self, hidden: &[bool]) -> impl Iterator<Item = (usize, bool)> {
+        let seen = (0..self.nodes.len()).filter(|&index| !hidden[index]);
         seen.map(|index| {
             let node = &self.nodes[index];
             (index, node.is_leaf() || self.is_one_place(node))
@@ -62,21 +77,31 @@ impl<T: Scalar> Quadtree<T> {
 
     /// The cell of every node. Children tile what of their parent's cell holds shapes;
     /// a cell holds the centres of its shapes.
-    pub fn cells(&self) -> Vec<Cell> {
-        let mut cells: Vec<Cell> = self.nodes.iter().map(|node| self.own_cell(node)).collect();
+    pub fn cells(&self) -> Result<Vec<Cell>> {
+        self.cells_unless_stopped(&mut Pulse::current())
+    }
+
+    pub(super) fn cells_unless_stopped(&self, pulse: &mut Pulse) -> Result<Vec<Cell>> {
+        let mut cells = memory::with_room(self.nodes.len())?;
+        for node in &self.nodes {
+            pulse.check(CELL_WORK)?;
+            cells.push(self.own_cell(node));
+        }
         for (index, node) in self.nodes.iter().enumerate() {
+            pulse.check(CELL_WORK)?;
             for child in node.children() {
                 cells[child] = common(cells[child], cells[index]);
             }
         }
         // In a world 1e30 wide, keys round a centre across its cell's border.
         for (index, node) in self.nodes.iter().enumerate().rev() {
+            pulse.check(CELL_WORK)?;
             cells[index] = union(cells[index], self.centers_within(index));
             for child in node.children() {
                 cells[index] = union(cells[index], cells[child]);
             }
         }
-        cells
+        Ok(cells)
     }
 
     /// The box around the centres of a node's shapes.

@@ -2,6 +2,7 @@
 
 use super::Quadtree;
 use crate::geometry::{Cover, Scalar};
+use crate::interrupt::{Pulse, Stop};
 
 impl<T: Scalar> Quadtree<T> {
     /// Looks at every node and says which invariant is broken first.
@@ -25,7 +26,9 @@ impl<T: Scalar> Quadtree<T> {
             Some(_) => {}
         }
         let mut seen = 1;
-        let cells = self.cells();
+        let cells = self
+            .cells_unless_stopped(&mut Pulse::of(&Stop::default()))
+            .map_err(|error| error.to_string())?;
         for index in 0..self.nodes.len() {
             self.check_size(index)?;
             self.check_children(index, &mut seen)?;

@@ -98,25 +98,41 @@ impl<T: Scalar> Quadtree<T> {
         settings.validate()?;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
         parallel::among(threads, || {
-            self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b));
-        });
-        Ok(())
+            self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b))
+        })
     }
 
     /// Builds the tree anew in its old memory. `tie` orders rows whose centres
-    /// coincide; the settings are taken as valid.
+    /// coincide; the settings are taken as valid. Where it fails the tree is empty.
     pub fn rebuild(
         &mut self,
         shapes: &Shapes<T>,
         settings: Settings,
         tie: &impl Fn(usize, usize) -> Ordering,
-    ) {
+    ) -> Result<()> {
         self.settings = settings;
-        let threads = parallel::worthwhile(settings.threads, shapes.len());
-        self.order.sort(shapes, tie, threads);
-        self.columns.gather(shapes, &self.order.rows, threads);
-        build::nodes(&self.order, &self.columns, &settings, &mut self.nodes, &mut self.covers);
+        let built = self.build(shapes, tie);
+        if built.is_err() {
+            self.clear();
+        }
         debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
+        built
+    }
+
+    fn build(&mut self, shapes: &Shapes<T>, tie: &impl Fn(usize, usize) -> Ordering) -> Result<()> {
+        let threads = parallel::worthwhile(self.settings.threads, shapes.len());
+        self.order.sort(shapes, tie, threads)?;
+        self.columns.gather(shapes, &self.order.rows, threads)?;
+        let (nodes, covers) = (&mut self.nodes, &mut self.covers);
+        build::nodes(&self.order, &self.columns, &self.settings, nodes, covers)
+    }
+
+    /// Forgets all shapes and keeps their memory.
+    fn clear(&mut self) {
+        self.columns.clear();
+        self.order.clear();
+        self.nodes.clear();
+        self.covers.clear();
     }
 
     /// Bytes of memory that it keeps, used or not.

@@ -14,7 +14,10 @@ use std::ops::Range;
 
 use super::grid::Grid;
 use super::sort::{Item, Parts, Sorter, key_of};
+use crate::error::Result;
 use crate::geometry::Scalar;
+use crate::interrupt::{self, Pulse};
+use crate::memory;
 use crate::parallel;
 use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work};
@@ -73,15 +76,17 @@ impl Order {
         shapes: &Shapes<T>,
         tie: &impl Fn(usize, usize) -> Ordering,
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         let len = shapes.len();
+        interrupt::check()?;
         self.rows.clear();
+        memory::reserve(&mut self.rows, len)?;
         self.rows.extend(0..len as u32);
         let mut root = self.keyed.drain(..).next().unwrap_or_default();
         (root.start, root.end) = (0, len);
         self.finer.clear();
         if len == 0 {
-            return;
+            return Ok(());
         }
         let mut open = VecDeque::new();
         if let Some(grid) = grid_of_all(&shapes.centers) {
@@ -89,17 +94,32 @@ impl Order {
             self.sort_by_key(&mut root, threads, &mut open, |range, items| {
                 let centers = &shapes.centers[range.clone()];
                 T::with_widest(KeyRows { grid: &grid, centers, first: range.start, items });
-            });
+            })?;
         } else {
             root.grid = Grid::at(shapes.centers[0].map(T::to_f64));
             root.items.clear();
             root.parts.clear();
+            memory::reserve(&mut root.items, len)?;
             root.items.extend(0..len as Item);
             open.extend((len > 1).then_some(0..len));
         }
         self.keyed.push(root);
+        let mut pulse = Pulse::current();
         while let Some(range) = open.pop_front() {
-            self.resolve(range, shapes, tie, threads, &mut open);
+            pulse.check(range.len())?;
+            self.resolve(range, shapes, tie, threads, &mut open)?;
+        }
+        Ok(())
+    }
+
+    /// Forgets all rows and keeps their memory.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.finer.clear();
+        self.keyed.truncate(1);
+        if let Some(root) = self.keyed.first_mut() {
+            root.items.clear();
+            root.parts.clear();
         }
     }
 
@@ -132,7 +152,7 @@ impl Order {
         tie: &impl Fn(usize, usize) -> Ordering,
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
-    ) {
+    ) -> Result<()> {
         let rows = &mut self.rows[range.clone()];
         let finer = if rows.len() > SHORT_RUN { grid_of(shapes, rows) } else { None };
         let Some(grid) = finer.filter(Grid::is_finite) else {
@@ -142,19 +162,21 @@ impl Order {
                 let by_place = a_x.total_order(&b_x).then_with(|| a_y.total_order(&b_y));
                 by_place.then_with(|| tie(i, j)).then(a.cmp(&b))
             });
-            return;
+            return Ok(());
         };
         let Range { start, end } = range;
         let mut keyed = Keyed { start, end, grid, ..Keyed::default() };
-        let rows = rows.to_vec();
+        let rows = memory::collect(rows.iter().copied())?;
         self.sort_by_key(&mut keyed, threads, open, |range, items| {
             for (&row, item) in rows[range].iter().zip(items) {
                 let center = shapes.centers[row as usize].map(T::to_f64);
                 *item = u64::from(grid.key(center)) << 32 | u64::from(row);
             }
-        });
+        })?;
+        let entries = self.finer.len() + 1;
+        self.finer.try_reserve(1).map_err(|e| memory::no_memory::<[usize; 4]>(&e, entries))?;
         self.finer.insert((start, end), self.keyed.len());
-        self.keyed.push(keyed);
+        memory::push(&mut self.keyed, keyed)
     }
 
     /// Sorts the shapes at `keyed`'s places by their keys, then by row. Ranges that share
@@ -165,17 +187,20 @@ impl Order {
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
         key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
-    ) {
+    ) -> Result<()> {
         let rows = &mut self.rows[keyed.start..keyed.end];
         let threads = parallel::worthwhile(threads, rows.len());
-        keyed.items.resize(rows.len(), 0);
-        let equal = self.sorter.sort(threads, &mut keyed.items, &mut keyed.parts, key);
+        memory::resize(&mut keyed.items, rows.len(), 0)?;
+        let equal = self.sorter.sort(threads, &mut keyed.items, &mut keyed.parts, key)?;
+        let ranges = open.len() + equal.len();
+        open.try_reserve(equal.len()).map_err(|e| memory::no_memory::<Range<usize>>(&e, ranges))?;
         open.extend(equal.iter().map(|range| keyed.start + range.start..keyed.start + range.end));
         parallel::for_chunks(threads, rows, |first, rows| {
             for (row, &item) in rows.iter_mut().zip(&keyed.items[first..]) {
                 *row = item as u32;
             }
         });
+        Ok(())
     }
 }
 

@@ -6,6 +6,9 @@
 
 use std::ops::Range;
 
+use crate::error::Result;
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
 use crate::parallel;
 
 /// Below this many keys a comparison sort is faster.
@@ -77,7 +80,7 @@ struct Task<'a> {
     items: &'a mut [Item],
     /// Where they stand among all.
     start: usize,
-    equal: Vec<Range<usize>>,
+    equal: Result<Vec<Range<usize>>>,
 }
 
 impl Sorter {
@@ -94,7 +97,7 @@ impl Sorter {
         items: &mut [Item],
         parts: &mut Parts,
         key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
-    ) -> Vec<Range<usize>> {
+    ) -> Result<Vec<Range<usize>>> {
         parts.clear();
         if items.len() <= SMALL {
             key(0..items.len(), items);
@@ -102,7 +105,7 @@ impl Sorter {
             return equal_keys(items, 0);
         }
         let bits = (items.len() / PART).next_power_of_two().trailing_zeros().min(MOST_BITS);
-        self.part_chunks(threads, items, key, bits);
+        self.part_chunks(threads, items, key, bits)?;
         self.sort_parts(threads, items, bits, parts)
     }
 
@@ -113,19 +116,24 @@ impl Sorter {
         items: &mut [Item],
         key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
         bits: u32,
-    ) {
+    ) -> Result<()> {
+        let stop = Stop::current();
         let Self { parted, ends } = self;
         let parts = 1 << bits;
-        parted.resize(items.len(), 0);
+        memory::resize(parted, items.len(), 0)?;
         ends.clear();
-        ends.resize(items.len().div_ceil(CHUNK) * parts, 0);
+        memory::resize(ends, items.len().div_ceil(CHUNK) * parts, 0)?;
         let chunks = items.chunks_mut(CHUNK).zip(parted.chunks_mut(CHUNK));
         let mut tasks: Vec<_> = chunks.zip(ends.chunks_mut(parts)).enumerate().collect();
         parallel::for_each(threads, &mut tasks, |(chunk, ((given, parted), ends))| {
+            if stop.is_set() {
+                return;
+            }
             let start = *chunk * CHUNK;
             key(start..start + given.len(), given);
             counting_sort(given, parted, ends, |item| (item >> (Item::BITS - bits)) as usize);
         });
+        stop.check()
     }
 
     /// Collects every part from all chunks and sorts it.
@@ -135,24 +143,23 @@ impl Sorter {
         items: &mut [Item],
         bits: u32,
         parts: &mut Parts,
-    ) -> Vec<Range<usize>> {
+    ) -> Result<Vec<Range<usize>>> {
+        let stop = Stop::current();
         let source = Parted { items: &self.parted, ends: &self.ends, parts: 1 << bits };
         parts.bits = bits;
-        source.find_starts(&mut parts.starts);
+        source.find_starts(&mut parts.starts)?;
         let mut tasks = source.tasks(items, &parts.starts);
         parallel::for_each(threads, &mut tasks, |task| {
-            let mut scratch = Scratch::default();
-            let mut from = 0;
-            for part in task.parts.clone() {
-                scratch.collected.clear();
-                source.pieces(part).for_each(|piece| scratch.collected.extend_from_slice(piece));
-                let to = from + scratch.collected.len();
-                scratch.sort_into(&mut task.items[from..to], bits);
-                from = to;
-            }
-            task.equal = equal_keys(task.items, task.start);
+            task.equal = source.sort(task, bits, &stop);
         });
-        tasks.into_iter().flat_map(|task| task.equal).collect()
+        stop.check()?;
+        let mut equal = Vec::new();
+        for task in tasks {
+            let mut more = task.equal?;
+            memory::reserve(&mut equal, more.len())?;
+            equal.append(&mut more);
+        }
+        Ok(equal)
     }
 }
 
@@ -164,6 +171,25 @@ struct Parted<'a> {
 }
 
 impl Parted<'_> {
+    /// Collects and sorts the parts of a task; returns the ranges that share a key.
+    fn sort(&self, task: &mut Task<'_>, bits: u32, stop: &Stop) -> Result<Vec<Range<usize>>> {
+        let mut scratch = Scratch::default();
+        let mut from = 0;
+        let mut pulse = Pulse::of(stop);
+        for part in task.parts.clone() {
+            scratch.collected.clear();
+            for piece in self.pieces(part) {
+                memory::reserve(&mut scratch.collected, piece.len())?;
+                scratch.collected.extend_from_slice(piece);
+            }
+            let to = from + scratch.collected.len();
+            pulse.check(to - from)?;
+            scratch.sort_into(&mut task.items[from..to], bits)?;
+            from = to;
+        }
+        equal_keys(task.items, task.start)
+    }
+
     /// What each chunk has of a part.
     fn pieces(&self, part: usize) -> impl Iterator<Item = &[Item]> {
         let chunks = self.items.chunks(CHUNK).zip(self.ends.chunks(self.parts));
@@ -174,15 +200,16 @@ impl Parted<'_> {
     }
 
     /// Where each part begins once all are sorted, and where the last one ends.
-    fn find_starts(&self, starts: &mut Vec<u32>) {
+    fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
         starts.clear();
-        starts.resize(self.parts + 1, 0);
+        memory::resize(starts, self.parts + 1, 0)?;
         // A chunk's end of a part counts everything before it too.
         for ends in self.ends.chunks(self.parts) {
             for (start, &end) in starts[1..].iter_mut().zip(ends) {
                 *start += end;
             }
         }
+        Ok(())
     }
 
     /// All parts, divided into tasks of about equal size.
@@ -199,7 +226,7 @@ impl Parted<'_> {
                 parts: first..part + 1,
                 items: items.split_off_mut(..size).expect("the sizes add up"),
                 start,
-                equal: Vec::new(),
+                equal: Ok(Vec::new()),
             });
             (first, start) = (part + 1, start + size);
         }
@@ -217,10 +244,11 @@ struct Scratch {
 
 impl Scratch {
     /// Sorts what was collected; all of it agrees in the `known` leading bits.
-    fn sort_into(&mut self, sorted: &mut [Item], known: u32) {
+    fn sort_into(&mut self, sorted: &mut [Item], known: u32) -> Result<()> {
         if sorted.len() > 16 * PART {
-            radix_sort(&mut self.collected, &mut self.spare);
-            return sorted.copy_from_slice(&self.collected);
+            radix_sort(&mut self.collected, &mut self.spare)?;
+            sorted.copy_from_slice(&self.collected);
+            return Ok(());
         }
         let bits = (2 * sorted.len()).next_power_of_two().trailing_zeros().min(KEY_BITS - known);
         self.counts.clear();
@@ -243,6 +271,7 @@ impl Scratch {
             }
             start = end;
         }
+        Ok(())
     }
 }
 
@@ -266,31 +295,32 @@ fn counting_sort(from: &[Item], to: &mut [Item], ends: &mut [u32], digit: impl F
 
 /// Sorts by key in three passes of 11 bits, for parts in which many share leading bits.
 /// The rows must ascend to begin with where ties matter.
-fn radix_sort(items: &mut Vec<Item>, spare: &mut Vec<Item>) {
+fn radix_sort(items: &mut Vec<Item>, spare: &mut Vec<Item>) -> Result<()> {
     const BITS: u32 = 11;
     spare.clear();
-    spare.resize(items.len(), 0);
+    memory::resize(spare, items.len(), 0)?;
     for pass in 0..3 {
         let mut counts = [0; 1 << BITS];
         let digit = |item: Item| (item >> (32 + pass * BITS)) as usize & ((1 << BITS) - 1);
         counting_sort(items, spare, &mut counts, digit);
         std::mem::swap(items, spare);
     }
+    Ok(())
 }
 
 /// The ranges of sorted items that share a key; the first item stands at `start`.
-fn equal_keys(items: &[Item], start: usize) -> Vec<Range<usize>> {
+fn equal_keys(items: &[Item], start: usize) -> Result<Vec<Range<usize>>> {
     let mut equal: Vec<Range<usize>> = Vec::new();
     for (index, pair) in items.windows(2).enumerate() {
         if key_of(pair[0]) == key_of(pair[1]) {
             let at = start + index;
             match equal.last_mut() {
                 Some(last) if last.end == at + 1 => last.end += 1,
-                _ => equal.push(at..at + 2),
+                _ => memory::push(&mut equal, at..at + 2)?,
             }
         }
     }
-    equal
+    Ok(equal)
 }
 
 #[cfg(test)]
@@ -331,6 +361,7 @@ mod tests {
                 *to = item(row as u32);
             }
         });
+        let equal = equal.unwrap();
         assert_eq!(items, expected);
         let mut together = vec![false; items.len()];
         equal.iter().for_each(|range| together[range.start + 1..range.end].fill(true));

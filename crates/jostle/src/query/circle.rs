@@ -4,6 +4,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
+use crate::memory;
 use crate::shapes::{Each, check_finite, check_radii};
 
 /// A disc; what only touches its edge does not overlap it.
@@ -22,7 +23,7 @@ impl<T: Scalar> Circle<T> {
         centers.check(|centers| check_finite("center", centers))?;
         radii.check(|radii| check_radii("radius", radii))?;
         let circle = |row| Self { center: centers.at(row), radius: radii.at(row) };
-        Ok((0..len).map(circle).collect())
+        memory::collect((0..len).map(circle))
     }
 }
 

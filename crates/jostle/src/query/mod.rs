@@ -27,6 +27,8 @@ pub use region::{Hits, MOST_IDS, Region, search, selects};
 
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::interrupt;
+use crate::memory;
 
 /// Questions that one thread answers at a time.
 const QUESTIONS: usize = 128;
@@ -34,13 +36,18 @@ const QUESTIONS: usize = 128;
 /// Fewer questions than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 512;
 
+/// About as many numbers are read when a search looks at a node.
+const NODE_WORK: usize = 16;
+
 /// The order in which to take questions about these places: along a curve that keeps
 /// neighbours together, so that one finds in the cache what the one before it has seen.
-fn along_a_curve<T: Scalar>(places: impl ExactSizeIterator<Item = [T; 2]> + Clone) -> Vec<u32> {
+fn along_a_curve<T: Scalar>(
+    places: impl ExactSizeIterator<Item = [T; 2]> + Clone,
+) -> Result<Vec<u32>> {
     let len = places.len();
-    let mut order: Vec<u32> = (0..len as u32).collect();
+    let mut order: Vec<u32> = memory::collect(0..len as u32)?;
     if len <= QUESTIONS {
-        return order;
+        return Ok(order);
     }
     let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for place in places.clone() {
@@ -53,7 +60,8 @@ fn along_a_curve<T: Scalar>(places: impl ExactSizeIterator<Item = [T; 2]> + Clon
     let cell = |place: [T; 2], axis: usize| {
         spread(((place[axis].to_f64() - min[axis]) * scale[axis]) as u16)
     };
-    let keys: Vec<u32> = places.map(|place| cell(place, 0) | cell(place, 1) << 1).collect();
+    let keys: Vec<u32> = memory::collect(places.map(|place| cell(place, 0) | cell(place, 1) << 1))?;
+    interrupt::check()?;
     // Counting is enough: within one of so many cells the order does not matter.
     let mut starts = vec![0u32; CELLS + 1];
     keys.iter().for_each(|&key| starts[(key >> SHIFT) as usize + 1] += 1);
@@ -65,7 +73,7 @@ fn along_a_curve<T: Scalar>(places: impl ExactSizeIterator<Item = [T; 2]> + Clon
         order[*start as usize] = question as u32;
         *start += 1;
     }
-    order
+    Ok(order)
 }
 
 /// Cells of the curve that tell questions apart.

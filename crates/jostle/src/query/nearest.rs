@@ -5,14 +5,17 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::region::{MOST_IDS, selects};
-use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
+use super::{NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape, length};
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::shapes::check_finite;
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
+use crate::sorting::{self, Bytes};
 
 /// How far a point is from a shape; 0 inside.
 #[inline(always)]
@@ -53,6 +56,18 @@ impl<T: Scalar> Ord for Neighbor<T> {
     }
 }
 
+impl<T: Scalar> Bytes for Neighbor<T> {
+    const COUNT: usize = 16;
+
+    #[inline(always)]
+    fn byte(&self, at: usize) -> u8 {
+        // A distance is not negative, except for the sign of a zero.
+        let distance = self.distance.to_f64().to_bits() as i64;
+        let signed = if distance < 0 { !distance ^ i64::MIN } else { distance };
+        if at < 8 { signed.byte(at) } else { (self.id >> (120 - 8 * at)) as u8 }
+    }
+}
+
 /// The nearest shapes seen so far.
 #[derive(Clone, Debug)]
 pub struct Nearest<T> {
@@ -60,14 +75,18 @@ pub struct Nearest<T> {
     max_distance: T,
     /// The farthest on top.
     found: BinaryHeap<Neighbor<T>>,
+    pulse: Pulse,
+    failed: Option<Error>,
     /// Shapes tested.
     pub tests: u64,
 }
 
 impl<T: Scalar> Nearest<T> {
-    /// Nothing seen yet of the `wanted` shapes within `max_distance`.
-    pub fn new(wanted: usize, max_distance: T) -> Self {
-        Self { wanted, max_distance, found: BinaryHeap::new(), tests: 0 }
+    /// Nothing seen yet of the `wanted` shapes within `max_distance`; `pulse` may end the
+    /// search.
+    pub fn new(wanted: usize, max_distance: T, pulse: Pulse) -> Self {
+        let found = BinaryHeap::new();
+        Self { wanted, max_distance, found, pulse, failed: None, tests: 0 }
     }
 
     /// What is farther is of no interest.
@@ -84,7 +103,7 @@ impl<T: Scalar> Nearest<T> {
     pub fn offer(&mut self, distance: T, id: u64) {
         let new = Neighbor { distance, id };
         if self.found.len() < self.wanted {
-            if distance <= self.max_distance {
+            if distance <= self.max_distance && self.has_room() {
                 self.found.push(new);
             }
         } else if let Some(mut last) = self.found.peek_mut()
@@ -92,6 +111,40 @@ impl<T: Scalar> Nearest<T> {
         {
             *last = new;
         }
+    }
+
+    /// Whether there is memory for one more.
+    #[inline(always)]
+    fn has_room(&mut self) -> bool {
+        self.found.len() < self.found.capacity() || self.grow()
+    }
+
+    #[cold]
+    fn grow(&mut self) -> bool {
+        let len = self.found.len();
+        let grown = self.found.try_reserve(1 + len.min(self.wanted - len - 1));
+        let grown = grown.map_err(|error| memory::no_memory::<Neighbor<T>>(&error, 2 * len));
+        self.failed = self.failed.take().or(grown.err());
+        self.failed.is_none()
+    }
+
+    /// Whether to end early, now that about `work` numbers have been read.
+    #[inline(always)]
+    pub fn is_over(&mut self, work: usize) -> bool {
+        if self.pulse.stops(work) && self.failed.is_none() {
+            self.failed = Some(Error::Interrupted);
+        }
+        self.failed.is_some()
+    }
+
+    /// The nearest first, and the pulse for the next search.
+    fn into_sorted(mut self) -> Result<(Vec<Neighbor<T>>, Pulse)> {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        let mut found = self.found.into_vec();
+        sorting::sort(&mut found, &mut self.pulse)?;
+        Ok((found, self.pulse))
     }
 
     /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
@@ -134,6 +187,9 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
             if nearest > self.best.limit() {
                 continue;
             }
+            if self.best.is_over(NODE_WORK) {
+                return;
+            }
             let node = &nodes[index as usize];
             if node.is_leaf() {
                 let round = covers[index as usize].radius > T::ZERO;
@@ -171,6 +227,9 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
         let (shapes, rows) = (self.tree.columns(), self.tree.rows());
         self.best.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
+            if self.best.is_over(LANES) {
+                return;
+            }
             let limit = self.best.limit();
             let near = within(simd, self.point, limit, (shapes, round), first);
             for_each_lane(near & first_lanes(places.end - first), |lane| {
@@ -281,24 +340,29 @@ pub fn nearest_by<T: Scalar>(
 ) -> Result<Neighbors<T>> {
     check_nearest(points, (k, max_distance))?;
     let threads = worthwhile(threads, points.len());
-    let order = along_a_curve(points.iter().copied());
+    let order = along_a_curve(points.iter().copied())?;
+    let stop = Stop::current();
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
-        let found = |&question: &u32| {
-            let mut best = Nearest::new(k, max_distance);
+        let mut pulse = Pulse::of(&stop);
+        let mut found = Vec::with_capacity(parts[part].len());
+        for &question in parts[part] {
+            pulse.check(NODE_WORK)?;
+            let mut best = Nearest::new(k, max_distance, pulse);
             look(points[question as usize], &mut best);
-            (best.tests, best.found.into_sorted_vec())
-        };
-        parts[part].iter().map(found).collect::<Vec<_>>()
+            let (tests, neighbors);
+            (tests, (neighbors, pulse)) = (best.tests, best.into_sorted()?);
+            found.push((tests, neighbors));
+        }
+        Ok(found)
     });
+    let found = found.into_iter().collect::<Result<Vec<_>>>()?;
     let len = k * points.len();
-    let no_memory = |_| Error::of("k", k, "there is no memory for so many neighbours");
-    let mut all = Neighbors { distances: Vec::new(), ids: Vec::new(), tests: 0 };
-    all.distances.try_reserve_exact(len).map_err(no_memory)?;
-    all.ids.try_reserve_exact(len).map_err(no_memory)?;
-    all.distances.resize(len, T::INFINITY);
-    all.ids.resize(len, -1);
+    let mut pulse = Pulse::of(&stop);
+    let distances = memory::filled(len, T::INFINITY)?;
+    let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };
     for (&question, (tests, neighbors)) in order.iter().zip(found.into_iter().flatten()) {
+        pulse.check(k)?;
         let start = k * question as usize;
         for (place, Neighbor { distance, id }) in (start..).zip(neighbors) {
             all.distances[place] = distance;

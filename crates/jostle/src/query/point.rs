@@ -4,6 +4,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, within};
+use crate::memory;
 use crate::shapes::check_finite;
 
 /// A point, inside a shape also on its edge; of a rectangle the left and the upper
@@ -16,7 +17,7 @@ impl<T: Scalar> Point<T> {
     /// Points at `points`.
     pub fn all(points: &[[T; 2]]) -> Result<Vec<Self>> {
         check_finite("point", points)?;
-        Ok(points.iter().map(|&point| Self(point)).collect())
+        memory::collect(points.iter().map(|&point| Self(point)))
     }
 }
 

@@ -4,10 +4,12 @@ use std::ops::Range;
 
 use super::nearest::sort_farthest_first;
 use super::region::selects;
-use super::{QUESTIONS, along_a_curve, check_reach, worthwhile};
+use super::{NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape, into_range, within};
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Each, check_finite, check_radii};
@@ -46,7 +48,7 @@ impl<T: Scalar> Ray<T> {
             radius: radii.at(row),
             max_distance,
         };
-        Ok((0..len).map(ray).collect())
+        memory::collect((0..len).map(ray))
     }
 }
 
@@ -239,19 +241,26 @@ impl<T: Scalar> Beam<T> {
 }
 
 /// The first shape that a ray was found to hit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct FirstHit<T> {
     ray: Ray<T>,
     /// How far it is, and which shape; of two as far the one with the smaller id.
     pub found: Option<(T, u64)>,
     /// Shapes tested.
     pub tests: u64,
+    pulse: Pulse,
 }
 
 impl<T: Scalar> FirstHit<T> {
-    /// Nothing hit yet.
-    pub fn new(ray: Ray<T>) -> Self {
-        Self { ray, found: None, tests: 0 }
+    /// Nothing hit yet; `pulse` may end the search.
+    pub fn new(ray: Ray<T>, pulse: Pulse) -> Self {
+        Self { ray, found: None, tests: 0, pulse }
+    }
+
+    /// Whether to end early, now that about `work` numbers have been read.
+    #[inline(always)]
+    pub fn is_over(&mut self, work: usize) -> bool {
+        self.pulse.stops(work)
     }
 
     /// What is farther is of no interest.
@@ -312,6 +321,9 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
             if nearest > self.best.limit() {
                 continue;
             }
+            if self.best.is_over(NODE_WORK) {
+                return;
+            }
             let node = &nodes[index as usize];
             if node.is_leaf() {
                 let cover = &covers[index as usize];
@@ -335,6 +347,9 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
         let (shapes, rows) = (self.tree.columns(), self.tree.rows());
         self.best.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
+            if self.best.is_over(LANES) {
+                return;
+            }
             let near = self.beam.lanes(simd, about, shapes, first);
             for_each_lane(near & first_lanes(places.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, about.1);
@@ -360,7 +375,11 @@ pub struct RayHits<T> {
 }
 
 /// What each ray hits first in a tree, among what has a category in `mask`, if there is one.
-pub fn first_hits<T: Scalar>(tree: &Quadtree<T>, rays: &[Ray<T>], mask: Option<u32>) -> RayHits<T> {
+pub fn first_hits<T: Scalar>(
+    tree: &Quadtree<T>,
+    rays: &[Ray<T>],
+    mask: Option<u32>,
+) -> Result<RayHits<T>> {
     first_hits_by(rays, tree.settings().threads, |best| {
         best.look(tree, mask, &|row| Some(u64::from(row)));
     })
@@ -371,26 +390,34 @@ pub fn first_hits_by<T: Scalar>(
     rays: &[Ray<T>],
     threads: Option<usize>,
     look: impl Fn(&mut FirstHit<T>) + Sync + Send,
-) -> RayHits<T> {
+) -> Result<RayHits<T>> {
     let threads = worthwhile(threads, rays.len());
-    let order = along_a_curve(rays.iter().map(|ray| ray.origin));
+    let order = along_a_curve(rays.iter().map(|ray| ray.origin))?;
+    let stop = Stop::current();
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
-        let hit = |&question: &u32| {
-            let mut best = FirstHit::new(rays[question as usize]);
+        let mut pulse = Pulse::of(&stop);
+        let mut found = Vec::with_capacity(parts[part].len());
+        for &question in parts[part] {
+            pulse.check(NODE_WORK)?;
+            let mut best = FirstHit::new(rays[question as usize], pulse);
             look(&mut best);
-            best
-        };
-        parts[part].iter().map(hit).collect::<Vec<_>>()
+            found.push((best.found, best.tests));
+            pulse = best.pulse;
+        }
+        pulse.check(0)?;
+        Ok(found)
     });
+    let found = found.into_iter().collect::<Result<Vec<_>>>()?;
     let len = rays.len();
-    let mut all = RayHits { ids: vec![-1; len], distances: vec![T::INFINITY; len], tests: 0 };
-    for (&question, best) in order.iter().zip(found.iter().flatten()) {
-        if let Some((distance, id)) = best.found {
+    let distances = memory::filled(len, T::INFINITY)?;
+    let mut all = RayHits { ids: memory::filled(len, -1)?, distances, tests: 0 };
+    for (&question, &(hit, tests)) in order.iter().zip(found.iter().flatten()) {
+        if let Some((distance, id)) = hit {
             all.ids[question as usize] = id as i64;
             all.distances[question as usize] = distance;
         }
-        all.tests += best.tests;
+        all.tests += tests;
     }
-    all
+    Ok(all)
 }

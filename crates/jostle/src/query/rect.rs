@@ -4,6 +4,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
+use crate::memory;
 use crate::shapes::{check_rects, corners};
 
 /// A rectangle; what only touches its border does not overlap it.
@@ -21,7 +22,7 @@ impl<T: Scalar> Rect<T> {
             let [min, max] = corners(row);
             Self { min, max }
         };
-        Ok(rows.iter().map(rect).collect())
+        memory::collect(rows.iter().map(rect))
     }
 }
 

@@ -4,12 +4,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::frontier::{Frontier, GROUP};
 use super::window::Window;
-use super::{QUESTIONS, along_a_curve, worthwhile};
+use super::{NODE_WORK, QUESTIONS, along_a_curve, worthwhile};
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape};
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
 use crate::parallel;
 use crate::quadtree::{Node, Quadtree};
 use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
+use crate::sorting;
+
+/// Ids that are looked up at a time.
+const CHUNK: usize = 1 << 14;
 
 /// Most ids in one answer, a gibibyte of them.
 pub const MOST_IDS: usize = 1 << 27;
@@ -41,11 +47,11 @@ pub struct Hits<I> {
 }
 
 impl<I> Hits<I> {
-    /// No answers yet, and memory for those to some questions.
-    fn with_room_for(questions: usize) -> Self {
-        let mut offsets = Vec::with_capacity(questions + 1);
+    /// No answers yet, and memory for the offsets of some questions.
+    pub(crate) fn with_room_for(questions: usize) -> Result<Self> {
+        let mut offsets = memory::with_room(questions + 1)?;
         offsets.push(0);
-        Self { offsets, ids: Vec::with_capacity(8 * questions), tests: 0 }
+        Ok(Self { offsets, ids: Vec::new(), tests: 0 })
     }
 
     /// Ids of one question.
@@ -68,28 +74,31 @@ pub fn search<T: Scalar, R: Region<T>>(
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
     let threads = worthwhile(tree.settings().threads, regions.len());
-    let order = along_a_curve(regions.iter().map(|region| region.window().min));
+    let order = along_a_curve(regions.iter().map(|region| region.window().min))?;
+    let stop = Stop::current();
     let count = AtomicUsize::new(0);
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
-        T::with_widest(Search { tree, regions, order: parts[part], mask, count: &count })
+        let (order, pulse) = (parts[part], Pulse::of(&stop));
+        T::with_widest(Search { tree, regions, order, mask, count: &count, pulse })
     });
     if count.into_inner() > MOST_IDS {
         return Err(Error::TooManyIds { most: MOST_IDS });
     }
-    Ok(together(&parts, found))
+    together(&parts, found.into_iter().collect::<Result<Vec<_>>>()?)
 }
 
 /// Puts answers to questions in some order into the order of their numbers.
-fn together(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Hits<u32> {
+fn together(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
     match found.len() {
-        0 => return Hits { offsets: vec![0], ids: Vec::new(), tests: 0 },
-        1 => return found.remove(0),
+        0 => return Hits::with_room_for(0),
+        1 => return Ok(found.remove(0)),
         _ => {}
     }
+    let mut pulse = Pulse::current();
     let questions = parts.iter().map(|part| part.len()).sum::<usize>();
     let answers = || parts.iter().zip(&found);
-    let mut offsets = vec![0; questions + 1];
+    let mut offsets = memory::filled(questions + 1, 0)?;
     for (part, hits) in answers() {
         for (place, &question) in part.iter().enumerate() {
             offsets[question as usize + 1] = hits.of(place).len();
@@ -98,15 +107,16 @@ fn together(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Hits<u32> {
     for question in 0..questions {
         offsets[question + 1] += offsets[question];
     }
-    let mut ids = vec![0; offsets[questions]];
+    let mut ids = memory::zeroed(offsets[questions])?;
     for (part, hits) in answers() {
         for (place, &question) in part.iter().enumerate() {
+            pulse.check(1 + hits.of(place).len())?;
             let question = question as usize;
             ids[offsets[question]..offsets[question + 1]].copy_from_slice(hits.of(place));
         }
     }
     let tests = found.iter().map(|hits| hits.tests).sum();
-    Hits { offsets, ids, tests }
+    Ok(Hits { offsets, ids, tests })
 }
 
 /// Some regions, asked one after the other.
@@ -117,14 +127,16 @@ struct Search<'a, T, R> {
     mask: Option<u32>,
     /// Ids found by all parts together.
     count: &'a AtomicUsize,
+    pulse: Pulse,
 }
 
 impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
-    type Out = Hits<u32>;
+    type Out = Result<Hits<u32>>;
 
     #[inline(always)]
-    fn run<S: Simd<T>>(self, simd: S) -> Hits<u32> {
-        let mut hits = Hits::with_room_for(self.order.len());
+    fn run<S: Simd<T>>(mut self, simd: S) -> Result<Hits<u32>> {
+        let mut hits = Hits::with_room_for(self.order.len())?;
+        memory::reserve(&mut hits.ids, 8 * self.order.len())?;
         let (mut frontier, mut stack) = (Frontier::default(), Vec::new());
         let (mut ends, mut nodes) = (Vec::new(), Vec::new());
         for group in self.order.chunks(GROUP) {
@@ -139,18 +151,18 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
             nodes.clear();
             for &question in group {
                 let region = &self.regions[question as usize];
-                self.find(simd, region, &frontier, &mut stack, &mut nodes);
+                self.find(simd, region, &frontier, &mut stack, &mut nodes)?;
                 ends.push(nodes.len());
             }
             let (before, mut from) = (hits.ids.len(), 0);
             for (&question, &end) in group.iter().zip(&ends) {
                 let region = &self.regions[question as usize];
-                self.answer(simd, region, &nodes[from..end], &mut hits);
+                self.answer(simd, region, &nodes[from..end], &mut hits)?;
                 from = end;
             }
             self.count.fetch_add(hits.ids.len() - before, Ordering::Relaxed);
         }
-        hits
+        Ok(hits)
     }
 }
 
@@ -159,13 +171,13 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
     /// takes as a whole. It begins at those of `frontier`.
     #[inline(always)]
     fn find<S: Simd<T>>(
-        &self,
+        &mut self,
         simd: S,
         region: &R,
         frontier: &Frontier<T>,
         stack: &mut Vec<u32>,
         found: &mut Vec<u32>,
-    ) {
+    ) -> Result<()> {
         let window = region.window();
         for first in (0..frontier.len).step_by(LANES) {
             let bits = frontier.lanes(simd, &window, first) & first_lanes(frontier.len - first);
@@ -178,9 +190,10 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
             });
         }
         while let Some(index) = stack.pop() {
+            self.pulse.check(NODE_WORK)?;
             let node = &self.tree.nodes()[index as usize];
             if node.is_leaf() || self.takes_all(&window, index as usize) {
-                found.push(index);
+                memory::push(found, index)?;
                 self.expect(simd, node);
                 continue;
             }
@@ -192,6 +205,7 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Sends for what will be read of a leaf.
@@ -207,21 +221,33 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
 
     /// Adds the answer to one question, from the nodes in which there is something.
     #[inline(always)]
-    fn answer<S: Simd<T>>(&self, simd: S, region: &R, nodes: &[u32], hits: &mut Hits<u32>) {
+    fn answer<S: Simd<T>>(
+        &mut self,
+        simd: S,
+        region: &R,
+        nodes: &[u32],
+        hits: &mut Hits<u32>,
+    ) -> Result<()> {
         let start = hits.ids.len();
         let window = region.window();
         for &index in nodes {
+            let places = self.tree.nodes()[index as usize].range();
+            memory::reserve(&mut hits.ids, places.len())?;
             if self.takes_all(&window, index as usize) {
-                let places = self.tree.nodes()[index as usize].range();
+                self.pulse.check(places.len())?;
                 hits.ids.extend(places.map(|place| place as u32));
             } else {
-                self.collect(simd, region, index as usize, hits);
+                self.collect(simd, region, index as usize, hits)?;
             }
         }
         let (rows, found) = (self.tree.rows(), &mut hits.ids[start..]);
-        found.iter_mut().for_each(|place| *place = rows[*place as usize]);
-        sort(found);
+        for places in found.chunks_mut(CHUNK) {
+            self.pulse.check(places.len())?;
+            places.iter_mut().for_each(|place| *place = rows[*place as usize]);
+        }
+        sort(found, &mut self.pulse)?;
         hits.offsets.push(hits.ids.len());
+        Ok(())
     }
 
     /// Whether a region overlaps every shape in a node. Where a category can hide a shape,
@@ -233,12 +259,19 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
 
     /// Collects the places of the shapes in a leaf that one region overlaps.
     #[inline(always)]
-    fn collect<S: Simd<T>>(&self, simd: S, region: &R, leaf: usize, hits: &mut Hits<u32>) {
+    fn collect<S: Simd<T>>(
+        &mut self,
+        simd: S,
+        region: &R,
+        leaf: usize,
+        hits: &mut Hits<u32>,
+    ) -> Result<()> {
         let (shapes, window) = (self.tree.columns(), region.window());
         let places = self.tree.nodes()[leaf].range();
         let round = self.tree.covers()[leaf].radius > T::ZERO;
         hits.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
+            self.pulse.check(LANES)?;
             let bits = window.lanes(simd, shapes, first, (round, R::PLAIN));
             let mut bits = bits & first_lanes(places.end - first);
             if !R::PLAIN || self.mask.is_some() {
@@ -256,14 +289,15 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
                 hits.ids.extend_from_slice(&packed[..bits.count_ones() as usize]);
             }
         }
+        Ok(())
     }
 }
 
 /// Sorts different numbers; a few of them without a branch that depends on their order.
 #[inline(always)]
-fn sort(ids: &mut [u32]) {
+fn sort(ids: &mut [u32], pulse: &mut Pulse) -> Result<()> {
     if ids.len() > LANES {
-        return ids.sort_unstable();
+        return sorting::sort(ids, pulse);
     }
     let mut all = [0; LANES];
     all[..ids.len()].copy_from_slice(ids);
@@ -276,4 +310,5 @@ fn sort(ids: &mut [u32]) {
     for (id, rank) in all[..ids.len()].iter().zip(ranks) {
         ids[rank as usize] = *id;
     }
+    Ok(())
 }

@@ -24,8 +24,10 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::contacts::{COLOURS, Colours, Contact, Contacts};
 use crate::container::{Container, MAX_WALLS};
+use crate::error::Result;
 use crate::forces::Thermostat;
 use crate::integrate::{self, Sweep};
+use crate::interrupt;
 use crate::motion::{Motion, Motions, Velocities};
 use crate::parallel;
 use crate::particles::Particles;
@@ -83,16 +85,19 @@ pub struct Memory {
 }
 
 /// The sub-step of `h` seconds that [`kick`] has begun.
-pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
+pub fn substep(scene: &mut Scene<'_>, rules: &Rules, h: f32) -> Result<()> {
     measure_all(scene, rules);
-    bounce(scene, rules, h);
+    bounce(scene, rules, h)?;
     if rules.rest_speed > 0.0 {
-        lean(scene, rules, h);
+        lean(scene, rules, h)?;
     }
+    interrupt::check()?;
     confine(scene, rules);
     guard::guard(scene.contacts, scene.motions, rules.threads);
+    interrupt::check()?;
     advance(scene, rules);
     settle(scene, rules);
+    Ok(())
 }
 
 /// Calls `act` on every movable particle.
@@ -151,10 +156,11 @@ fn turn(round: usize, colour: u32) -> u32 {
     1 + round as u32 * (COLOURS as u32 + 2) + colour
 }
 
-fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
+fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) -> Result<()> {
     let motions = scene.motions;
     let particles = scene.particles;
     for round in 0..IMPACT_ROUNDS {
+        interrupt::check()?;
         let any = AtomicBool::new(false);
         // What has not changed since it was looked at last still does not bounce.
         let changed =
@@ -190,9 +196,10 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
             break;
         }
     }
+    Ok(())
 }
 
-fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
+fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) -> Result<()> {
     let (motions, threads) = (scene.motions, rules.threads);
     find_at_walls(scene, rules, h);
     let Memory { leaning, velocities, at_walls, .. } = scene.memory;
@@ -216,6 +223,7 @@ fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     });
     pairs.each(|leaning| leaning.calm(velocities, rules.rest_speed, h));
     for _ in 0..REST_ROUNDS {
+        interrupt::check()?;
         let most = pairs.most(|leaning| leaning.correct(velocities));
         parallel::for_chunks(threads, at_walls, |_, chunk| {
             chunk.iter_mut().for_each(|at_wall| at_wall.correct(velocities, h));
@@ -234,6 +242,7 @@ fn lean(scene: &mut Scene<'_>, rules: &Rules, h: f32) {
     each_particle(scene, rules, |place| {
         motions.set(place, rest::resume(motions.get(place), velocities.get(place), h));
     });
+    Ok(())
 }
 
 /// Pairs that lean, colour by colour.

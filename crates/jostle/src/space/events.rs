@@ -8,8 +8,14 @@ use super::Space;
 use super::layers::Layers;
 use super::slots::Id;
 use super::touching::{MOST_RECORDS, NONE, Touching};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::interrupt::{self, Pulse};
+use crate::memory;
+use crate::sorting;
+
+/// About as many numbers are read, far from each other, when a pair is compared.
+const RECORD_WORK: usize = 16;
 
 /// Pairs of ids, the smaller first, sorted by first, then by second.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -51,21 +57,29 @@ impl<T: Scalar> Space<T> {
     /// than `max_pairs` of the pairs of what changed; if there are more, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
         let max_pairs = max_pairs.min(MOST_RECORDS);
-        let present = self.changes.present(&self.layers);
-        let front = self.layers.layer_of(&present).or_else(|| {
-            // What is fresh has changed; so most often this is all that has.
-            if self.layers.fresh_len() < present.len() {
-                present.iter().for_each(|&slot| self.layers.freshen(slot));
+        let present = self.changes.present(&self.layers)?;
+        let front = match self.layers.layer_of(&present) {
+            Some(layer) => Some(layer),
+            None => {
+                // What is fresh has changed; so most often this is all that has.
+                if self.layers.fresh_len() < present.len() {
+                    self.layers.reserve_fresh(present.len())?;
+                    present.iter().for_each(|&slot| self.layers.freshen(slot));
+                }
+                self.layers.fold(&self.slots, self.settings)?
             }
-            self.layers.fold(&self.slots, self.settings)
-        });
-        let found = self.pairs_with_changed(front, max_pairs).or_else(|_| {
-            // What is dead or did not change may have been counted; now it is not.
-            let front = self.layers.part(&present, &self.slots, self.settings);
-            self.pairs_with_changed(front, max_pairs)
-        })?;
-        let difference = self.changes.compare(&found, &self.touching);
-        Ok(self.take_over(&difference))
+        };
+        let found = match self.pairs_with_changed(front, max_pairs) {
+            Err(Error::TooManyPairs { .. }) => {
+                // What is dead or did not change may have been counted; now it is not.
+                let front = self.layers.part(&present, &self.slots, self.settings)?;
+                self.pairs_with_changed(front, max_pairs)?
+            }
+            found => found?,
+        };
+        let difference = self.changes.compare(&found, &self.touching)?;
+        drop(found);
+        self.take_over(&difference)
     }
 
     /// Overlapping pairs of slots, at least one of which changed. All of those are in `front`.
@@ -80,43 +94,65 @@ impl<T: Scalar> Space<T> {
         Ok(found)
     }
 
-    fn take_over(&mut self, difference: &Difference) -> Events {
-        let ids = |pairs: &mut dyn Iterator<Item = [u32; 2]>| {
-            let mut pairs: Vec<_> = pairs.map(|pair| self.pair_of_ids(pair)).collect();
-            pairs.sort_unstable();
-            pairs
-        };
+    /// Makes the pairs of now those of the last update. All that can fail comes first.
+    fn take_over(&mut self, difference: &Difference) -> Result<Events> {
         let update = self.changes.updates + 1;
-        let left = ids(&mut difference.left.iter().map(|&record| self.touching.pair(record)));
-        let entered = ids(&mut difference.entered.iter().copied());
+        let left = difference.left.iter().map(|&record| self.touching.pair(record));
+        let (left, entered) =
+            (self.sorted_ids(left)?, self.sorted_ids(difference.entered.iter().copied())?);
+        self.touching.reserve(entered.len(), left.len())?;
+        self.slots.reserve_free(self.changes.leaving.len())?;
+        interrupt::check()?;
         difference.left.iter().for_each(|&record| self.touching.unlink(record));
         difference.entered.iter().for_each(|&pair| self.touching.link(pair));
         self.touching.tidy();
         self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
         self.changes.clear();
-        Events { entered, left, update }
+        Ok(Events { entered, left, update })
+    }
+
+    fn sorted_ids(&self, pairs: impl ExactSizeIterator<Item = [u32; 2]>) -> Result<Vec<[Id; 2]>> {
+        let mut pulse = Pulse::current();
+        let mut ids = memory::with_room(pairs.len())?;
+        for pair in pairs {
+            pulse.check(1)?;
+            ids.push(self.pair_of_ids(pair));
+        }
+        sorting::sort(&mut ids, &mut pulse)?;
+        Ok(ids)
     }
 
     /// The pairs that overlapped at this update and at the one before, sorted; none once
     /// there has been another update.
-    pub fn stayed(&self, events: &Events) -> Option<Vec<[Id; 2]>> {
+    pub fn stayed(&self, events: &Events) -> Result<Option<Vec<[Id; 2]>>> {
         if events.update != self.changes.updates {
-            return None;
+            return Ok(None);
         }
-        let mut pairs: Vec<_> = self.touching.pairs().map(|pair| self.pair_of_ids(pair)).collect();
-        pairs.sort_unstable();
+        let mut pulse = Pulse::current();
+        let mut pairs = memory::with_room(self.touching.len())?;
+        for pair in self.touching.pairs() {
+            pulse.check(1)?;
+            pairs.push(self.pair_of_ids(pair));
+        }
+        sorting::sort(&mut pairs, &mut pulse)?;
         let mut entered = events.entered.iter().peekable();
         pairs.retain(|pair| entered.next_if_eq(&pair).is_none());
-        Some(pairs)
+        Ok(Some(pairs))
     }
 }
 
 impl Changes {
     /// Makes room for so many slots.
-    pub(super) fn widen(&mut self, slots: usize) {
-        self.changed.resize(slots.max(self.changed.len()), false);
-        self.firsts.resize(slots.max(self.firsts.len()), NONE);
-        self.records.resize(slots.max(self.records.len()), NONE);
+    pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
+        memory::lengthen(&mut self.changed, slots, false)?;
+        memory::lengthen(&mut self.firsts, slots, NONE)?;
+        memory::lengthen(&mut self.records, slots, NONE)
+    }
+
+    /// Finds memory for `more` slots that change.
+    pub(super) fn reserve(&mut self, more: usize) -> Result<()> {
+        memory::reserve(&mut self.slots, more)?;
+        memory::reserve(&mut self.leaving, more)
     }
 
     /// Remembers a slot that a shape came into, went from, or changed in.
@@ -127,8 +163,10 @@ impl Changes {
     }
 
     /// Those in which there is a shape.
-    fn present<T: Scalar>(&self, layers: &Layers<T>) -> Vec<u32> {
-        self.slots.iter().copied().filter(|&slot| layers.has(slot)).collect()
+    fn present<T: Scalar>(&self, layers: &Layers<T>) -> Result<Vec<u32>> {
+        let mut present = memory::with_room(self.slots.len())?;
+        present.extend(self.slots.iter().copied().filter(|&slot| layers.has(slot)));
+        Ok(present)
     }
 
     /// The slot that answers for a pair, and the other one.
@@ -139,17 +177,29 @@ impl Changes {
 
     /// Compares the pairs of now with those of the last update, one owner after the other, in
     /// time that grows with their number and no faster.
-    fn compare(&mut self, found: &[[u32; 2]], touching: &Touching) -> Difference {
+    fn compare(&mut self, found: &[[u32; 2]], touching: &Touching) -> Result<Difference> {
+        let difference = self.compare_all(found, touching);
+        if difference.is_err() {
+            self.firsts.fill(NONE);
+            self.records.fill(NONE);
+        }
+        difference
+    }
+
+    fn compare_all(&mut self, found: &[[u32; 2]], touching: &Touching) -> Result<Difference> {
         let mut difference = Difference::default();
-        let mut nexts = vec![NONE; found.len()];
+        let mut pulse = Pulse::current();
+        let mut nexts = memory::filled(found.len(), NONE)?;
         for (index, &pair) in found.iter().enumerate() {
+            pulse.check(RECORD_WORK)?;
             let [owner, _] = self.owned(pair);
             nexts[index] = std::mem::replace(&mut self.firsts[owner as usize], index as u32);
         }
         for index in 0..self.slots.len() {
-            self.compare_owner(self.slots[index], found, &nexts, touching, &mut difference);
+            let owner = self.slots[index];
+            self.compare_owner(owner, found, &nexts, touching, &mut difference, &mut pulse)?;
         }
-        difference
+        Ok(difference)
     }
 
     fn compare_owner(
@@ -159,32 +209,37 @@ impl Changes {
         nexts: &[u32],
         touching: &Touching,
         difference: &mut Difference,
-    ) {
+        pulse: &mut Pulse,
+    ) -> Result<()> {
         let mut own = std::mem::replace(&mut self.firsts[owner as usize], NONE);
         let mut gone = 0;
         for (record, other) in touching.of(owner) {
+            pulse.check(RECORD_WORK)?;
             if self.owned([owner, other])[0] == owner {
                 self.records[other as usize] = record;
                 gone += 1;
             }
         }
         while own != NONE {
+            pulse.check(RECORD_WORK)?;
             let pair = self.owned(found[own as usize]);
             if std::mem::replace(&mut self.records[pair[1] as usize], NONE) == NONE {
-                difference.entered.push(pair);
+                memory::push(&mut difference.entered, pair)?;
             } else {
                 gone -= 1;
             }
             own = nexts[own as usize];
         }
         if gone == 0 {
-            return;
+            return Ok(());
         }
         for (record, other) in touching.of(owner) {
+            pulse.check(RECORD_WORK)?;
             if std::mem::replace(&mut self.records[other as usize], NONE) == record {
-                difference.left.push(record);
+                memory::push(&mut difference.left, record)?;
             }
         }
+        Ok(())
     }
 
     fn clear(&mut self) {

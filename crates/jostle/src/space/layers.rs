@@ -12,11 +12,16 @@ use std::mem;
 use super::slots::Slots;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
 use crate::pairs;
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
+
+/// Pairs that are translated at a time.
+const CHUNK: usize = 1 << 14;
 
 /// The home of a slot without a shape.
 const NOWHERE: u8 = u8::MAX;
@@ -83,9 +88,14 @@ impl<T: Scalar> Default for Layers<T> {
 
 impl<T: Scalar> Layers<T> {
     /// Makes room for so many slots.
-    pub(super) fn widen(&mut self, slots: usize) {
-        self.home.resize(slots.max(self.home.len()), NOWHERE);
-        self.listed.resize(slots.max(self.listed.len()), false);
+    pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
+        memory::lengthen(&mut self.home, slots, NOWHERE)?;
+        memory::lengthen(&mut self.listed, slots, false)
+    }
+
+    /// Finds memory for `more` shapes that become fresh.
+    pub(super) fn reserve_fresh(&mut self, more: usize) -> Result<()> {
+        memory::reserve(&mut self.fresh, more)
     }
 
     /// Takes a new or a changed shape out of its layer.
@@ -168,16 +178,29 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Puts all fresh shapes into a layer; returns its index, none where nothing was fresh.
-    pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Option<usize> {
+    /// Where it fails, the shapes of all layers that were to become one are fresh.
+    pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Result<Option<usize>> {
         let mut rows = self.take_fresh();
         let any = !rows.is_empty();
+        let old = match self.absorb(&mut rows) {
+            Ok(old) => old,
+            Err(error) => return Err(self.undo(rows, error)),
+        };
+        let built = self.build(old, rows, slots, settings)?;
+        Ok(built.filter(|_| any))
+    }
+
+    /// Adds the shapes of the layers that a new one of `rows` takes in; returns the largest
+    /// of these layers, for its memory.
+    fn absorb(&mut self, rows: &mut Vec<u32>) -> Result<Layer<T>> {
         let mut old = Layer::default();
         loop {
             let absorbed = self.to_absorb(rows.len());
             if absorbed.is_empty() {
-                break;
+                return Ok(old);
             }
             for index in absorbed {
+                memory::reserve(rows, self.layers[index].alive)?;
                 let layer = mem::take(&mut self.layers[index]);
                 if layer.alive > 0 {
                     let alive = layer.slots.iter().filter(|&&slot| self.is_home(slot, index));
@@ -188,8 +211,17 @@ impl<T: Scalar> Layers<T> {
                 }
             }
         }
-        let built = self.build(old, rows, slots, settings);
-        built.filter(|_| any)
+    }
+
+    /// Makes all `rows`, which have left their layers, fresh.
+    fn undo(&mut self, rows: Vec<u32>, error: Error) -> Error {
+        for &slot in &rows {
+            self.home[slot as usize] = FRESH;
+            self.listed[slot as usize] = true;
+        }
+        self.fresh_len = rows.len();
+        self.fresh = rows;
+        error
     }
 
     /// Puts the shapes in `chosen` into one layer and all others into another.
@@ -198,15 +230,26 @@ impl<T: Scalar> Layers<T> {
         chosen: &[u32],
         slots: &Slots<T>,
         settings: Settings,
-    ) -> Option<usize> {
+    ) -> Result<Option<usize>> {
+        let mut is_rest: Vec<bool> = memory::collect(self.home.iter().map(|&h| h != NOWHERE))?;
+        let mut all: Vec<u32> = memory::with_room(slots.len())?;
+        let present = (0..).zip(&is_rest).filter(|(_, present)| **present);
+        all.extend(present.map(|(slot, _)| slot));
+        chosen.iter().for_each(|&slot| is_rest[slot as usize] = false);
+        let mut rest: Vec<u32> = memory::with_room(slots.len() - chosen.len())?;
+        rest.extend(all.iter().filter(|slot| is_rest[**slot as usize]));
+        let chosen = memory::collect(chosen.iter().copied())?;
+        // A failure from here on leaves all of them fresh.
         self.take_fresh();
         self.layers.clear();
-        let mut rest: Vec<bool> = self.home.iter().map(|&home| home != NOWHERE).collect();
-        chosen.iter().for_each(|&slot| rest[slot as usize] = false);
-        let rest: Vec<u32> =
-            (0..).zip(&rest).filter_map(|(slot, &rest)| rest.then_some(slot)).collect();
-        self.build(Layer::default(), rest, slots, settings);
-        self.build(Layer::default(), chosen.to_vec(), slots, settings)
+        if let Err(error) = self.build(Layer::default(), rest, slots, settings) {
+            return Err(self.undo(all, error));
+        }
+        let front = self.build(Layer::default(), chosen, slots, settings);
+        front.map_err(|error| {
+            self.layers.clear();
+            self.undo(all, error)
+        })
     }
 
     fn take_fresh(&mut self) -> Vec<u32> {
@@ -228,16 +271,16 @@ impl<T: Scalar> Layers<T> {
         all().filter(|index| worn(index) || crowded && alike(index)).collect()
     }
 
-    /// Builds a layer of `rows` in the memory of an old one.
+    /// Builds a layer of `rows` in the memory of an old one. Where it fails, they are fresh.
     fn build(
         &mut self,
         mut old: Layer<T>,
         rows: Vec<u32>,
         slots: &Slots<T>,
         settings: Settings,
-    ) -> Option<usize> {
+    ) -> Result<Option<usize>> {
         if rows.is_empty() {
-            return None;
+            return Ok(None);
         }
         // Much more memory than is needed goes back.
         if old.slots.len() > RATIO * rows.len() {
@@ -245,10 +288,12 @@ impl<T: Scalar> Layers<T> {
         }
         self.fresh = mem::take(&mut old.slots);
         self.fresh.clear();
-        slots.gather(&rows, &mut self.shapes);
         let fitting = settings.leaf_capacity.saturating_mul(rows.len()) / slots.len();
         let settings = Settings { leaf_capacity: fitting.max(FEWEST), ..settings };
-        rebuild(&mut old.tree, &self.shapes, settings);
+        let gathered = slots.gather(&rows, &mut self.shapes);
+        if let Err(error) = gathered.and_then(|()| rebuild(&mut old.tree, &self.shapes, settings)) {
+            return Err(self.undo(rows, error));
+        }
         if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
             self.shapes = Shapes::default();
         }
@@ -261,7 +306,7 @@ impl<T: Scalar> Layers<T> {
         rows.iter().for_each(|&slot| self.home[slot as usize] = index as u8);
         self.fresh_len = 0;
         self.layers[index] = Layer { tree: old.tree, alive: rows.len(), slots: rows };
-        Some(index)
+        Ok(Some(index))
     }
 
     /// Adds the overlapping pairs of shapes of two layers that are `wanted`, or of one with
@@ -287,13 +332,16 @@ impl<T: Scalar> Layers<T> {
             Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
             other => other,
         })?;
-        let slots = rows
-            .pairs
-            .into_iter()
-            .map(|[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
-        found.extend(
-            slots.filter(|&[i, j]| self.is_home(i, a) && self.is_home(j, b) && wanted([i, j])),
-        );
+        let mut pulse = Pulse::current();
+        for rows in rows.pairs.chunks(CHUNK) {
+            pulse.check(rows.len())?;
+            memory::reserve(found, rows.len())?;
+            let slots =
+                rows.iter().map(|&[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
+            found.extend(
+                slots.filter(|&[i, j]| self.is_home(i, a) && self.is_home(j, b) && wanted([i, j])),
+            );
+        }
         Ok(())
     }
 
@@ -336,7 +384,11 @@ impl<T: Scalar> Layers<T> {
 }
 
 /// Builds a tree in its old memory; coincident shapes keep the order of their rows.
-fn rebuild<T: Scalar>(tree: &mut Quadtree<T>, shapes: &Shapes<T>, settings: Settings) {
+fn rebuild<T: Scalar>(
+    tree: &mut Quadtree<T>,
+    shapes: &Shapes<T>,
+    settings: Settings,
+) -> Result<()> {
     let threads = parallel::worthwhile(settings.threads, shapes.len());
-    parallel::among(threads, || tree.rebuild(shapes, settings, &|_, _| Ordering::Equal));
+    parallel::among(threads, || tree.rebuild(shapes, settings, &|_, _| Ordering::Equal))
 }

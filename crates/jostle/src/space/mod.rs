@@ -13,6 +13,8 @@ mod touching;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
+use crate::interrupt::Pulse;
+use crate::memory;
 use crate::settings::Settings;
 use crate::shapes::{
     Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
@@ -71,7 +73,7 @@ impl<T: Scalar> Space<T> {
     }
 
     /// The ids of all shapes, ascending.
-    pub fn ids(&self) -> Vec<Id> {
+    pub fn ids(&self) -> Result<Vec<Id>> {
         self.slots.ids()
     }
 
@@ -83,20 +85,32 @@ impl<T: Scalar> Space<T> {
     /// What `read` makes of the shapes with these ids. Refuses ids that no shape has.
     pub fn read<V>(&self, ids: &[Id], read: impl Fn(Shape<T>) -> V) -> Result<Vec<V>> {
         let slots = self.slots.look_up(ids)?;
-        Ok(slots.into_iter().map(|slot| read(self.slots.shape(slot))).collect())
+        memory::collect(slots.into_iter().map(|slot| read(self.slots.shape(slot))))
     }
 
     /// Adds shapes; returns their ids. An id is never given twice.
     pub fn add(&mut self, shapes: &Shapes<T>) -> Result<Vec<Id>> {
         self.slots.check_room(shapes.len())?;
-        let slots: Vec<u32> =
-            (0..shapes.len()).map(|row| self.slots.put(&shapes.shape(row))).collect();
-        let count = self.slots.count();
-        self.layers.widen(count);
-        self.touching.widen(count);
-        self.changes.widen(count);
-        slots.iter().for_each(|&slot| self.note(slot));
-        Ok(slots.into_iter().map(|slot| self.slots.id(slot)).collect())
+        // All memory first, so that nothing is half done where there is none.
+        self.slots.reserve(shapes)?;
+        self.reserve_changes(shapes.len())?;
+        let count = self.slots.count() + shapes.len();
+        self.layers.widen(count)?;
+        self.touching.widen(count)?;
+        self.changes.widen(count)?;
+        let mut ids = memory::with_room(shapes.len())?;
+        for row in 0..shapes.len() {
+            let slot = self.slots.put(&shapes.shape(row));
+            self.note(slot);
+            ids.push(self.slots.id(slot));
+        }
+        Ok(ids)
+    }
+
+    /// Finds memory for `more` shapes that change.
+    fn reserve_changes(&mut self, more: usize) -> Result<()> {
+        self.changes.reserve(more)?;
+        self.layers.reserve_fresh(more)
     }
 
     /// Gives shapes other centres. One that is given as a box goes on as its centre and half
@@ -137,6 +151,7 @@ impl<T: Scalar> Space<T> {
             half_sizes.check_len("half_sizes", ids.len())?;
             check_each_half_size(half_sizes)?;
         }
+        self.slots.reserve_columns(0, [half_sizes.is_some(), false])?;
         self.change(ids, |slots, slot, row| {
             let radius = radii.is_some_and(|radii| slots.set_radius(slot, radii.at(row)));
             let half = half_sizes.is_some_and(|sizes| slots.resize(slot, sizes.at(row)));
@@ -154,6 +169,7 @@ impl<T: Scalar> Space<T> {
         for (argument, bits) in [("categories", categories), ("masks", masks)] {
             bits.map_or(Ok(()), |bits| bits.check_len(argument, ids.len()))?;
         }
+        self.slots.reserve_columns(0, [false, true])?;
         self.change(ids, |slots, slot, row| {
             let old = slots.shape(slot);
             let category = categories.map_or(old.category, |bits| bits.at(row));
@@ -163,7 +179,10 @@ impl<T: Scalar> Space<T> {
 
     /// Removes shapes. Refuses ids that no shape has or that are named twice; then none goes.
     pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
-        for slot in self.slots.find(ids)? {
+        let slots = self.slots.find(ids)?;
+        self.reserve_changes(slots.len())?;
+        self.slots.reserve_free(slots.len())?;
+        for slot in slots {
             self.slots.remove(slot);
             self.layers.remove(slot);
             self.changes.note(slot);
@@ -181,13 +200,22 @@ impl<T: Scalar> Space<T> {
     /// whatever the number of threads. With a `mask` only those of which both have a category
     /// in it.
     pub fn pairs(&mut self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[Id; 2]>> {
-        self.layers.fold(&self.slots, self.settings);
-        let found = self.all_pairs(mask, max_pairs).or_else(|_| {
-            // Shapes that are dead may have been counted; now there are none.
-            self.layers.part(&[], &self.slots, self.settings);
-            self.all_pairs(mask, max_pairs)
-        });
-        Ok(found?.into_iter().map(|pair| self.pair_of_ids(pair)).collect())
+        self.layers.fold(&self.slots, self.settings)?;
+        let found = match self.all_pairs(mask, max_pairs) {
+            Err(Error::TooManyPairs { .. }) => {
+                // Shapes that are dead may have been counted; now there are none.
+                self.layers.part(&[], &self.slots, self.settings)?;
+                self.all_pairs(mask, max_pairs)?
+            }
+            found => found?,
+        };
+        let mut pulse = Pulse::current();
+        let mut ids = memory::with_room(found.len())?;
+        for pair in found {
+            pulse.check(1)?;
+            ids.push(self.pair_of_ids(pair));
+        }
+        Ok(ids)
     }
 
     fn all_pairs(&self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
@@ -212,7 +240,9 @@ impl<T: Scalar> Space<T> {
         ids: &[Id],
         set: impl Fn(&mut Slots<T>, u32, usize) -> bool,
     ) -> Result<()> {
-        for (row, slot) in self.slots.find(ids)?.into_iter().enumerate() {
+        let slots = self.slots.find(ids)?;
+        self.reserve_changes(slots.len())?;
+        for (row, slot) in slots.into_iter().enumerate() {
             if set(&mut self.slots, slot, row) {
                 self.note(slot);
             }

@@ -4,12 +4,18 @@ use super::Space;
 use super::slots::Id;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
 use crate::query::{
     self, FirstHit, Hits, MOST_IDS, Nearest, Neighbors, Ray, RayHits, Region, selects,
 };
+use crate::sorting;
 
 /// With more fresh shapes than this a tree of them is quicker than a look at each.
 const FEW: usize = 256;
+
+/// Rows that become ids at a time.
+const CHUNK: usize = 1 << 14;
 
 /// As [`FEW`], for a call: looks that cost about as much as a tree of [`FEW`] shapes.
 const FEW_LOOKS: usize = 64 * FEW;
@@ -18,12 +24,15 @@ impl<T: Scalar> Space<T> {
     /// The ids of all shapes that each region overlaps, ascending; only those with a category
     /// in `mask`, if there is one.
     pub fn search<R: Region<T>>(&mut self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
-        self.prepare(regions.len());
-        self.search_all(regions, mask).or_else(|_| {
-            // Shapes that are dead may have been counted; now there are none.
-            self.layers.part(&[], &self.slots, self.settings);
-            self.search_all(regions, mask)
-        })
+        self.prepare(regions.len())?;
+        match self.search_all(regions, mask) {
+            Err(Error::TooManyIds { .. }) => {
+                // Shapes that are dead may have been counted; now there are none.
+                self.layers.part(&[], &self.slots, self.settings)?;
+                self.search_all(regions, mask)
+            }
+            found => found,
+        }
     }
 
     fn search_all<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
@@ -32,24 +41,31 @@ impl<T: Scalar> Space<T> {
             Ok((query::search(tree, regions, mask)?, slot))
         });
         let layers = layers.collect::<Result<Vec<_>>>()?;
-        let fresh: Vec<u32> = self.layers.fresh().collect();
-        let mut all = Hits { offsets: vec![0], ids: Vec::new(), tests: 0 };
+        let mut fresh: Vec<u32> = memory::with_room(self.layers.fresh_listed())?;
+        fresh.extend(self.layers.fresh());
+        let mut all = Hits::with_room_for(regions.len())?;
+        let mut pulse = Pulse::current();
         for (question, region) in regions.iter().enumerate() {
             let start = all.ids.len();
             for (hits, slot) in &layers {
-                let slots = hits.of(question).iter().filter_map(|&row| slot(row));
-                all.ids.extend(slots.map(|slot| self.slots.id(slot)));
+                memory::reserve(&mut all.ids, hits.of(question).len())?;
+                for rows in hits.of(question).chunks(CHUNK) {
+                    pulse.check(rows.len())?;
+                    let slots = rows.iter().filter_map(|&row| slot(row));
+                    all.ids.extend(slots.map(|slot| self.slots.id(slot)));
+                }
             }
             for &slot in &fresh {
+                pulse.check(1)?;
                 let shape = self.slots.shape(slot);
                 if selects(mask, shape.category) && region.touches(&shape) {
-                    all.ids.push(self.slots.id(slot));
+                    memory::push(&mut all.ids, self.slots.id(slot))?;
                 }
             }
             if all.ids.len() > MOST_IDS {
                 return Err(Error::TooManyIds { most: MOST_IDS });
             }
-            all.ids[start..].sort_unstable();
+            sorting::sort(&mut all.ids[start..], &mut pulse)?;
             all.offsets.push(all.ids.len());
         }
         all.tests = layers.iter().map(|(hits, _)| hits.tests).sum::<u64>()
@@ -66,7 +82,7 @@ impl<T: Scalar> Space<T> {
         mask: Option<u32>,
     ) -> Result<Neighbors<T>> {
         query::check_nearest(points, wanted)?;
-        self.prepare(points.len());
+        self.prepare(points.len())?;
         query::nearest_by(points, wanted, self.settings.threads, |point, best| {
             self.look_around(point, mask, best);
         })
@@ -74,6 +90,9 @@ impl<T: Scalar> Space<T> {
 
     fn look_around(&self, point: [T; 2], mask: Option<u32>, best: &mut Nearest<T>) {
         for slot in self.layers.fresh() {
+            if best.is_over(1) {
+                return;
+            }
             let shape = self.slots.shape(slot);
             best.tests += 1;
             if selects(mask, shape.category) {
@@ -88,13 +107,16 @@ impl<T: Scalar> Space<T> {
 
     /// What each ray hits first, among what has a category in `mask`, if there is one; of
     /// shapes as far the smaller id.
-    pub fn first_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> RayHits<T> {
-        self.prepare(rays.len());
+    pub fn first_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
+        self.prepare(rays.len())?;
         query::first_hits_by(rays, self.settings.threads, |best| self.look_along(mask, best))
     }
 
     fn look_along(&self, mask: Option<u32>, best: &mut FirstHit<T>) {
         for slot in self.layers.fresh() {
+            if best.is_over(1) {
+                return;
+            }
             let shape = self.slots.shape(slot);
             best.tests += 1;
             if selects(mask, shape.category) {
@@ -108,10 +130,11 @@ impl<T: Scalar> Space<T> {
     }
 
     /// Builds a tree of what is fresh where that is worth it for so many questions.
-    fn prepare(&mut self, questions: usize) {
+    fn prepare(&mut self, questions: usize) -> Result<()> {
         let fresh = self.layers.fresh_listed();
         if fresh > FEW || fresh.saturating_mul(questions) > FEW_LOOKS {
-            self.layers.fold(&self.slots, self.settings);
+            self.layers.fold(&self.slots, self.settings)?;
         }
+        Ok(())
     }
 }

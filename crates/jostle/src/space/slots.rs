@@ -5,7 +5,10 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
+use crate::interrupt::Pulse;
+use crate::memory;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, middle_of};
+use crate::sorting;
 
 /// The name of a shape in a space, at least 0.
 pub type Id = i64;
@@ -77,13 +80,46 @@ impl<T: Scalar> Slots<T> {
     }
 
     /// All ids, ascending.
-    pub(super) fn ids(&self) -> Vec<Id> {
+    pub(super) fn ids(&self) -> Result<Vec<Id>> {
         let present = self.generations.iter().zip(0..).filter(|(g, _)| **g & VACANT == 0);
-        let mut ids: Vec<Id> = present.map(|(_, slot)| self.id(slot)).collect();
+        let mut ids: Vec<Id> = memory::with_room(self.len)?;
+        ids.extend(present.map(|(_, slot)| self.id(slot)));
         if !ids.is_sorted() {
-            ids.sort_unstable();
+            sorting::sort(&mut ids, &mut Pulse::current())?;
         }
-        ids
+        Ok(ids)
+    }
+
+    /// Finds memory for `more` shapes.
+    pub(super) fn reserve(&mut self, shapes: &Shapes<T>) -> Result<()> {
+        let more = shapes.len();
+        memory::reserve(&mut self.mins, more)?;
+        memory::reserve(&mut self.maxes, more)?;
+        memory::reserve(&mut self.radii, more)?;
+        memory::reserve(&mut self.generations, more)?;
+        memory::reserve(&mut self.named, more)?;
+        let (half_sizes, filters) = (shapes.half_sizes.is_some(), shapes.filters.is_some());
+        self.reserve_columns(more, [half_sizes, filters])
+    }
+
+    /// Finds memory for the columns that are there only where something differs from the
+    /// defaults: half sizes, filters.
+    pub(super) fn reserve_columns(&mut self, more: usize, wanted: [bool; 2]) -> Result<()> {
+        let count = self.count() + more;
+        if wanted[0] || !self.half_sizes.is_empty() {
+            let missing = count - self.half_sizes.len();
+            memory::reserve(&mut self.half_sizes, missing)?;
+        }
+        if wanted[1] || !self.filters.is_empty() {
+            let missing = count - self.filters.len();
+            memory::reserve(&mut self.filters, missing)?;
+        }
+        Ok(())
+    }
+
+    /// Finds memory for the slots of `more` shapes that go.
+    pub(super) fn reserve_free(&mut self, more: usize) -> Result<()> {
+        memory::reserve(&mut self.free, more)
     }
 
     /// The slots of `ids`. Refuses ids that no shape has, and ids named twice.
@@ -93,7 +129,7 @@ impl<T: Scalar> Slots<T> {
             self.call = 0;
         }
         self.call += 1;
-        let mut slots = Vec::with_capacity(ids.len());
+        let mut slots = memory::with_room(ids.len())?;
         for (index, &id) in ids.iter().enumerate() {
             let Some(slot) = self.slot(id) else {
                 return Err(Error::at("ids", index, id, self.why_unknown(id)));
@@ -108,10 +144,12 @@ impl<T: Scalar> Slots<T> {
 
     /// The slots of `ids`, which may be named more than once.
     pub(super) fn look_up(&self, ids: &[Id]) -> Result<Vec<u32>> {
-        let slot = |(index, &id): (usize, &Id)| {
-            self.slot(id).ok_or_else(|| Error::at("ids", index, id, self.why_unknown(id)))
-        };
-        ids.iter().enumerate().map(slot).collect()
+        let mut slots = memory::with_room(ids.len())?;
+        for (index, &id) in ids.iter().enumerate() {
+            let slot = self.slot(id);
+            slots.push(slot.ok_or_else(|| Error::at("ids", index, id, self.why_unknown(id)))?);
+        }
+        Ok(slots)
     }
 
     fn why_unknown(&self, id: Id) -> &'static str {
@@ -247,7 +285,7 @@ impl<T: Scalar> Slots<T> {
             if half_size == [T::ZERO; 2] {
                 return false;
             }
-            self.half_sizes = vec![[T::ZERO; 2]; self.count()];
+            self.half_sizes.resize(self.count(), [T::ZERO; 2]);
         }
         std::mem::replace(&mut self.half_sizes[slot as usize], half_size) != half_size
     }
@@ -258,7 +296,7 @@ impl<T: Scalar> Slots<T> {
             if filter == [DEFAULT_CATEGORY, DEFAULT_MASK] {
                 return false;
             }
-            self.filters = vec![[DEFAULT_CATEGORY, DEFAULT_MASK]; self.count()];
+            self.filters.resize(self.count(), [DEFAULT_CATEGORY, DEFAULT_MASK]);
         }
         std::mem::replace(&mut self.filters[slot as usize], filter) != filter
     }
@@ -280,34 +318,37 @@ impl<T: Scalar> Slots<T> {
 
     /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
     /// have in common is said once: a tree need not put that into its order.
-    pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) {
+    pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) -> Result<()> {
         let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
         let each = || slots.iter().map(|&slot| slot as usize);
         centers.clear();
+        memory::reserve(centers, slots.len())?;
         let mut all = boxes.take().unwrap_or_default();
         if slots.iter().any(|&slot| self.is_box(slot)) {
             let corners = |slot: usize| (self.mins[slot], self.maxes[slot]);
             all.clear();
+            memory::reserve(&mut all, slots.len())?;
             all.extend(each().map(corners).map(|(min, max)| [min[0], min[1], max[0], max[1]]));
             centers.extend(all.iter().map(middle_of));
             *boxes = Some(all);
         } else {
             centers.extend(each().map(|slot| self.mins[slot]));
         }
-        put(radii, each().map(|slot| self.radii[slot]));
+        put(radii, each().map(|slot| self.radii[slot]))?;
         let mut halves = half_sizes.take().unwrap_or_default();
         if !self.half_sizes.is_empty() {
-            put(&mut halves, each().map(|slot| self.half_sizes[slot]));
+            put(&mut halves, each().map(|slot| self.half_sizes[slot]))?;
             *half_sizes = (halves != Each::One([T::ZERO; 2])).then_some(halves);
         }
         let [mut categories, mut masks] = filters.take().unwrap_or_default();
         if !self.filters.is_empty() {
-            put(&mut categories, each().map(|slot| self.filters[slot][0]));
-            put(&mut masks, each().map(|slot| self.filters[slot][1]));
+            put(&mut categories, each().map(|slot| self.filters[slot][0]))?;
+            put(&mut masks, each().map(|slot| self.filters[slot][1]))?;
             let open =
                 (&categories, &masks) == (&Each::One(DEFAULT_CATEGORY), &Each::One(DEFAULT_MASK));
             *filters = (!open).then_some([categories, masks]);
         }
+        Ok(())
     }
 
     /// Bytes of memory that they keep, used or not.
@@ -322,17 +363,22 @@ impl<T: Scalar> Slots<T> {
 }
 
 /// Replaces the contents of `to`; one value stands for all that are the same.
-fn put<V: Copy + PartialEq>(to: &mut Each<V>, mut values: impl Iterator<Item = V> + Clone) {
+fn put<V: Copy + PartialEq>(
+    to: &mut Each<V>,
+    mut values: impl ExactSizeIterator<Item = V> + Clone,
+) -> Result<()> {
     let all = values.clone();
     if let Some(first) = values.next()
         && values.all(|value| value == first)
     {
         *to = Each::One(first);
-        return;
+        return Ok(());
     }
     let rows = to.rows_mut();
     rows.clear();
+    memory::reserve(rows, all.len())?;
     rows.extend(all);
+    Ok(())
 }
 
 /// Slot and generation of an id; none where it cannot be one.
@@ -360,7 +406,7 @@ mod tests {
         slots.free(first);
         let third = slots.put(&disc(2.0));
         assert_eq!((third, slots.id(third), slots.slot(0)), (first, 1 << 32, None));
-        assert_eq!(slots.ids(), [1, 1 << 32]);
+        assert_eq!(slots.ids().unwrap(), [1, 1 << 32]);
     }
 
     #[test]
@@ -372,7 +418,7 @@ mod tests {
         slots.remove(slot);
         slots.free(slot);
         assert_eq!(slots.put(&disc(0.0)), 1);
-        assert_eq!(slots.ids(), [1]);
+        assert_eq!(slots.ids().unwrap(), [1]);
     }
 
     #[test]

@@ -3,6 +3,9 @@
 //!
 //! Each pair is a record in two lists that run both ways, one for each of its shapes.
 
+use crate::error::Result;
+use crate::memory;
+
 /// No record, or no slot.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -33,8 +36,14 @@ pub(super) struct Touching {
 
 impl Touching {
     /// Makes room for pairs of so many slots.
-    pub(super) fn widen(&mut self, slots: usize) {
-        self.heads.resize(slots.max(self.heads.len()), NONE);
+    pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
+        memory::lengthen(&mut self.heads, slots, NONE)
+    }
+
+    /// Finds memory for so many pairs that come, and so many that go.
+    pub(super) fn reserve(&mut self, come: usize, go: usize) -> Result<()> {
+        memory::reserve(&mut self.records, come.saturating_sub(self.free.len()))?;
+        memory::reserve(&mut self.free, go)
     }
 
     /// Number of pairs.
@@ -105,16 +114,21 @@ impl Touching {
         self.free.push(index);
     }
 
-    /// Gives memory back where most of it is not in use.
+    /// Gives memory back where most of it is not in use, unless that takes more than there is.
     pub(super) fn tidy(&mut self) {
         if self.records.len() < FEW || self.len() > self.records.len() / 4 {
             return;
         }
-        let pairs: Vec<[u32; 2]> = self.pairs().collect();
+        let (Ok(mut pairs), Ok(records)) =
+            (memory::with_room(self.len()), memory::with_room(2 * self.len()))
+        else {
+            return;
+        };
+        pairs.extend(self.pairs());
         for slot in pairs.as_flattened() {
             self.heads[*slot as usize] = NONE;
         }
-        self.records = Vec::with_capacity(2 * pairs.len());
+        self.records = records;
         self.free = Vec::new();
         pairs.into_iter().for_each(|pair| self.link(pair));
     }
@@ -146,7 +160,7 @@ mod tests {
     #[test]
     fn every_shape_finds_its_own_pairs() {
         let mut touching = Touching::default();
-        touching.widen(5);
+        touching.widen(5).unwrap();
         for pair in [[0, 1], [2, 0], [0, 3], [3, 1]] {
             touching.link(pair);
         }
@@ -165,7 +179,7 @@ mod tests {
     #[test]
     fn memory_is_given_back() {
         let mut touching = Touching::default();
-        touching.widen(10_000);
+        touching.widen(10_000).unwrap();
         (0..9_999).for_each(|slot| touching.link([slot, slot + 1]));
         let full = touching.kept_bytes();
         for slot in 0..9_900 {

@@ -7,7 +7,6 @@
 //! then, and the rest of its way is lost. So the work is bounded by the parts of the fast.
 
 use std::cmp::Ordering;
-use std::sync::atomic::AtomicBool;
 
 use super::step::MAX_PARTS;
 use super::{OnTouch, World, WorldSettings};
@@ -71,25 +70,19 @@ impl World {
     }
 
     /// Lets those that were held move for `dt` seconds.
-    pub(super) fn move_the_held(&mut self, dt: f32, stop: &AtomicBool) -> Result<()> {
+    pub(super) fn move_the_held(&mut self, dt: f32) -> Result<()> {
         if self.memory.fast.held.is_empty() {
             return Ok(());
         }
         let mut tree = std::mem::take(&mut self.memory.fast.tree);
         let mut near = self.memory.fast.near.take().unwrap_or_default();
-        let done = self.move_held(&mut tree, &mut near, dt, stop);
+        let done = self.move_held(&mut tree, &mut near, dt);
         let fast = &mut self.memory.fast;
         (fast.tree, fast.near) = (tree, Some(near));
         done
     }
 
-    fn move_held(
-        &mut self,
-        tree: &mut Quadtree<f32>,
-        near: &mut World,
-        dt: f32,
-        stop: &AtomicBool,
-    ) -> Result<()> {
+    fn move_held(&mut self, tree: &mut Quadtree<f32>, near: &mut World, dt: f32) -> Result<()> {
         let mut moving = Moving::default();
         for (place, &row) in (0..).zip(&self.rows) {
             let ([u, v], radius) =
@@ -109,7 +102,7 @@ impl World {
             radii: Each::Rows(self.particles.radii.clone()),
             ..Shapes::default()
         };
-        tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal);
+        tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let (mut left, mut turns) = (f64::from(dt), 0.0);
         while !moving.places.is_empty() {
             let ways = moving.places.iter().map(|&place| {
@@ -125,7 +118,7 @@ impl World {
             }
             let h = (left / f64::from(parts)) as f32;
             let places = self.near(tree, &moving, h)?;
-            self.move_once(near, &places, &mut moving, h, stop)?;
+            self.move_once(near, &places, &mut moving, h)?;
             if parts == 1.0 {
                 break;
             }
@@ -141,11 +134,10 @@ impl World {
         places: &[u32],
         moving: &mut Moving,
         h: f32,
-        stop: &AtomicBool,
     ) -> Result<()> {
         near.fill(&self.particles, places);
         near.begin();
-        near.step_once(h, &mut |_| (), stop).map_err(|error| match error {
+        near.step_once(h, &mut |_| ()).map_err(|error| match error {
             Error::NotFinite { argument, index, value } => {
                 let index = self.rows[places[index] as usize] as usize;
                 Error::NotFinite { argument, index, value }

@@ -28,8 +28,9 @@ pub(super) fn list(
     let mut tests = 0;
     let mut keep = |image, mut found: pairs::Found| {
         tests += found.tests;
-        pairs::sort_places(&mut found.pairs, tree.len(), sorting);
+        pairs::sort_places(&mut found.pairs, tree.len(), sorting)?;
         lists.push((image, found.pairs));
+        Ok(())
     };
     let refused = |error| match error {
         Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
@@ -40,7 +41,7 @@ pub(super) fn list(
     } else {
         pairs::places_within(tree, max)
     };
-    keep([0.0; 2], within.map_err(refused)?);
+    keep([0.0; 2], within.map_err(refused)?)?;
     for image in settings.container.images() {
         let across = if brute {
             pairs::brute_between(tree.columns(), tree.columns(), image, max)
@@ -49,7 +50,7 @@ pub(super) fn list(
         };
         let mut across = across.map_err(refused)?;
         across.pairs.retain(|pair| pair[0] != pair[1]);
-        keep(image, across);
+        keep(image, across)?;
     }
     Ok(tests)
 }
@@ -77,7 +78,7 @@ impl World {
         let radii = Each::Rows(all.radii.clone());
         let shapes = Shapes { centers, radii, ..Shapes::default() };
         let mut tree = Quadtree::default();
-        tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal);
+        tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let mut lists = Vec::new();
         let tests = list(&tree, settings, &mut SortScratch::default(), &mut lists)?;
         let mut found = Vec::new();

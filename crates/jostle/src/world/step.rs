@@ -10,6 +10,7 @@ use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::integrate::{self, Sweep};
+use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{self, Particles};
@@ -29,31 +30,20 @@ pub(super) const MAX_PARTS: f32 = 1000.0;
 
 impl World {
     /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends. A step that
-    /// is refused leaves the world as it was before that step; those before it stay.
+    /// is refused or interrupted leaves the world as it was before that step; those before it
+    /// stay.
     pub fn step(
         &mut self,
         dt: f64,
         steps: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
-        self.step_until(dt, steps, watch, &AtomicBool::new(false))
-    }
-
-    /// As [`World::step`], until `stop` becomes true. It is looked at between stages and
-    /// sub-steps; then the step under way is undone and [`Error::Interrupted`] returned.
-    pub fn step_until(
-        &mut self,
-        dt: f64,
-        steps: usize,
-        watch: &mut (dyn FnMut(Stage) + Send),
-        stop: &AtomicBool,
-    ) -> Result<()> {
         let single = dt as f32;
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0"));
         }
         let threads = self.threads();
-        parallel::among(threads, || self.step_often(single, dt, steps, watch, stop))
+        parallel::among(threads, || self.step_often(single, dt, steps, watch))
     }
 
     /// The threads to use: one for a small world.
@@ -67,12 +57,11 @@ impl World {
         dt: f64,
         steps: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
-        stop: &AtomicBool,
     ) -> Result<()> {
         for _ in 0..steps {
             let parts = self.parts(single)?;
             self.begin();
-            if let Err(error) = self.step_in_parts(single, parts, watch, stop) {
+            if let Err(error) = self.step_in_parts(single, parts, watch) {
                 self.undo();
                 return Err(error);
             }
@@ -86,12 +75,11 @@ impl World {
         dt: f32,
         parts: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
-        stop: &AtomicBool,
     ) -> Result<()> {
         for _ in 0..parts {
-            self.step_once(dt / parts as f32, watch, stop)?;
+            self.step_once(dt / parts as f32, watch)?;
         }
-        self.move_the_held(dt, stop)
+        self.move_the_held(dt)
     }
 
     /// The first row whose place has this `number`, for an error to name it.
@@ -136,26 +124,25 @@ impl World {
         &mut self,
         dt: f32,
         watch: &mut (dyn FnMut(Stage) + Send),
-        stop: &AtomicBool,
     ) -> Result<()> {
-        go_on(stop)?;
+        interrupt::check()?;
         self.feel(dt)?;
         if !self.forces.is_empty() {
             watch(Stage::Forces);
         }
         self.sweep(dt);
         watch(Stage::Integrate);
-        go_on(stop)?;
-        self.build();
+        interrupt::check()?;
+        self.build()?;
         watch(Stage::Build);
-        go_on(stop)?;
+        interrupt::check()?;
         self.candidates()?;
         watch(Stage::Pairs);
-        go_on(stop)?;
+        interrupt::check()?;
         self.arrange();
         self.meet();
         watch(Stage::Contacts);
-        self.resolve(dt, watch, stop)?;
+        self.resolve(dt, watch)?;
         self.break_springs();
         self.merge();
         watch(Stage::Resolve);
@@ -199,11 +186,11 @@ impl World {
     }
 
     /// Builds the tree of the sweeps.
-    fn build(&mut self) {
+    fn build(&mut self) -> Result<()> {
         let particles = &self.particles;
         let memory = &mut self.memory;
         let tie = |a: usize, b: usize| compare_particles(particles, a, b);
-        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
+        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 
     /// Brings everything into the order of the tree. The first part of a step leaves the old
@@ -270,12 +257,7 @@ impl World {
         self.contacts.collect(pairs, particles, restitution, tree.rows(), threads);
     }
 
-    fn resolve(
-        &mut self,
-        dt: f32,
-        watch: &mut (dyn FnMut(Stage) + Send),
-        stop: &AtomicBool,
-    ) -> Result<()> {
+    fn resolve(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let settings = &self.settings;
         let [gx, gy] = settings.gravity;
         let rules = Rules {
@@ -306,7 +288,7 @@ impl World {
         let forces = &mut memory.forces;
         let h = dt / settings.substeps as f32;
         for substep in 0..settings.substeps {
-            go_on(stop)?;
+            interrupt::check()?;
             if substep > 0 && forces::pull(&self.forces) {
                 watch(Stage::Resolve);
                 for (place, halfway) in forces.halfway.iter_mut().enumerate() {
@@ -324,7 +306,7 @@ impl World {
                 forces.sprung.act(motions, h);
                 watch(Stage::Forces);
             }
-            resolve::substep(&mut scene, &rules, h);
+            resolve::substep(&mut scene, &rules, h)?;
             merge::note(&mut memory.meetings, motions, rules.threads);
         }
         resolve::measure_touching(&mut scene, &rules);
@@ -371,11 +353,6 @@ impl World {
         let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
         not_finite(argument, self.rows[place], &format!("({})", numbers.join(", ")))
     }
-}
-
-/// Stops the step when the caller wants that.
-fn go_on(stop: &AtomicBool) -> Result<()> {
-    if stop.load(Atomic::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
 }
 
 /// Whether a step may end so.

@@ -1,0 +1,85 @@
+//! Long calls: they run without the interpreter, and end early where a signal handler raises.
+
+use std::any::Any;
+use std::cell::{Cell, RefCell};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use jostle::interrupt;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// How long a call runs before it lets signal handlers run.
+const POLL_EVERY: Duration = Duration::from_millis(50);
+
+/// For a thread without signal handlers: longer than any call.
+const NEVER: Duration = Duration::from_secs(86_400);
+
+thread_local! {
+    /// When the present call of this thread runs the signal handlers next; nobody has asked
+    /// yet where it is none.
+    static NEXT: Cell<Option<Instant>> = const { Cell::new(None) };
+    /// What a signal handler has raised during the present call of this thread.
+    static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+}
+
+/// Does `work` while other Python threads run. What a signal handler raises meanwhile stops
+/// the work and is the error; a panic, which is a fault of jostle, becomes a RuntimeError.
+pub fn detached<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    let outer = NEXT.take();
+    let done = py.detach(|| catch_unwind(AssertUnwindSafe(|| interrupt::watch(poll, work))));
+    NEXT.set(outer);
+    match RAISED.take() {
+        Some(error) => Err(error),
+        None => done.map_err(|panic| fault(&*panic)),
+    }
+}
+
+/// As [`detached`] for work that has to reach its end.
+pub fn detached_to_the_end<R: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> R + Send,
+) -> PyResult<R> {
+    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| fault(&*panic))
+}
+
+/// Runs the signal handlers, if it is time; returns whether one of them has raised.
+fn poll() -> bool {
+    let now = Instant::now();
+    let Some(next) = NEXT.get() else {
+        NEXT.set(Some(now + POLL_EVERY));
+        return false;
+    };
+    if now < next {
+        return false;
+    }
+    let (raised, wait) = Python::attach(|py| match runs_signal_handlers(py) {
+        Ok(true) => (py.check_signals().err(), POLL_EVERY),
+        Ok(false) => (None, NEVER),
+        Err(error) => (Some(error), POLL_EVERY),
+    });
+    NEXT.set(Some(Instant::now() + wait));
+    RAISED.set(raised);
+    RAISED.with_borrow(Option::is_some)
+}
+
+/// Whether this is the thread on which Python runs signal handlers.
+fn runs_signal_handlers(py: Python<'_>) -> PyResult<bool> {
+    static NAMES: PyOnceLock<[Py<PyAny>; 2]> = PyOnceLock::new();
+    let [own, main] = NAMES.get_or_try_init(py, || {
+        let threading = py.import("threading")?;
+        let name = |name| PyResult::Ok(threading.getattr(name)?.unbind());
+        PyResult::Ok([name("get_ident")?, name("main_thread")?])
+    })?;
+    own.bind(py).call0()?.eq(main.bind(py).call0()?.getattr("ident")?)
+}
+
+/// What a panic becomes.
+pub fn fault(panic: &(dyn Any + Send)) -> PyErr {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
+    PyRuntimeError::new_err(format!(
+        "jostle has failed ({text}); this is a fault of jostle, please report it"
+    ))
+}

@@ -1,0 +1,206 @@
+//! Stopping a long call before its end, where its caller asks for that.
+//!
+//! [`watch`] runs some work and calls the caller's `poll` now and then, on the caller's
+//! thread alone. Once `poll` says so, everything that works for this call, on whatever
+//! thread, ends early with [`Error::Interrupted`]. Without a watch nothing is polled.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::error::{Error, Result};
+
+/// Says whether to stop.
+pub type Poll = fn() -> bool;
+
+/// What the present thread works for.
+struct Watch {
+    stop: Stop,
+    /// Only on the thread that called [`watch`], and not while it is being called.
+    poll: Option<Poll>,
+}
+
+thread_local! {
+    static CURRENT: RefCell<Option<Watch>> = const { RefCell::new(None) };
+}
+
+/// Runs `work`; `poll` is called now and then, and stops it by returning true.
+pub fn watch<R>(poll: Poll, work: impl FnOnce() -> R) -> R {
+    let stop = Stop(Some(Arc::default()));
+    with(Watch { stop, poll: Some(poll) }, work)
+}
+
+/// Runs `work` for the call that `stop` belongs to, on another thread than the caller's.
+pub(crate) fn under<R>(stop: Stop, work: impl FnOnce() -> R) -> R {
+    with(Watch { stop, poll: None }, work)
+}
+
+/// Runs `work` to its end, even if the call in which it stands is to stop.
+pub fn unwatched<R>(work: impl FnOnce() -> R) -> R {
+    under(Stop::default(), work)
+}
+
+fn with<R>(watch: Watch, work: impl FnOnce() -> R) -> R {
+    /// Puts back what the thread worked for before, also after a panic.
+    struct Before(Option<Watch>);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            CURRENT.set(self.0.take());
+        }
+    }
+    let _before = Before(CURRENT.replace(Some(watch)));
+    work()
+}
+
+/// Refuses to go on if the present call is to stop. For loops with few and long rounds;
+/// a [`Pulse`] is for the others.
+pub fn check() -> Result<()> {
+    Stop::current().check()
+}
+
+/// Tells all threads that work for a call whether it is to stop.
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Option<Arc<AtomicBool>>);
+
+impl Stop {
+    /// That of the call for which the present thread works; it never stops without a watch.
+    /// Tasks on other threads have to be given a copy.
+    pub fn current() -> Self {
+        CURRENT
+            .with_borrow(|watch| watch.as_ref().map(|watch| watch.stop.clone()).unwrap_or_default())
+    }
+
+    /// Whether anybody could ask for a stop.
+    pub fn is_watched(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Whether to stop. Polls where the present thread is the caller's.
+    pub fn is_set(&self) -> bool {
+        let Some(flag) = &self.0 else { return false };
+        if flag.load(Ordering::Relaxed) {
+            return true;
+        }
+        // Taken out meanwhile: what `poll` calls may be watched in its turn.
+        let poll = CURRENT.with_borrow_mut(|watch| {
+            let own = watch.as_mut()?;
+            let same = own.stop.0.as_ref().is_some_and(|own| Arc::ptr_eq(own, flag));
+            if same { own.poll.take() } else { None }
+        });
+        let Some(poll) = poll else { return false };
+        let stopped = poll();
+        CURRENT.with_borrow_mut(|watch| {
+            if let Some(watch) = watch {
+                watch.poll = Some(poll);
+            }
+        });
+        if stopped {
+            flag.store(true, Ordering::Relaxed);
+        }
+        stopped
+    }
+
+    /// Refuses to go on if the call is to stop.
+    pub fn check(&self) -> Result<()> {
+        if self.is_set() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// Work between two looks at a [`Stop`], in numbers read: tens of microseconds to some
+/// milliseconds.
+const ENOUGH: usize = 1 << 18;
+
+/// Counts the work of one task and looks at its [`Stop`] every so often.
+#[derive(Clone, Debug)]
+pub struct Pulse {
+    stop: Stop,
+    left: usize,
+    stopped: bool,
+}
+
+impl Pulse {
+    /// For a task of the call that `stop` belongs to.
+    pub fn of(stop: &Stop) -> Self {
+        Self { stop: stop.clone(), left: ENOUGH, stopped: false }
+    }
+
+    /// For work on the caller's thread.
+    pub fn current() -> Self {
+        Self::of(&Stop::current())
+    }
+
+    /// Notes that about so many numbers are read; returns whether to stop.
+    #[inline(always)]
+    pub fn stops(&mut self, work: usize) -> bool {
+        if self.left > work {
+            self.left -= work;
+            return self.stopped;
+        }
+        self.look()
+    }
+
+    /// As [`stops`](Self::stops), as an error.
+    #[inline(always)]
+    pub fn check(&mut self, work: usize) -> Result<()> {
+        if self.stops(work) { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    #[cold]
+    fn look(&mut self) -> bool {
+        self.left = ENOUGH;
+        self.stopped = self.stopped || self.stop.is_set();
+        self.stopped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    thread_local! {
+        static POLLS: Cell<u32> = const { Cell::new(0) };
+    }
+
+    fn third_time() -> bool {
+        POLLS.set(POLLS.get() + 1);
+        POLLS.get() >= 3
+    }
+
+    #[test]
+    fn nothing_stops_without_a_watch() {
+        assert_eq!(check(), Ok(()));
+        assert!(!Stop::current().is_watched());
+    }
+
+    #[test]
+    fn all_that_works_for_a_call_stops_once_its_caller_says_so() {
+        POLLS.set(0);
+        let stop = watch(third_time, || {
+            assert_eq!([check(), check()], [Ok(()), Ok(())]);
+            assert_eq!([check(), check()], [Err(Error::Interrupted), Err(Error::Interrupted)]);
+            Stop::current()
+        });
+        assert_eq!(POLLS.get(), 3);
+        assert!(stop.is_set() && !Stop::current().is_watched());
+    }
+
+    #[test]
+    fn a_watch_within_another_has_a_stop_of_its_own() {
+        watch(
+            || false,
+            || {
+                watch(|| true, || assert_eq!(check(), Err(Error::Interrupted)));
+                assert_eq!(check(), Ok(()));
+            },
+        );
+    }
+
+    #[test]
+    fn a_poll_may_work_under_a_watch_itself() {
+        fn poll() -> bool {
+            watch(|| true, || check().is_err())
+        }
+        watch(poll, || assert_eq!(check(), Err(Error::Interrupted)));
+    }
+}

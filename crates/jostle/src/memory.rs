@@ -1,0 +1,72 @@
+//! Large allocations that may fail: each becomes [`Error::NoMemory`] with its size.
+
+use std::collections::TryReserveError;
+
+use crate::error::{Error, Result};
+
+/// Makes sure that `more` values fit behind those of `values`.
+#[inline(always)]
+pub fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
+    if values.capacity() - values.len() >= more { Ok(()) } else { grow(values, more) }
+}
+
+#[cold]
+fn grow<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
+    let len = values.len();
+    values.try_reserve(more).map_err(|error| no_memory::<V>(&error, len.saturating_add(more)))
+}
+
+/// The error of an allocation for `len` values.
+pub fn no_memory<V>(_: &TryReserveError, len: usize) -> Error {
+    Error::NoMemory { bytes: len.saturating_mul(size_of::<V>()) }
+}
+
+/// An empty vector with room for exactly `len` values.
+pub fn with_room<V>(len: usize) -> Result<Vec<V>> {
+    let mut values = Vec::new();
+    values.try_reserve_exact(len).map_err(|error| no_memory::<V>(&error, len))?;
+    Ok(values)
+}
+
+/// `len` copies of `value`.
+pub fn filled<V: Clone>(len: usize, value: V) -> Result<Vec<V>> {
+    let mut values = with_room(len)?;
+    values.resize(len, value);
+    Ok(values)
+}
+
+/// `len` default values. Where these are zeros, the system provides them when they are first
+/// used, by whichever thread uses them.
+pub fn zeroed<V: Clone + Default>(len: usize) -> Result<Vec<V>> {
+    // `vec!` aborts where there is no memory, so the same amount is asked for before.
+    drop(with_room::<V>(len)?);
+    Ok(vec![V::default(); len])
+}
+
+/// Changes the length to `len`; new values are copies of `value`.
+pub fn resize<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<()> {
+    reserve(values, len.saturating_sub(values.len()))?;
+    values.resize(len, value);
+    Ok(())
+}
+
+/// Appends copies of `value` until there are `len` values.
+pub fn lengthen<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<()> {
+    let longer = len.max(values.len());
+    resize(values, longer, value)
+}
+
+/// Appends one value.
+#[inline(always)]
+pub fn push<V>(values: &mut Vec<V>, value: V) -> Result<()> {
+    reserve(values, 1)?;
+    values.push(value);
+    Ok(())
+}
+
+/// A vector of all values of an iterator whose length is known.
+pub fn collect<V>(values: impl ExactSizeIterator<Item = V>) -> Result<Vec<V>> {
+    let mut all = with_room(values.len())?;
+    all.extend(values);
+    Ok(all)
+}

@@ -1,0 +1,137 @@
+//! Sorting in place that can be stopped: long lists are parted byte by byte, most
+//! significant first, until the parts are short.
+
+use crate::error::Result;
+use crate::interrupt::Pulse;
+
+/// Up to this many items are sorted by comparing: a few milliseconds.
+const SHORT: usize = 1 << 16;
+
+/// Items whose order is that of their bytes.
+pub trait Bytes: Copy + Ord {
+    /// How many bytes there are.
+    const COUNT: usize;
+    /// One of them, the most significant first.
+    fn byte(&self, at: usize) -> u8;
+}
+
+impl Bytes for u32 {
+    const COUNT: usize = 4;
+
+    #[inline(always)]
+    fn byte(&self, at: usize) -> u8 {
+        (self >> (24 - 8 * at)) as u8
+    }
+}
+
+impl Bytes for i64 {
+    const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn byte(&self, at: usize) -> u8 {
+        // With the sign turned around, the negative ones come first.
+        ((self ^ i64::MIN) >> (56 - 8 * at)) as u8
+    }
+}
+
+impl<V: Bytes> Bytes for [V; 2] {
+    const COUNT: usize = 2 * V::COUNT;
+
+    #[inline(always)]
+    fn byte(&self, at: usize) -> u8 {
+        self[at / V::COUNT].byte(at % V::COUNT)
+    }
+}
+
+/// Sorts `items`. Stopped early, they are in some order.
+pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
+    let mut open = vec![(items, 0)];
+    while let Some((items, at)) = open.pop() {
+        pulse.check(items.len().min(SHORT))?;
+        if items.len() <= SHORT {
+            items.sort_unstable();
+        } else if at < V::COUNT {
+            let ends = part(items, at, pulse)?;
+            let (mut rest, mut start) = (items, 0);
+            for end in ends {
+                let (first, behind) = rest.split_at_mut(end - start);
+                (rest, start) = (behind, end);
+                if first.len() > 1 {
+                    open.push((first, at + 1));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Parts items by one byte, in place; returns where the items with each value end.
+fn part<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<[usize; 256]> {
+    let mut counts = [0; 256];
+    for some in items.chunks(SHORT) {
+        pulse.check(some.len())?;
+        some.iter().for_each(|item| counts[usize::from(item.byte(at))] += 1);
+    }
+    let (mut nexts, mut ends, mut sum) = ([0; 256], [0; 256], 0);
+    for value in 0..256 {
+        nexts[value] = sum;
+        sum += counts[value];
+        ends[value] = sum;
+    }
+    if counts.contains(&items.len()) {
+        return Ok(ends);
+    }
+    for value in 0..256 {
+        while nexts[value] < ends[value] {
+            pulse.check(4)?;
+            let place = nexts[value];
+            let wanted = usize::from(items[place].byte(at));
+            if wanted != value {
+                items.swap(place, nexts[wanted]);
+            }
+            nexts[wanted] += 1;
+        }
+    }
+    Ok(ends)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+    use crate::interrupt;
+
+    fn mixed(row: u32) -> u32 {
+        row.wrapping_mul(0x9e37_79b9).rotate_left(7).wrapping_mul(0x85eb_ca6b)
+    }
+
+    #[test]
+    fn long_lists_are_sorted_by_all_their_bytes() {
+        let len = 3 * SHORT as u32;
+        let make = |pair: fn(u32) -> [u32; 2]| (0..len).map(|row| pair(mixed(row))).collect();
+        let all: [Vec<[u32; 2]>; 4] = [
+            make(|v| [v, v ^ 77]),
+            make(|v| [v % 3, v]),
+            make(|v| [7, v % 1000]),
+            make(|v| [v >> 31, v % 2]),
+        ];
+        for mut pairs in all {
+            let mut expected = pairs.clone();
+            expected.sort_unstable();
+            sort(&mut pairs, &mut Pulse::current()).unwrap();
+            assert!(pairs == expected);
+        }
+        let mut ids: Vec<i64> = (0..len).map(|row| i64::from(mixed(row)) - (1 << 31)).collect();
+        let mut expected = ids.clone();
+        expected.sort_unstable();
+        sort(&mut ids, &mut Pulse::current()).unwrap();
+        assert!(ids == expected);
+    }
+
+    #[test]
+    fn sorting_stops() {
+        let mut items: Vec<u32> = (0..2 * SHORT as u32).map(mixed).collect();
+        let stopped = interrupt::watch(|| true, || sort(&mut items, &mut Pulse::current()));
+        assert_eq!(stopped, Err(Error::Interrupted));
+    }
+}

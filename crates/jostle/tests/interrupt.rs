@@ -1,0 +1,120 @@
+//! A call may be stopped at any look at its watch: everything is then as it was.
+
+use std::cell::Cell;
+
+use jostle::interrupt::watch;
+use jostle::query::{Circle, Ray};
+use jostle::settings::DEFAULT_MAX_PAIRS;
+use jostle::{Each, Error, Method, Quadtree, Result, Settings, Shapes, Space, pairs, query};
+
+thread_local! {
+    /// Polls that do not stop.
+    static LEFT: Cell<u32> = const { Cell::new(0) };
+}
+
+fn poll() -> bool {
+    let left = LEFT.get();
+    LEFT.set(left.saturating_sub(1));
+    left == 0
+}
+
+/// Calls `call` until it ends, stopped at its first poll, at its second, and at many later
+/// ones; `look` is called after each stop. Returns what `call` does in the end.
+fn at_every_poll<S, R>(
+    state: &mut S,
+    mut call: impl FnMut(&mut S) -> Result<R>,
+    mut look: impl FnMut(&mut S),
+) -> R {
+    let mut allowed = 0;
+    loop {
+        LEFT.set(allowed);
+        match watch(poll, || call(state)) {
+            Err(Error::Interrupted) => look(state),
+            answer => {
+                assert!(allowed > 0, "nothing was polled");
+                return answer.expect("nothing else can go wrong");
+            }
+        }
+        allowed += 1 + allowed / 4;
+    }
+}
+
+fn centers(len: u32) -> Vec<[f64; 2]> {
+    let mixed = |v: u32| f64::from(v.wrapping_mul(0x9e37_79b9).rotate_left(9) >> 12);
+    (0..len).map(|row| [mixed(row), mixed(row ^ 0x5555)]).collect()
+}
+
+/// Some thousand pairs, and a few hundred shapes at one place.
+fn shapes(len: u32) -> Shapes<f64> {
+    let mut centers = centers(len);
+    centers[..300].fill([7.0, 7.0]);
+    Shapes::circles(centers, Each::One(4000.0)).expect("valid")
+}
+
+fn alone() -> Settings {
+    Settings { threads: Some(1), ..Settings::default() }
+}
+
+#[test]
+fn a_kept_tree_serves_after_every_stop() {
+    let all = shapes(40_000);
+    for method in [Method::Quadtree, Method::Brute] {
+        let find = |tree: &mut Quadtree<f64>| {
+            let mut found = pairs::find_with(tree, &all, Some(method), Some(1), DEFAULT_MAX_PAIRS)?;
+            found.sort()?;
+            Ok(found.pairs)
+        };
+        let few = shapes(500);
+        let expected = pairs::find(&few, None, None, DEFAULT_MAX_PAIRS).unwrap();
+        let found = at_every_poll(&mut Quadtree::default(), find, |tree| {
+            let quadtree = Some(Method::Quadtree);
+            let found = pairs::find_with(tree, &few, quadtree, Some(1), DEFAULT_MAX_PAIRS);
+            assert_eq!(found.unwrap().pairs.len(), expected.pairs.len());
+            assert_eq!(tree.check(), Ok(()));
+        });
+        assert_eq!(found, find(&mut Quadtree::default()).unwrap());
+    }
+}
+
+#[test]
+fn queries_stop() {
+    let all = shapes(40_000);
+    let mut tree = Quadtree::new(&all, alone()).unwrap();
+    let circles = Circle::all(&all.centers, &Each::One(1.0)).unwrap();
+    let ways = Each::One([1.0, 0.5]);
+    let rays = Ray::all(&all.centers[..5000], &ways, &Each::One(0.0), 9000.0).unwrap();
+    let points = &all.centers[..5000];
+    let wanted = (3, f64::INFINITY);
+    let found = at_every_poll(&mut tree, |tree| query::search(tree, &circles, None), |_| ());
+    assert_eq!(found, query::search(&tree, &circles, None).unwrap());
+    let found = at_every_poll(&mut tree, |tree| query::nearest(tree, points, wanted, None), |_| ());
+    assert_eq!(found, query::nearest(&tree, points, wanted, None).unwrap());
+    let found = at_every_poll(&mut tree, |tree| query::first_hits(tree, &rays, None), |_| ());
+    assert_eq!(found, query::first_hits(&tree, &rays, None).unwrap());
+}
+
+#[test]
+fn a_space_is_as_it_was_after_every_stop() {
+    let all = shapes(20_000);
+    let mut space = Space::new(alone()).unwrap();
+    let ids = space.add(&all).unwrap();
+    let mut twin = space.clone();
+    for round in 0..3 {
+        let few = if round == 0 { &ids[..0] } else { &ids[1000 * round..8000 * round] };
+        for space in [&mut space, &mut twin] {
+            let moved: Vec<_> = few.iter().map(|&id| [1e3 * id as f64 % 1e6, 3.0]).collect();
+            space.move_to(few, &moved).unwrap();
+        }
+        let check = |space: &mut Space<f64>| assert_eq!(space.check(), Ok(()));
+        let mut found =
+            at_every_poll(&mut space, |space| space.pairs(None, DEFAULT_MAX_PAIRS), check);
+        found.sort_unstable();
+        let events = at_every_poll(&mut space, |space| space.update(DEFAULT_MAX_PAIRS), check);
+        let expected = twin.update(DEFAULT_MAX_PAIRS).unwrap();
+        assert_eq!((&events.entered, &events.left), (&expected.entered, &expected.left));
+        assert_eq!(space.stayed(&events), twin.stayed(&expected));
+        let mut expected = twin.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
+        expected.sort_unstable();
+        assert_eq!(found, expected);
+    }
+}

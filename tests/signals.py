@@ -1,0 +1,75 @@
+"""What tests about signals and processes share."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+
+import pytest
+
+
+def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float:
+    """Send SIGINT `after` so many seconds; return how long `call` then takes to end.
+
+    The handler is set here: SIGINT is ignored in background jobs.
+    """
+    sent = 0.0
+    main = threading.get_ident()
+
+    def send() -> None:
+        nonlocal sent
+        sent = time.perf_counter()
+        signal.pthread_kill(main, signal.SIGINT)
+
+    ended = False
+    timer = threading.Timer(after, send)
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            timer.start()
+            call()
+            ended = True
+            time.sleep(60)  # the signal comes here
+        took = time.perf_counter() - sent
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, handler)
+    assert not ended, "the call ended before it was interrupted; give it more to do"
+    return took
+
+
+def limit_memory(beyond: int) -> None:
+    """Let this process have `beyond` bytes of address space more than now."""
+    import resource
+
+    with open("/proc/self/statm", encoding="ascii") as file:
+        pages = int(file.read().split()[0])
+    most = pages * os.sysconf("SC_PAGE_SIZE") + beyond
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def limit_threads() -> None:
+    """Let this process start no more threads. The superuser has no limit, so it becomes nobody."""
+    import resource
+
+    if os.getuid() == 0:
+        os.setuid(65534)
+    resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
+
+
+def run_child(code: str, timeout: float = 60) -> str:
+    """Run Python `code` in a process of its own; return what it prints."""
+    tests = os.path.dirname(__file__)
+    begin = f"import sys; sys.path.insert(0, {tests!r})\nimport numpy as np, jostle\n"
+    child = subprocess.run(
+        [sys.executable, "-c", begin + code],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+    assert child.returncode == 0, child.stderr[-2000:]
+    return child.stdout

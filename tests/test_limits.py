@@ -1,0 +1,223 @@
+"""Ctrl-C, too little memory, too few threads: what ends a call leaves everything usable."""
+
+import signal
+import sys
+import threading
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import jostle
+from signals import reaction_to_ctrl_c, run_child
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="limits and /proc are those of Linux")
+
+# Reactions take 0.05 s on a quiet machine; a busy one gets more.
+SOON = 1.0
+
+# One leaf holds everything, so each of these calls tests everything and takes seconds.
+ALL = 10**6
+POINTS = np.random.default_rng(0).random((400_000, 2))
+SOME = POINTS[:100_000]
+COINCIDENT = np.zeros((20_000, 2))
+
+
+def one_leaf(threads: int, points: np.ndarray = POINTS) -> jostle.Quadtree:
+    return jostle.Quadtree(points, 0.0, leaf_capacity=ALL, threads=threads)
+
+
+def space_of(threads: int, points: np.ndarray = POINTS) -> jostle.Space:
+    space = jostle.Space(leaf_capacity=ALL, threads=threads)
+    space.add(points)
+    return space
+
+
+LONG: dict[str, Callable[[int], Callable[[], object]]] = {
+    "brute": lambda t: lambda: jostle.find_pairs(POINTS, method="brute", threads=t),
+    "find_pairs": lambda t: lambda: jostle.find_pairs(COINCIDENT[:16_300], 1.0, sort=True, threads=t),
+    "build": lambda t: lambda: [jostle.Quadtree(POINTS, threads=t) for _ in range(1000)],
+    "pairs": lambda t: one_leaf(t).pairs,
+    "pairs with another": lambda t: lambda a=one_leaf(t): a.pairs(one_leaf(t)),
+    "contacts": lambda t: one_leaf(t).contacts,
+    "rects": lambda t: lambda tree=one_leaf(t, SOME): tree.query_rect(np.hstack([SOME, SOME])),
+    "circles": lambda t: lambda tree=one_leaf(t, SOME): tree.query_circle(SOME, 1e-9),
+    "points": lambda t: lambda tree=one_leaf(t, SOME): tree.query_point(SOME + 1e-9),
+    "polygons": lambda t: lambda tree=one_leaf(t, SOME): tree.query_polygon(
+        SOME[:, None] + [(0, 0), (1e-9, 0), (0, 1e-9)]
+    ),
+    "nearest": lambda t: lambda tree=jostle.Quadtree(COINCIDENT, 1.0, threads=t): tree.nearest(
+        COINCIDENT, k=1000
+    ),
+    "raycast": lambda t: lambda tree=one_leaf(t, SOME): tree.raycast(SOME + 2, (1, 1)),
+    "circle_cast": lambda t: lambda tree=one_leaf(t, SOME): tree.circle_cast(SOME + 2, (1, 1), 0.1),
+    "update": lambda t: space_of(t).update,
+    "space pairs": lambda t: space_of(t).pairs,
+    "space circles": lambda t: lambda space=space_of(t, SOME): space.query_circle(SOME, 1e-9),
+    "space nearest": lambda t: lambda space=space_of(t, COINCIDENT): space.nearest(
+        COINCIDENT, k=1000
+    ),
+    "space raycast": lambda t: lambda space=space_of(t, SOME): space.raycast(SOME + 2, (1, 1)),
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_ctrl_c_ends_a_long_call(name: str) -> None:
+    threads = 1 + len(name) % 2
+    took = reaction_to_ctrl_c(LONG[name](threads))
+    print(f"{name}, threads={threads}: {took:.3f} s")
+    assert took < SOON
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_is_interrupted_stays_as_it_was(threads: int) -> None:
+    tree, space = one_leaf(threads), space_of(threads)
+    for call in (tree.pairs, space.update, space.pairs):
+        assert reaction_to_ctrl_c(call, after=0.1) < SOON
+    assert tree.query_point(POINTS[7]).tolist() == [7]
+    assert len(space) == len(POINTS)
+    np.testing.assert_array_equal(space.centers(), POINTS)
+    space.remove(space.ids[2:])
+    space.move([0, 1], [(5, 5), (5, 5)])
+    space.resize([0, 1], 1.0)
+    assert space.update().entered.tolist() == [[0, 1]]
+    assert jostle.find_pairs(COINCIDENT[:300], 1.0, threads=threads).shape == (44_850, 2)
+
+
+def test_a_signal_handler_may_raise_what_it_likes() -> None:
+    class Enough(Exception):
+        pass
+
+    def enough(number: int, frame: object) -> None:
+        raise Enough
+
+    handler = signal.signal(signal.SIGUSR1, enough)
+    main = threading.get_ident()
+    timer = threading.Timer(0.1, signal.pthread_kill, (main, signal.SIGUSR1))
+    timer.start()
+    try:
+        with pytest.raises(Enough):
+            one_leaf(2).pairs()
+    finally:
+        timer.join()
+        signal.signal(signal.SIGUSR1, handler)
+
+
+def test_a_signal_handler_that_returns_changes_nothing() -> None:
+    points = POINTS[:60_000]
+    seen: list[object] = []
+    space = space_of(1, points)
+
+    def look(number: int, frame: object) -> None:
+        seen.append(len(jostle.find_pairs(points[:1000], 0.01)))
+        with pytest.raises(RuntimeError, match="signal handler cannot use it before the call"):
+            len(space)
+
+    handler = signal.signal(signal.SIGUSR1, look)
+    main = threading.get_ident()
+    done = threading.Event()
+
+    def send() -> None:
+        while not done.wait(0.02):
+            signal.pthread_kill(main, signal.SIGUSR1)
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    try:
+        while not seen:
+            assert len(space.pairs()) == 0
+    finally:
+        done.set()
+        thread.join()
+        signal.signal(signal.SIGUSR1, handler)
+    assert len(space) == len(points)
+
+
+# ---- memory --------------------------------------------------------------------------------------
+
+
+@linux
+def test_too_little_memory_is_an_error_and_nothing_else() -> None:
+    printed = run_child(
+        """
+from signals import limit_memory
+zeros = np.zeros((16_000, 2))
+tree = jostle.Quadtree(zeros, 1.0)
+space = jostle.Space()
+ids = space.add(zeros, 1.0)
+jostle.find_pairs(np.random.default_rng(0).random((20_000, 2)))
+large = np.zeros((3_000_000, 2))
+limit_memory(150 << 20)
+
+def refused(call, *args, **kwargs):
+    try:
+        call(*args, **kwargs)
+    except MemoryError as error:
+        assert "not enough memory: " in str(error) and "iB" in str(error), error
+    else:
+        raise AssertionError(call)
+    assert jostle.find_pairs([(0, 0), (1, 0)], 1.0).tolist() == [[0, 1]]
+
+for threads in (1, 2):
+    refused(jostle.find_pairs, zeros, 1.0, threads=threads)
+    refused(jostle.find_pairs, zeros, 1.0, threads=threads, method="brute")
+refused(tree.pairs)
+refused(tree.pairs, tree)
+refused(tree.contacts)
+refused(tree.nearest, zeros, k=8000)
+refused(tree.query_circle, zeros[:8000], 1.0)
+refused(space.pairs)
+refused(space.update)
+refused(space.query_circle, zeros[:8000], 1.0)
+refused(space.add, large, 1.0)
+assert len(tree) == len(space) == 16_000
+space.move(ids[2:], np.arange(2.0, 2 * len(ids) - 2)[:, None][::2] * (10, 0))
+assert space.update().entered.tolist() == [[0, 1]]
+assert len(tree.query_point((0, 0))) == 16_000
+print("fine")
+"""
+    )
+    assert printed == "fine\n"
+
+
+# ---- threads -------------------------------------------------------------------------------------
+
+
+@linux
+def test_numbers_of_threads_share_a_few_pools() -> None:
+    printed = run_child(
+        """
+import os
+points = np.random.default_rng(0).random((20_000, 2))
+expected = jostle.find_pairs(points, 0.002, sort=True)
+for threads in range(2, 130):
+    found = jostle.find_pairs(points, 0.002, sort=True, threads=threads)
+    assert np.array_equal(found, expected)
+print(len(os.listdir("/proc/self/task")), os.cpu_count())
+"""
+    )
+    threads, cores = map(int, printed.split())
+    assert threads <= 3 * cores + 40  # NumPy has its own
+
+
+@linux
+def test_where_no_thread_can_be_started_the_caller_works() -> None:
+    printed = run_child(
+        """
+from signals import limit_threads
+limit_threads()
+points = np.random.default_rng(0).random((30_000, 2))
+expected = jostle.find_pairs(points, 0.002, sort=True, threads=1)
+assert len(expected) > 0
+for method in ("quadtree", "brute"):
+    found = jostle.find_pairs(points, 0.002, sort=True, threads=2, method=method)
+    assert np.array_equal(found, expected), method
+tree = jostle.Quadtree(points, 0.002, threads=2)
+assert np.array_equal(tree.pairs(sort=True), expected)
+tree.nearest(points, k=2)
+world = jostle.World(points * 100, points, 0.01, forces=[jostle.Gravitation()], threads=2)
+world.step(0.01)
+print(len(world))
+"""
+    )
+    assert printed == "30000\n"
