@@ -13,7 +13,7 @@ from jostle.app.draw.shown import Shown
 from jostle.app.simulate.checking import bytes_of
 from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
 from jostle.app.simulate.rules import Fields, each, one_of, real, require, whole
-from jostle.app.simulate.settings import SETTINGS, TRUTH, settings_of
+from jostle.app.simulate.settings import SETTINGS, TRUTH, settings_of, unknown_scene
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import resume
 
@@ -92,6 +92,8 @@ def read_scene(path: Path) -> SavedScene:
         facts, arrays = unpack(KIND, unseal(data))
         require(facts, FACTS)
         settings = settings_of(facts["settings"])
+        if why := unknown_scene(settings.scene):
+            raise ValueError(why)
         simulation = resume(settings, bytes_of(arrays, "state"))
         if simulation.settings != settings:
             raise ValueError("settings are not those of its state")

@@ -121,8 +121,6 @@ SETTINGS = Fields({**RULES, "particles": GROUPS}, "a setting", complete=False)
 def settings_of(facts: Mapping[str, Any]) -> Settings:
     """Return settings from their fields, as JSON and TOML give them; a ValueError says why not."""
     require(facts, SETTINGS)
-    if why := unknown_scene(facts.get("scene", Settings.scene)):
-        raise ValueError(why)
     groups = tuple(map(_group_of, facts.get("particles", ())))
     return Settings(**{**_tidy(facts), "particles": groups})
 

@@ -191,7 +191,8 @@ class WorldSimulation:
         movable: ArrayLike = True,
     ) -> Tags:
         """Add particles; return their tags."""
-        places = np.asarray(positions, np.float32).reshape(-1, 2)
+        with np.errstate(over="ignore"):  # the world refuses what is infinite
+            places = np.asarray(positions, np.float32).reshape(-1, 2)
         self.world.add(
             places,
             np.broadcast_to(np.asarray(velocities, np.float32), places.shape),

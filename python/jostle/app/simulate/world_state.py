@@ -116,7 +116,7 @@ class WorldState:
 def _emitters(state: Any, home: Home, settings: Settings) -> Emitters | None:
     """Return the nozzles of the number that the scene began with, in their state."""
     if (state is None) != (settings.scene != "emitters"):
-        raise ValueError(f"emitters is {shown(state)} in the scene {settings.scene}")
+        raise ValueError(f"emitters is {shown(state)} in the scene {shown(settings.scene)}")
     if state is None:
         return None
     emitters = Emitters(home.n, settings.seed)
