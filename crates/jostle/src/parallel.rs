@@ -24,8 +24,10 @@ pub fn map<R: Send>(
     if count > 1
         && let Some(team) = Team::of(threads)
     {
-        use rayon::prelude::*;
-        return team.run(|| (0..count).into_par_iter().with_max_len(1).map(&task).collect());
+        let results: Vec<Mutex<Option<R>>> = (0..count).map(|_| Mutex::default()).collect();
+        team.share(count, 1, &|index| *locked(&results[index]) = Some(task(index)));
+        let result = |slot: Mutex<Option<R>>| slot.into_inner().ok().flatten();
+        return results.into_iter().map(|slot| result(slot).expect("every task has run")).collect();
     }
     let _ = threads;
     (0..count).map(task).collect()
@@ -41,8 +43,8 @@ pub fn for_each<T: Send>(
     if items.len() > 1
         && let Some(team) = Team::of(threads)
     {
-        use rayon::prelude::*;
-        return team.run(|| items.par_iter_mut().with_max_len(1).for_each(act));
+        let items: Vec<_> = items.iter_mut().map(Mutex::new).collect();
+        return team.share(items.len(), 1, &|index| act(&mut *locked(&items[index])));
     }
     let _ = threads;
     items.iter_mut().for_each(act);
@@ -84,11 +86,9 @@ pub fn for_chunks<T: Send>(
     if items.len() > WORTHWHILE
         && let Some(team) = Team::of(threads)
     {
-        use rayon::prelude::*;
-        return team.run(|| {
-            let chunks = items.par_chunks_mut(CHUNK).enumerate();
-            chunks.for_each(|(index, chunk)| act(index * CHUNK, chunk));
-        });
+        let chunks: Vec<_> = items.chunks_mut(CHUNK).map(Mutex::new).collect();
+        let act = |index: usize| act(index * CHUNK, &mut locked(&chunks[index]));
+        return team.share(chunks.len(), usize::MAX, &act);
     }
     let _ = threads;
     act(0, items);
@@ -106,10 +106,11 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
     if a.len() > WORTHWHILE
         && let Some(team) = Team::of(threads)
     {
-        use rayon::prelude::*;
-        return team.run(|| {
-            let chunks = a.par_chunks_mut(CHUNK).zip(b.par_chunks_mut(CHUNK)).enumerate();
-            chunks.for_each(|(index, (a, b))| act(index * CHUNK, a, b));
+        let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
+        let chunks: Vec<_> = chunks.map(Mutex::new).collect();
+        return team.share(chunks.len(), usize::MAX, &|index| {
+            let (a, b) = &mut *locked(&chunks[index]);
+            act(index * CHUNK, a, b);
         });
     }
     let _ = threads;
@@ -137,12 +138,9 @@ pub fn for_rows(threads: Option<usize>, len: usize, act: impl Fn(usize) + Sync +
     if len > WORTHWHILE
         && let Some(team) = Team::of(threads)
     {
-        use rayon::prelude::*;
-        let chunks = len.div_ceil(CHUNK);
         let chunk = |index: usize| index * CHUNK..len.min((index + 1) * CHUNK);
-        return team.run(|| {
-            (0..chunks).into_par_iter().for_each(|index| chunk(index).for_each(&act));
-        });
+        let act = |index: usize| chunk(index).for_each(&act);
+        return team.share(len.div_ceil(CHUNK), usize::MAX, &act);
     }
     let _ = threads;
     (0..len).for_each(act);
@@ -162,8 +160,21 @@ enum Team {
     Others(Arc<rayon::ThreadPool>),
 }
 
+/// The contents of a lock, which no other thread wants.
+#[cfg(feature = "parallel")]
+fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[cfg(feature = "parallel")]
 impl Team {
+    /// Runs `task(0)`, …, `task(count - 1)`, at most `longest` of them in a row on one thread if
+    /// others are idle. Rayon sees one type of task, so its machinery is compiled once.
+    fn share(self, count: usize, longest: usize, task: &(dyn Fn(usize) + Sync)) {
+        use rayon::prelude::*;
+        self.run(|| (0..count).into_par_iter().with_max_len(longest).for_each(task));
+    }
+
     /// `threads` threads, at most one for each core. None where the present thread is to work
     /// alone: because one thread is enough, or because the system starts no others.
     fn of(threads: Option<usize>) -> Option<Self> {

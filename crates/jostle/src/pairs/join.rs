@@ -32,7 +32,7 @@ type Task = (u32, u32);
 
 impl<T: Scalar> Join<'_, T> {
     /// All pairs, each turned from places into what `finish` makes of it.
-    pub(super) fn run(&self, max_pairs: usize, finish: impl Finish + Copy) -> Result<Found> {
+    pub(super) fn run(&self, max_pairs: usize, finish: &Finish<'_>) -> Result<Found> {
         let mut tasks: Vec<Task> = Vec::new();
         if !self.a.is_empty() && !self.b.is_empty() {
             self.push((0, 0), &mut |task| tasks.push(task));
@@ -128,13 +128,13 @@ impl<T: Scalar> Join<'_, T> {
 }
 
 /// One task with all its parts.
-struct Walk<'a, 'b, T, F> {
+struct Walk<'a, 'b, T> {
     join: &'a Join<'a, T>,
     task: Task,
-    output: &'a mut Output<'b, F>,
+    output: &'a mut Output<'b>,
 }
 
-impl<T: Scalar, F: Finish> Work<T> for Walk<'_, '_, T, F> {
+impl<T: Scalar> Work<T> for Walk<'_, '_, T> {
     type Out = ();
 
     /// Goes through the parts in order, on a stack of its own.

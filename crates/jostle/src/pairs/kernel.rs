@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::output::{Finish, NOTES, Output};
+use super::output::{NOTES, Output};
 use crate::columns::Columns;
 use crate::geometry::{Cover, Scalar, Shape};
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
@@ -165,12 +165,12 @@ const BOXES: u8 = 2;
 macro_rules! of_kind {
     ($self:ident.$method:ident($($argument:expr),*)) => {
         match ($self.core(), $self.a.has_filters() || $self.b.has_filters()) {
-            (POINTS, false) => $self.$method::<F, POINTS, false>($($argument),*),
-            (POINTS, true) => $self.$method::<F, POINTS, true>($($argument),*),
-            (HALF_SIZES, false) => $self.$method::<F, HALF_SIZES, false>($($argument),*),
-            (HALF_SIZES, true) => $self.$method::<F, HALF_SIZES, true>($($argument),*),
-            (_, false) => $self.$method::<F, BOXES, false>($($argument),*),
-            (_, true) => $self.$method::<F, BOXES, true>($($argument),*),
+            (POINTS, false) => $self.$method::<POINTS, false>($($argument),*),
+            (POINTS, true) => $self.$method::<POINTS, true>($($argument),*),
+            (HALF_SIZES, false) => $self.$method::<HALF_SIZES, false>($($argument),*),
+            (HALF_SIZES, true) => $self.$method::<HALF_SIZES, true>($($argument),*),
+            (_, false) => $self.$method::<BOXES, false>($($argument),*),
+            (_, true) => $self.$method::<BOXES, true>($($argument),*),
         }
     };
 }
@@ -178,12 +178,12 @@ macro_rules! of_kind {
 impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Passes on every overlapping pair of one row each of two ranges.
     #[inline(always)]
-    pub(super) fn leaves<F: Finish>(
+    pub(super) fn leaves(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
         scratch: &mut Scratch<T>,
-        output: &mut Output<'_, F>,
+        output: &mut Output<'_>,
     ) {
         of_kind!(self.near(first, second, scratch, output))
     }
@@ -191,23 +191,13 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Passes on every overlapping pair of one of `rows` and a row of the same columns
     /// behind it, up to `last`.
     #[inline(always)]
-    pub(super) fn itself<F: Finish>(
-        &self,
-        rows: Range<usize>,
-        last: usize,
-        output: &mut Output<'_, F>,
-    ) {
+    pub(super) fn itself(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
         of_kind!(self.behind(rows, last, output))
     }
 
     /// Passes on the pairs of one row with rows of `others`, in their order.
     #[inline(always)]
-    pub(super) fn row<F: Finish>(
-        &self,
-        row: usize,
-        others: Range<usize>,
-        output: &mut Output<'_, F>,
-    ) {
+    pub(super) fn row(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
         of_kind!(self.along(row, others, output))
     }
 
@@ -225,12 +215,12 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// Leaf against leaf: only what reaches the other's cover is tested.
     #[inline(always)]
-    fn near<F: Finish, const CORE: u8, const FILTERS: bool>(
+    fn near<const CORE: u8, const FILTERS: bool>(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
         Scratch([near_a, near_b]): &mut Scratch<T>,
-        output: &mut Output<'_, F>,
+        output: &mut Output<'_>,
     ) {
         let shift = self.shift;
         let cover_a = first.cover.moved(shift);
@@ -244,7 +234,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 let rows = start..second.range.end.min(start + CHUNK);
                 self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
                 if near_b.len > 0 {
-                    self.packed::<F, CORE, FILTERS>(near_a, near_b, output);
+                    self.packed::<CORE, FILTERS>(near_a, near_b, output);
                 }
                 if output.is_over(near_a.len * (1 + near_b.len)) {
                     return;
@@ -255,11 +245,11 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// Everything packed in `near_a` against everything packed in `near_b`.
     #[inline(always)]
-    fn packed<F: Finish, const CORE: u8, const FILTERS: bool>(
+    fn packed<const CORE: u8, const FILTERS: bool>(
         &self,
         near_a: &Packed<T>,
         near_b: &Packed<T>,
-        output: &mut Output<'_, F>,
+        output: &mut Output<'_>,
     ) {
         output.tests += (near_a.len * near_b.len) as u64;
         let rows = near_a.rows();
@@ -455,11 +445,11 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Every one of `rows` with all behind it up to `last`. Blocks are counted from the
     /// end, so that only the foremost is not full, and that one meets the fewest rows.
     #[inline(always)]
-    fn behind<F: Finish, const CORE: u8, const FILTERS: bool>(
+    fn behind<const CORE: u8, const FILTERS: bool>(
         &self,
         rows: Range<usize>,
         last: usize,
-        output: &mut Output<'_, F>,
+        output: &mut Output<'_>,
     ) {
         let mut end = last;
         while end > rows.start + 1 {
@@ -472,7 +462,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 let wanted = |row: usize| {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
-                self.against::<F, CORE, FILTERS>(first, &some, start, &others, wanted, output);
+                self.against::<CORE, FILTERS>(first, &some, start, &others, wanted, output);
                 if output.is_over(CHUNK * LANES) {
                     return;
                 }
@@ -485,11 +475,11 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// One row against some others in their order.
     #[inline(always)]
-    fn along<F: Finish, const CORE: u8, const FILTERS: bool>(
+    fn along<const CORE: u8, const FILTERS: bool>(
         &self,
         row: usize,
         others: Range<usize>,
-        output: &mut Output<'_, F>,
+        output: &mut Output<'_>,
     ) {
         output.tests += others.len() as u64;
         let shape = self.a.shape(row);
@@ -509,20 +499,20 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         for start in others.clone().step_by(LANES) {
             let loaded = self.load::<CORE>(&Rows::all(self.b), start);
             let lanes = first_lanes(others.end - start);
-            self.against::<F, CORE, FILTERS>(row, &alone, start, &loaded, |_| lanes, output);
+            self.against::<CORE, FILTERS>(row, &alone, start, &loaded, |_| lanes, output);
         }
     }
 
     /// The rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
     #[inline(always)]
-    fn against<F: Finish, const CORE: u8, const FILTERS: bool>(
+    fn against<const CORE: u8, const FILTERS: bool>(
         &self,
         first: usize,
         rows: &Rows<'_, T>,
         start: usize,
         others: &Loaded<S::Block>,
         wanted: impl Fn(usize) -> u32,
-        output: &mut Output<'_, F>,
+        output: &mut Output<'_>,
     ) {
         let allowed = |row: usize, bits: u32| {
             allowed(&self.a.shape(first + row), self.b, |lane| start + lane, bits)

@@ -25,7 +25,7 @@ use crate::simd::{Simd, Work};
 use crate::sorting;
 use join::Join;
 use kernel::Kernel;
-use output::{Budget, Finish, Output};
+use output::{Budget, Output, keep};
 
 /// Up to this many shapes brute force is faster than building a tree.
 const BRUTE_FORCE_LIMIT: usize = 192;
@@ -94,9 +94,11 @@ pub fn find_with<T: Scalar>(
 pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let rows = tree.rows();
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
-    join.run(max_pairs, |a, b| {
-        let (i, j) = (rows[a as usize], rows[b as usize]);
-        Some([i.min(j), i.max(j)])
+    join.run(max_pairs, &|pairs, new| {
+        for pair in &mut pairs[new] {
+            let [i, j] = pair.map(|place| rows[place as usize]);
+            *pair = [i.min(j), i.max(j)];
+        }
     })
 }
 
@@ -104,16 +106,22 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
 /// that comes from the trees.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: None };
-    join.run(max_pairs, |i, j| Some([a.rows()[i as usize], b.rows()[j as usize]]))
+    join.run(max_pairs, &|pairs, new| {
+        for [i, j] in &mut pairs[new] {
+            (*i, *j) = (a.rows()[*i as usize], b.rows()[*j as usize]);
+        }
+    })
 }
 
 /// As [`within`], only pairs of which both have a category in `mask`.
 pub fn within_mask<T: Scalar>(tree: &Quadtree<T>, mask: u32, max_pairs: usize) -> Result<Found> {
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: Some(mask) };
     let (rows, selected) = (tree.rows(), |place| has_category(tree, place, mask));
-    join.run(max_pairs, |a, b| {
-        let (i, j) = (rows[a as usize], rows[b as usize]);
-        (selected(a) && selected(b)).then(|| [i.min(j), i.max(j)])
+    join.run(max_pairs, &|pairs, new| {
+        keep(pairs, new, |[a, b]| {
+            let (i, j) = (rows[a as usize], rows[b as usize]);
+            (selected(a) && selected(b)).then(|| [i.min(j), i.max(j)])
+        });
     })
 }
 
@@ -125,9 +133,11 @@ pub fn between_mask<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: Some(mask) };
-    join.run(max_pairs, |i, j| {
-        let both = has_category(a, i, mask) && has_category(b, j, mask);
-        both.then(|| [a.rows()[i as usize], b.rows()[j as usize]])
+    join.run(max_pairs, &|pairs, new| {
+        keep(pairs, new, |[i, j]| {
+            let both = has_category(a, i, mask) && has_category(b, j, mask);
+            both.then(|| [a.rows()[i as usize], b.rows()[j as usize]])
+        });
     })
 }
 
@@ -172,7 +182,7 @@ pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overl
 /// As [`within`], in places of the tree's order instead of rows.
 pub fn places_within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
-    join.run(max_pairs, as_they_are)
+    join.run(max_pairs, &as_they_are)
 }
 
 /// As [`between`], in places, with every shape of `a` moved by `-shift`.
@@ -182,7 +192,7 @@ pub fn places_between<T: Scalar>(
     shift: [T; 2],
     max_pairs: usize,
 ) -> Result<Found> {
-    Join { a, b, shift, itself: false, mask: None }.run(max_pairs, as_they_are)
+    Join { a, b, shift, itself: false, mask: None }.run(max_pairs, &as_they_are)
 }
 
 /// All overlapping pairs of rows, `i < j`, in no promised order, every row tested
@@ -202,7 +212,7 @@ pub fn brute<T: Scalar>(
     };
     let budget = Budget::new(max_pairs);
     let parts = parallel::map(threads, bands, |band| {
-        let mut output = Output::new(&budget, as_they_are);
+        let mut output = Output::new(&budget, &as_they_are);
         let rows = edge(band)..edge(band + 1);
         T::with_widest(Brute {
             a: columns,
@@ -225,29 +235,26 @@ pub fn brute_between<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
-    let mut output = Output::new(&budget, as_they_are);
+    let mut output = Output::new(&budget, &as_they_are);
     T::with_widest(Brute { a, b, shift, rows: 0..a.len(), itself: false, output: &mut output });
     let part = output.into_found();
     budget.collect(Some(1), vec![part])
 }
 
-/// Pairs that are wanted as they were found.
-#[expect(clippy::unnecessary_wraps, reason = "others do not want every pair")]
-fn as_they_are(first: u32, second: u32) -> Option<[u32; 2]> {
-    Some([first, second])
-}
+/// For pairs of places: nothing is left to do.
+fn as_they_are(_: &mut Vec<[u32; 2]>, _: Range<usize>) {}
 
 /// Every one of `rows` against all others, or all behind it where both sides are the same.
-struct Brute<'a, 'b, T, F> {
+struct Brute<'a, 'b, T> {
     a: &'a Columns<T>,
     b: &'a Columns<T>,
     shift: [T; 2],
     rows: Range<usize>,
     itself: bool,
-    output: &'a mut Output<'b, F>,
+    output: &'a mut Output<'b>,
 }
 
-impl<T: Scalar, F: Finish> Work<T> for Brute<'_, '_, T, F> {
+impl<T: Scalar> Work<T> for Brute<'_, '_, T> {
     type Out = ();
 
     #[inline(always)]

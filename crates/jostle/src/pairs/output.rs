@@ -1,5 +1,6 @@
 //! Collecting pairs from many tasks, within one limit.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::Found;
@@ -15,9 +16,31 @@ const PORTION: usize = 1 << 16;
 /// Pairs that are copied at a time.
 const COPIED: usize = 1 << 18;
 
-/// What becomes of a pair of places before it is handed out; nothing if it is not wanted.
-pub(super) trait Finish: Fn(u32, u32) -> Option<[u32; 2]> + Sync + Send {}
-impl<F: Fn(u32, u32) -> Option<[u32; 2]> + Sync + Send> Finish for F {}
+/// Pairs are finished in portions of this size, while they are in the nearest cache.
+const UNFINISHED: usize = 1 << 10;
+
+/// Turns new pairs of places, the last ones of a vector, into what is returned; may drop some
+/// with [`keep`].
+///
+/// It is called for many pairs at a time, so the kernels do not depend on its type and are
+/// compiled once.
+pub(super) type Finish<'a> = dyn Fn(&mut Vec<[u32; 2]>, Range<usize>) + Sync + 'a;
+
+/// Replaces the pairs of `range`, the last ones of a vector, by the results of `map`.
+pub(super) fn keep(
+    pairs: &mut Vec<[u32; 2]>,
+    range: Range<usize>,
+    map: impl Fn([u32; 2]) -> Option<[u32; 2]>,
+) {
+    let mut end = range.start;
+    for index in range {
+        if let Some(pair) = map(pairs[index]) {
+            pairs[end] = pair;
+            end += 1;
+        }
+    }
+    pairs.truncate(end);
+}
 
 /// How many pairs all tasks together may still find, and whether they are to go on.
 pub(super) struct Budget {
@@ -74,12 +97,13 @@ impl Budget {
 pub(super) const NOTES: usize = 64;
 
 /// What one task has found so far.
-pub(super) struct Output<'a, F> {
+pub(super) struct Output<'a> {
     pairs: Vec<[u32; 2]>,
     pub(super) tests: u64,
     /// Which of some rows overlaps which lanes of a block.
     pub(super) notes: [(u32, u32); NOTES],
-    finish: F,
+    finish: &'a Finish<'a>,
+    finished: usize,
     budget: &'a Budget,
     reported: usize,
     pulse: Pulse,
@@ -94,13 +118,14 @@ enum Over {
     Failed(Error),
 }
 
-impl<'a, F: Finish> Output<'a, F> {
-    pub(super) fn new(budget: &'a Budget, finish: F) -> Self {
+impl<'a> Output<'a> {
+    pub(super) fn new(budget: &'a Budget, finish: &'a Finish<'a>) -> Self {
         Self {
             pairs: Vec::new(),
             tests: 0,
             notes: [(0, 0); NOTES],
             finish,
+            finished: 0,
             budget,
             reported: 0,
             pulse: Pulse::of(&budget.stop),
@@ -123,9 +148,20 @@ impl<'a, F: Finish> Output<'a, F> {
         }
         for &(row, bits) in &self.notes[..count] {
             let first = first(row);
-            for_each_lane(bits, |lane| self.pairs.extend((self.finish)(first, second(lane))));
+            for_each_lane(bits, |lane| self.pairs.push([first, second(lane)]));
         }
-        if self.pairs.len() - self.reported >= PORTION.min(self.budget.max_pairs) {
+        if self.pairs.len() - self.finished >= UNFINISHED.min(self.budget.max_pairs) {
+            self.finish();
+        }
+    }
+
+    /// Finishes the new pairs, and reports them where they are many.
+    #[cold]
+    fn finish(&mut self) {
+        let new = self.finished..self.pairs.len();
+        (self.finish)(&mut self.pairs, new);
+        self.finished = self.pairs.len();
+        if self.finished - self.reported >= PORTION.min(self.budget.max_pairs) {
             self.report();
         }
     }
@@ -136,7 +172,6 @@ impl<'a, F: Finish> Output<'a, F> {
         memory::reserve(&mut self.pairs, more).map_err(|error| self.fail(error)).is_ok()
     }
 
-    #[cold]
     fn report(&mut self) {
         let new = self.pairs.len() - self.reported;
         let before = self.budget.count.fetch_add(new, Ordering::Relaxed);
@@ -161,7 +196,8 @@ impl<'a, F: Finish> Output<'a, F> {
         self.over.is_some()
     }
 
-    pub(super) fn into_found(self) -> Result<Found> {
+    pub(super) fn into_found(mut self) -> Result<Found> {
+        self.finish();
         match self.over {
             Some(Over::Failed(error)) => Err(error),
             _ => Ok(Found { pairs: self.pairs, tests: self.tests }),
