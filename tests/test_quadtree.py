@@ -476,16 +476,16 @@ def test_ever_smaller_steps_do_not_blow_up() -> None:
 # ---- what is refused -----------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
-BITS = "it must be between 0 and 4294967295"
+BITS = "it must be a set of 32 bits: between 0 and 4294967295, or a negative"
 WRONG_VALUES: list[tuple[dict[str, Any], str]] = [
     ({"centers": [(0, 0), (np.nan, 1)]}, "centers[1] is (NaN, 1); both coordinates must be finite"),
     ({"centers": np.zeros((3, 3))}, "centers has shape (3, 3); it must be (n, 2)"),
     ({"radii": [1, -1]}, "radii[1] is -1; a radius must be finite and at least 0"),
     ({"half_sizes": np.ones((1, 2))}, "half_sizes has shape (1, 2); it must be a number, (2,) or"),
-    ({"categories": -1}, f"categories is -1; {BITS}"),
+    ({"categories": 2**32}, f"categories is 4294967296; {BITS}"),
     ({"categories": [1, 2**32]}, f"categories[1] is 4294967296; {BITS}"),
     ({"masks": 2**64}, f"masks is {2**64}; {BITS}"),
-    ({"masks": [0, -7]}, f"masks[1] is -7; {BITS}"),
+    ({"masks": [0, -(2**33)]}, f"masks[1] is -8589934592; {BITS}"),
     ({"masks": [1, 2, 3]}, "masks has shape (3,); it must be an integer or (2,)"),
     ({"leaf_capacity": 0}, "leaf_capacity is 0; it must be at least 1"),
     ({"leaf_capacity": -5}, "leaf_capacity is -5; it must be at least 1"),
@@ -533,10 +533,10 @@ def test_wrong_questions() -> None:
 
 def test_trees_of_different_precision_do_not_mix() -> None:
     single, double = jostle.Quadtree(SINGLE, 1.0), jostle.Quadtree(DOUBLE, 1.0)
-    message = "other is float64 and this tree float32; build both with the same dtype"
+    message = "other computes in float64 and this tree in float32; build both from float32 arrays"
     with pytest.raises(TypeError, match=message):
         single.pairs(double)
-    with pytest.raises(TypeError, match="other is float32 and this tree float64"):
+    with pytest.raises(TypeError, match="other computes in float32 and this tree in float64"):
         double.pairs(single)
 
 

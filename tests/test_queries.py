@@ -383,7 +383,7 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
             "direction has shape (2, 2); it must be (2,) or (3, 2)",
         ),
         (lambda: TREE.query_point((0, 0), mask=[1]), "mask has shape (1,); it must be an integer"),
-        (lambda: TREE.query_point((0, 0), mask=-1), "mask is -1; it must be between 0 and"),
+        (lambda: TREE.query_point((0, 0), mask=1 << 32), "mask is 4294967296; it must be a set of"),
     ],
 )
 def test_refusals_name_argument_index_and_value(call: Any, sentence: str) -> None:
