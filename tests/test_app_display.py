@@ -247,6 +247,7 @@ def test_a_long_picture_is_drawn_beside_the_window(beside: Backdrop) -> None:
     camera.pan((100, 50))
     beside.wait()
     beside.draw(painter, camera, 10, corner)
+    beside.wait()
     camera.zoom_at((0, 0), 4.0)
     beside.draw(painter, camera, 10, corner)
     assert tuple(picture_of(painter)[30, 30]) == (0, 200, 0)

@@ -182,6 +182,7 @@ def test_each_point_is_in_one_tile(dtype: Any) -> None:
     assert len(tree.query_point((all_tiles[-1, 2], 0))) == 0
 
 
+@settings(max_examples=50, deadline=None)
 @given(boxes(), st.integers(1, 8))
 def test_pairs_are_those_of_exact_comparison(rows: NDArray[Any], leaf_capacity: int) -> None:
     expected = exact_pairs(rows)
@@ -203,7 +204,8 @@ _eighths = st.integers(-40, 40).map(lambda k: k / 8)
 _sizes = st.one_of(st.just(0.0), st.integers(0, 16).map(lambda k: k / 8))
 
 
-@given(boxes(_eighths), st.lists(st.tuples(_eighths, _eighths, _sizes, _sizes, _sizes), max_size=30),
+@settings(max_examples=30, deadline=None)
+@given(boxes(_eighths), st.lists(st.tuples(_eighths, _eighths, _sizes, _sizes, _sizes), max_size=20),
        _sizes)
 def test_boxes_and_other_shapes_meet_as_in_exact_arithmetic(
     rows: NDArray[Any], others: list[tuple[float, ...]], radius: float
@@ -236,7 +238,7 @@ def test_boxes_and_other_shapes_meet_as_in_exact_arithmetic(
 
 
 def test_contacts_give_the_shortest_way_out_of_a_box() -> None:
-    tree = jostle.Quadtree(boxes=[(0, 0, 10, 4), (1, 1, 2, 9), (9.5, 3.5, 20, 20)])
+    tree = jostle.Quadtree(boxes=[(0, 0, 10, 4), (1, 1, 2, 9), (9, 3.5, 20, 20)])
     pairs, normals, depths = tree.contacts()
     order = np.lexsort(pairs.T[::-1])
     assert pairs[order].tolist() == [[0, 1], [0, 2]]
@@ -268,10 +270,10 @@ def test_trees_of_boxes_hold_their_invariants_at_any_size(dtype: Any) -> None:
 _near = st.one_of(
     _borders, st.integers(-9, 9).map(lambda k: k * 0.1), st.floats(-10, 10, width=32)
 )
-_small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.01, 5, width=32))
+_small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.0078125, 5, width=32))
 
 
-@settings(deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(boxes(_near), st.tuples(_near, _near), st.tuples(_small, _small), _small, st.booleans())
 def test_queries_are_those_of_min_and_max(
     rows: NDArray[Any],
@@ -337,6 +339,7 @@ def polygon_overlaps(corners: list[tuple[int, int]], box: list[Fraction]) -> boo
     return True
 
 
+@settings(max_examples=50, deadline=None)
 @given(boxes(st.integers(-8, 8).map(float)), st.integers(-6, 6), st.integers(-6, 6))
 def test_polygons_overlap_boxes_as_in_exact_arithmetic(
     rows: NDArray[Any], x: int, y: int
@@ -362,6 +365,11 @@ def test_rays_hit_the_sides_of_boxes_exactly() -> None:
 # ---- pygame's rectangles -------------------------------------------------------------------------
 
 
+def overlap_by_sides(a: Any, b: Any) -> bool:
+    """Whether two rects overlap; `colliderect` of two FRects rounds their sides to float32."""
+    return (a.left < b.right and b.left < a.right) and (a.top < b.bottom and b.top < a.bottom)
+
+
 def test_rects_of_pygame_are_read_by_their_sides() -> None:
     pygame = pytest.importorskip("pygame")
     rng = np.random.default_rng(5)
@@ -369,7 +377,7 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
     for rects in ([pygame.Rect(*row) for row in four.tolist()],
                   [pygame.FRect(*(row * 0.1)) for row in four]):
         expected = [[i, j] for i, rect in enumerate(rects) for j in range(i + 1, len(rects))
-                    if rect.colliderect(rects[j])]
+                    if overlap_by_sides(rect, rects[j])]
         assert by_row(jostle.find_pairs(boxes=rects)) == expected
         assert by_row(jostle.find_pairs(boxes=tuple(rects))) == expected
         tree = jostle.Quadtree(boxes=rects, leaf_capacity=4)

@@ -252,7 +252,7 @@ WRONG_VALUES = [
     ({"max_pairs": 2**80}, f"max_pairs is {2**80}; it must be at most"),
 ]
 WRONG_TYPES = [
-    ({"centers": None}, "centers must hold real numbers, not NoneType"),
+    ({"centers": None}, "centers or boxes must be given: centers of shape (n, 2), or boxes"),
     ({"centers": "here"}, "centers must hold real numbers, not str"),
     ({"centers": [("0", "1")]}, "centers must hold real numbers, not <U1"),
     ({"centers": [(True, False)]}, "centers must hold real numbers, not bool"),
@@ -366,9 +366,9 @@ def test_other_threads_run_meanwhile(method: Any) -> None:
 def test_its_signature_shows_its_defaults() -> None:
     signature = inspect.signature(jostle.find_pairs)
     defaults = {name: p.default for name, p in signature.parameters.items()}
-    centers = defaults.pop("centers")
-    assert centers is inspect.Parameter.empty
+    assert defaults.pop("centers") is None
     assert defaults == {
+        "boxes": None,
         "radii": 0.0,
         "half_sizes": None,
         "method": "auto",

@@ -36,7 +36,7 @@ def three(**settings: Any) -> jostle.World:
 
 
 def columns(world: jostle.World) -> dict[str, Any]:
-    return {name: getattr(world, name) for name in COLUMNS}
+    return {name: getattr(world, name).copy() for name in COLUMNS}
 
 
 def gas(n: int = 400, **settings: Any) -> jostle.World:
@@ -87,8 +87,9 @@ def test_columns_are_copies(name: str) -> None:
     world = three()
     column = getattr(world, name)
     before = column.copy()
-    column[:] = 0
-    np.testing.assert_array_equal(getattr(world, name), before)
+    setattr(world, name, NEW[name])
+    np.testing.assert_array_equal(column, before)
+    assert (getattr(world, name) != before).any()
 
 
 def test_the_world_keeps_its_own_copy() -> None:

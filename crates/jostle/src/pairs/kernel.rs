@@ -164,13 +164,10 @@ const BOXES: u8 = 2;
 /// Calls a method with the kind of the kernel's shapes as parameters.
 macro_rules! of_kind {
     ($self:ident.$method:ident($($argument:expr),*)) => {
-        match ($self.core(), $self.a.has_filters() || $self.b.has_filters()) {
-            (POINTS, false) => $self.$method::<POINTS, false>($($argument),*),
-            (POINTS, true) => $self.$method::<POINTS, true>($($argument),*),
-            (HALF_SIZES, false) => $self.$method::<HALF_SIZES, false>($($argument),*),
-            (HALF_SIZES, true) => $self.$method::<HALF_SIZES, true>($($argument),*),
-            (_, false) => $self.$method::<BOXES, false>($($argument),*),
-            (_, true) => $self.$method::<BOXES, true>($($argument),*),
+        match $self.core() {
+            POINTS => $self.$method::<POINTS>($($argument),*),
+            HALF_SIZES => $self.$method::<HALF_SIZES>($($argument),*),
+            _ => $self.$method::<BOXES>($($argument),*),
         }
     };
 }
@@ -215,7 +212,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// Leaf against leaf: only what reaches the other's cover is tested.
     #[inline(always)]
-    fn near<const CORE: u8, const FILTERS: bool>(
+    fn near<const CORE: u8>(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
@@ -234,7 +231,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 let rows = start..second.range.end.min(start + CHUNK);
                 self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
                 if near_b.len > 0 {
-                    self.packed::<CORE, FILTERS>(near_a, near_b, output);
+                    self.packed::<CORE>(near_a, near_b, output);
                 }
                 if output.is_over(near_a.len * (1 + near_b.len)) {
                     return;
@@ -245,7 +242,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// Everything packed in `near_a` against everything packed in `near_b`.
     #[inline(always)]
-    fn packed<const CORE: u8, const FILTERS: bool>(
+    fn packed<const CORE: u8>(
         &self,
         near_a: &Packed<T>,
         near_b: &Packed<T>,
@@ -263,7 +260,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             };
             let wanted = |_: usize| lanes;
             let notes = &mut output.notes;
-            let count = self.test::<CORE, FILTERS>(&rows, &others, wanted, allowed, notes);
+            let count = self.test::<CORE>(&rows, &others, wanted, allowed, notes);
             output.settle(count, |row| near_a.place[row as usize], |lane| places[lane % LANES]);
         }
     }
@@ -415,7 +412,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Tests at most [`NOTES`] rows against a block and notes what overlaps, as far as
     /// `wanted` has the lane; returns how many notes there are. Nothing branches on them.
     #[inline(always)]
-    fn test<const CORE: u8, const FILTERS: bool>(
+    fn test<const CORE: u8>(
         &self,
         rows: &Rows<'_, T>,
         others: &Loaded<S::Block>,
@@ -423,6 +420,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         allowed: impl Fn(usize, u32) -> u32,
         notes: &mut [(u32, u32); NOTES],
     ) -> usize {
+        let filtered = self.a.has_filters() || self.b.has_filters();
         let mut count = 0;
         let centers = rows.x.iter().zip(rows.y).zip(rows.radius);
         for (row, ((&x, &y), &radius)) in centers.enumerate() {
@@ -433,7 +431,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 [T::ZERO; 2]
             };
             let mut bits = self.hits::<CORE>([[x, y], max], half, radius, others) & wanted(row);
-            if FILTERS && bits != 0 {
+            if filtered && bits != 0 {
                 bits = allowed(row, bits);
             }
             notes[count % NOTES] = (row as u32, bits);
@@ -445,12 +443,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Every one of `rows` with all behind it up to `last`. Blocks are counted from the
     /// end, so that only the foremost is not full, and that one meets the fewest rows.
     #[inline(always)]
-    fn behind<const CORE: u8, const FILTERS: bool>(
-        &self,
-        rows: Range<usize>,
-        last: usize,
-        output: &mut Output<'_>,
-    ) {
+    fn behind<const CORE: u8>(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
         let mut end = last;
         while end > rows.start + 1 {
             let start = rows.start.max(end.saturating_sub(LANES));
@@ -462,7 +455,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 let wanted = |row: usize| {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
-                self.against::<CORE, FILTERS>(first, &some, start, &others, wanted, output);
+                self.against::<CORE>(first, &some, start, &others, wanted, output);
                 if output.is_over(CHUNK * LANES) {
                     return;
                 }
@@ -475,12 +468,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
 
     /// One row against some others in their order.
     #[inline(always)]
-    fn along<const CORE: u8, const FILTERS: bool>(
-        &self,
-        row: usize,
-        others: Range<usize>,
-        output: &mut Output<'_>,
-    ) {
+    fn along<const CORE: u8>(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
         output.tests += others.len() as u64;
         let shape = self.a.shape(row);
         let [x, y] = [0, 1].map(|axis| [shape.min[axis] - self.shift[axis]]);
@@ -499,13 +487,13 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         for start in others.clone().step_by(LANES) {
             let loaded = self.load::<CORE>(&Rows::all(self.b), start);
             let lanes = first_lanes(others.end - start);
-            self.against::<CORE, FILTERS>(row, &alone, start, &loaded, |_| lanes, output);
+            self.against::<CORE>(row, &alone, start, &loaded, |_| lanes, output);
         }
     }
 
     /// The rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
     #[inline(always)]
-    fn against<const CORE: u8, const FILTERS: bool>(
+    fn against<const CORE: u8>(
         &self,
         first: usize,
         rows: &Rows<'_, T>,
@@ -518,7 +506,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             allowed(&self.a.shape(first + row), self.b, |lane| start + lane, bits)
         };
         let notes = &mut output.notes;
-        let count = self.test::<CORE, FILTERS>(rows, others, wanted, allowed, notes);
+        let count = self.test::<CORE>(rows, others, wanted, allowed, notes);
         output.settle(count, |row| first as u32 + row, |lane| (start + lane) as u32);
     }
 }
