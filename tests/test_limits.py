@@ -24,12 +24,12 @@ COINCIDENT = np.zeros((20_000, 2))
 
 
 def one_leaf(threads: int, points: np.ndarray = POINTS) -> jostle.Quadtree:
-    return jostle.Quadtree(points, 0.0, leaf_capacity=ALL, threads=threads)
+    return jostle.Quadtree(points, 1e-12, leaf_capacity=ALL, threads=threads)
 
 
 def space_of(threads: int, points: np.ndarray = POINTS) -> jostle.Space:
     space = jostle.Space(leaf_capacity=ALL, threads=threads)
-    space.add(points)
+    space.add(points, 1e-12)
     return space
 
 
@@ -49,15 +49,17 @@ LONG: dict[str, Callable[[int], Callable[[], object]]] = {
     "nearest": lambda t: lambda tree=jostle.Quadtree(COINCIDENT, 1.0, threads=t): tree.nearest(
         COINCIDENT, k=1000
     ),
-    "raycast": lambda t: lambda tree=one_leaf(t, SOME): tree.raycast(SOME + 2, (1, 1)),
-    "circle_cast": lambda t: lambda tree=one_leaf(t, SOME): tree.circle_cast(SOME + 2, (1, 1), 0.1),
+    "raycast": lambda t: lambda tree=one_leaf(t, SOME): tree.raycast(SOME + 2, (-1, -1)),
+    "circle_cast": lambda t: lambda tree=one_leaf(t, SOME): tree.circle_cast(
+        SOME + 2, (-1, -1), 1e-12
+    ),
     "update": lambda t: space_of(t).update,
     "space pairs": lambda t: space_of(t).pairs,
     "space circles": lambda t: lambda space=space_of(t, SOME): space.query_circle(SOME, 1e-9),
     "space nearest": lambda t: lambda space=space_of(t, COINCIDENT): space.nearest(
         COINCIDENT, k=1000
     ),
-    "space raycast": lambda t: lambda space=space_of(t, SOME): space.raycast(SOME + 2, (1, 1)),
+    "space raycast": lambda t: lambda space=space_of(t, SOME): space.raycast(SOME + 2, (-1, -1)),
 }
 
 
@@ -84,53 +86,41 @@ def test_what_is_interrupted_stays_as_it_was(threads: int) -> None:
     assert jostle.find_pairs(COINCIDENT[:300], 1.0, threads=threads).shape == (44_850, 2)
 
 
-def test_a_signal_handler_may_raise_what_it_likes() -> None:
-    class Enough(Exception):
-        pass
-
-    def enough(number: int, frame: object) -> None:
-        raise Enough
-
-    handler = signal.signal(signal.SIGUSR1, enough)
-    main = threading.get_ident()
-    timer = threading.Timer(0.1, signal.pthread_kill, (main, signal.SIGUSR1))
-    timer.start()
-    try:
-        with pytest.raises(Enough):
-            one_leaf(2).pairs()
-    finally:
-        timer.join()
-        signal.signal(signal.SIGUSR1, handler)
+class Enough(Exception):
+    pass
 
 
-def test_a_signal_handler_that_returns_changes_nothing() -> None:
-    points = POINTS[:60_000]
+def test_a_signal_handler_may_use_jostle_and_raise_what_it_likes() -> None:
+    space = space_of(2)
     seen: list[object] = []
-    space = space_of(1, points)
 
     def look(number: int, frame: object) -> None:
-        seen.append(len(jostle.find_pairs(points[:1000], 0.01)))
-        with pytest.raises(RuntimeError, match="signal handler cannot use it before the call"):
-            len(space)
+        try:
+            seen.append(len(space))
+        except RuntimeError as error:
+            seen.append(str(error))
+        seen.append(jostle.find_pairs([(0, 0), (1, 0)], 1.0).tolist())
+        if len(seen) > 2:
+            raise Enough
 
-    handler = signal.signal(signal.SIGUSR1, look)
     main = threading.get_ident()
-    done = threading.Event()
-
-    def send() -> None:
-        while not done.wait(0.02):
-            signal.pthread_kill(main, signal.SIGUSR1)
-
-    thread = threading.Thread(target=send)
-    thread.start()
+    timers = [
+        threading.Timer(after, signal.pthread_kill, (main, signal.SIGUSR1)) for after in (0.1, 0.3)
+    ]
+    handler = signal.signal(signal.SIGUSR1, look)
     try:
-        while not seen:
-            assert len(space.pairs()) == 0
+        with pytest.raises(Enough):
+            for timer in timers:
+                timer.start()
+            space.pairs()
     finally:
-        done.set()
-        thread.join()
+        for timer in timers:
+            timer.join()
         signal.signal(signal.SIGUSR1, handler)
-    assert len(space) == len(points)
+    busy = "this space is at work: a signal handler cannot use it before the call that it has"
+    assert [str(text)[: len(busy)] for text in seen[::2]] == [busy, busy]
+    assert seen[1::2] == [[[0, 1]], [[0, 1]]]
+    assert len(space) == len(POINTS)
 
 
 # ---- memory --------------------------------------------------------------------------------------
@@ -143,6 +133,7 @@ def test_too_little_memory_is_an_error_and_nothing_else() -> None:
 from signals import limit_memory
 zeros = np.zeros((16_000, 2))
 tree = jostle.Quadtree(zeros, 1.0)
+other = jostle.Quadtree(zeros[:8000], 1.0)
 space = jostle.Space()
 ids = space.add(zeros, 1.0)
 jostle.find_pairs(np.random.default_rng(0).random((20_000, 2)))
@@ -162,7 +153,7 @@ for threads in (1, 2):
     refused(jostle.find_pairs, zeros, 1.0, threads=threads)
     refused(jostle.find_pairs, zeros, 1.0, threads=threads, method="brute")
 refused(tree.pairs)
-refused(tree.pairs, tree)
+refused(tree.pairs, other)
 refused(tree.contacts)
 refused(tree.nearest, zeros, k=8000)
 refused(tree.query_circle, zeros[:8000], 1.0)
@@ -205,8 +196,8 @@ def test_where_no_thread_can_be_started_the_caller_works() -> None:
     printed = run_child(
         """
 from signals import limit_threads
-limit_threads()
 points = np.random.default_rng(0).random((30_000, 2))
+limit_threads()
 expected = jostle.find_pairs(points, 0.002, sort=True, threads=1)
 assert len(expected) > 0
 for method in ("quadtree", "brute"):

@@ -75,6 +75,11 @@ impl Stop {
         self.0.is_some()
     }
 
+    /// Whether a poll has said so already.
+    fn is_known(&self) -> bool {
+        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
     /// Whether to stop. Polls where the present thread is the caller's.
     pub fn is_set(&self) -> bool {
         let Some(flag) = &self.0 else { return false };
@@ -121,7 +126,7 @@ pub struct Pulse {
 impl Pulse {
     /// For a task of the call that `stop` belongs to.
     pub fn of(stop: &Stop) -> Self {
-        Self { stop: stop.clone(), left: ENOUGH, stopped: false }
+        Self { stop: stop.clone(), left: ENOUGH, stopped: stop.is_known() }
     }
 
     /// For work on the caller's thread.
