@@ -74,7 +74,7 @@ def test_other_bytes_like_objects() -> None:
     [
         ("words", TypeError, "data must be bytes, not str"),
         (5, TypeError, "data must be bytes, not int"),
-        (b"", ValueError, "data is 0 bytes of something else; it does not begin as"),
+        (b"", ValueError, "data is nothing; a snapshot has at least its head"),
         (b"PNG and so on", ValueError, "data is 13 bytes of something else; it does not begin"),
         (pile().snapshot()[:-5], ValueError, "data is a damaged snapshot; it is cut off"),
         (pile().snapshot() + b"!", ValueError, "data is a damaged snapshot; its checksum is"),
@@ -91,7 +91,7 @@ def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
     data = bytearray(pile().snapshot())
     data[1000] ^= 1
     path.write_bytes(data)
-    with pytest.raises(ValueError, match="data is a damaged snapshot; its checksum is wrong"):
+    with pytest.raises(ValueError, match="damaged holds a damaged snapshot; its checksum is wrong"):
         jostle.World.load(path)
 
 

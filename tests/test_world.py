@@ -8,6 +8,7 @@ from __future__ import annotations
 import _thread
 import inspect
 import re
+import signal
 import threading
 import time
 from collections.abc import Callable
@@ -182,8 +183,8 @@ def test_one_number_may_be_assigned_to_a_column(name: str, value: Any) -> None:
 
 def test_columns_may_be_reckoned_with() -> None:
     world = three()
-    world.positions += 1
-    world.velocities *= 2
+    world.positions = world.positions + 1
+    world.velocities = world.velocities * 2
     assert world.positions.tolist() == [[1, 1], [11, 1], [21, 6]]
     assert world.velocities.tolist() == [[2, 0], [0, 4], [0, 0]]
 
@@ -198,6 +199,62 @@ def test_set_changes_some_rows_of_some_columns(order: list[int], k: int, name: s
     world.set(ids, **{name: np.array(NEW[name])[ids]})
     for other, column in columns(world).items():
         np.testing.assert_array_equal(column, expected[other])
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_a_column_is_read_only(name: str) -> None:
+    world = three()
+    column = getattr(world, name)
+    before = column.tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        column[0] = 1
+    with pytest.raises(ValueError, match="read-only"):
+        exec(f"world.{name} {'|=' if name == 'movable' else '*='} 2", {"world": world})
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        column.flags.writeable = True
+    assert getattr(world, name).tolist() == before
+    copy = column.copy()
+    copy[0] = 1
+    setattr(world, name, copy)
+    assert getattr(world, name).tolist() == copy.tolist()
+    assert "set" in getattr(jostle.World, name).__doc__
+
+
+def test_columns_of_springs_are_read_only() -> None:
+    springs = jostle.Springs([(0, 1)], 1, 2)
+    for name in ("pairs", "lengths", "stiffness", "damping", "max_stretch"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(springs, name)[0] = 1
+
+
+def test_removing_tells_the_new_ids() -> None:
+    world = three()
+    marks, ids = world.masses, np.arange(3)
+    assert world.renumbered is None
+    world.remove([1])
+    new = world.renumbered
+    assert new is not None
+    assert (new.dtype, new.tolist(), new.flags.writeable) == (np.int64, [0, -1, 1], False)
+    ids = new[ids]
+    assert (world.masses[ids[ids >= 0]] == marks[ids >= 0]).all()
+    # Each call replaces it: two removals are followed one after the other.
+    world.remove([0])
+    assert world.renumbered is not None
+    assert world.renumbered.tolist() == [-1, 0]
+    with pytest.raises(ValueError, match="ids"):
+        world.remove([5])
+    assert world.renumbered.tolist() == [-1, 0]
+    world.add([(50, 50)], [(0, 0)], 1)
+    assert world.renumbered.tolist() == [-1, 0]
+    with pytest.raises(ValueError, match="dt"):
+        world.step(-1)
+    assert world.renumbered.tolist() == [-1, 0]
+    world.step(0.01)
+    assert world.renumbered is None
+    world.remove([0])
+    world.remove([])
+    assert world.renumbered is None
+    assert "ids" in (jostle.World.remove.__doc__ or "").splitlines()[0]
 
 
 def test_set_changes_several_columns_at_once() -> None:
@@ -432,7 +489,7 @@ def test_what_touches_merges_and_ids_can_be_followed() -> None:
     assert world.renumbered is None
     world.step(0.01)
     assert world.renumbered is not None
-    assert (world.renumbered.dtype, world.renumbered.tolist()) == (np.uint32, [0, 1, 0, 2])
+    assert (world.renumbered.dtype, world.renumbered.tolist()) == (np.int64, [0, 1, 0, 2])
     assert world.masses.tolist() == [2, 1, 1]
     assert world.positions[0].tolist() == [0.75, 0]
     (springs,) = world.forces
@@ -493,9 +550,16 @@ def test_other_threads_see_the_world_between_steps() -> None:
 
 def test_a_long_call_can_be_interrupted() -> None:
     world = gas(50)
-    threading.Timer(0.2, _thread.interrupt_main).start()
-    with pytest.raises(KeyboardInterrupt):
-        world.step(1 / 60, steps=10**12)
+    # A background job begins with SIGINT ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.2, _thread.interrupt_main)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            world.step(1 / 60, steps=1_000_000)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
     assert world.time > 0
     world.step(1 / 60)  # and it is still in order
 

@@ -468,6 +468,15 @@ pub fn matrix<V: Element>(
     Ok(matrix.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
 }
 
+/// The same array, which NumPy now refuses to write: it is a copy, and nobody would see what
+/// is written there.
+pub fn read_only<V: Element, D: numpy::ndarray::Dimension>(
+    array: Bound<'_, numpy::PyArray<V, D>>,
+) -> Bound<'_, numpy::PyArray<V, D>> {
+    array.readwrite().make_nonwriteable();
+    array
+}
+
 /// A float32 as the float64 with the same shortest decimals: 0.1 stays 0.1.
 pub fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))

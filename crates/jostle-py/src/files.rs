@@ -1,43 +1,95 @@
 //! Bytes in files: whole ones, or the old ones.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
+/// Symbolic links that are followed one after the other, as Linux does.
+const MOST_LINKS: usize = 40;
+
 /// Reads a file.
 pub fn read(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
     py.detach(|| fs::read(path)).map_err(|error| os_error(py, &error, path))
 }
 
-/// Replaces a file, or leaves it as it was: the bytes go into a new file beside it, which
-/// then takes its name.
+/// Replaces the contents of a file, or leaves it as it was. A symbolic link is followed, and
+/// permissions stay as they are.
 pub fn replace(py: Python<'_>, path: &Path, bytes: &[u8]) -> PyResult<()> {
     let done = py.detach(|| {
-        let (mut file, temporary) = create_beside(path)?;
-        let written = file.write_all(bytes).and_then(|()| file.sync_all());
-        drop(file);
-        let renamed = written.and_then(|()| fs::rename(&temporary, path));
-        if renamed.is_err() {
-            // What went wrong first is what the caller wants to hear of.
-            let _ = fs::remove_file(&temporary);
+        let target = follow_links(path)?;
+        match fs::metadata(&target) {
+            // A pipe or a device cannot be replaced.
+            Ok(found) if !found.is_file() => {
+                OpenOptions::new().write(true).open(&target)?.write_all(bytes)
+            }
+            Ok(_) => {
+                // Refused if it may not be written.
+                let old = OpenOptions::new().write(true).open(&target)?.metadata()?;
+                replace_whole(&target, bytes, Some(&old))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                replace_whole(&target, bytes, None)
+            }
+            Err(error) => Err(error),
         }
-        renamed
     });
     done.map_err(|error| os_error(py, &error, path))
 }
 
+/// What a path leads to, which need not be there.
+fn follow_links(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            Ok(next) => target = target.parent().unwrap_or(Path::new("")).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    // The system's own error for a circle of links.
+    fs::metadata(path).map(|_| target)
+}
+
+/// Writes a new file beside `target`, which then takes its name.
+fn replace_whole(target: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> io::Result<()> {
+    let (mut file, temporary) = create_beside(target)?;
+    let written = old
+        .map_or(Ok(()), |old| keep_access(&file, old))
+        .and_then(|()| file.write_all(bytes))
+        .and_then(|()| file.sync_all());
+    drop(file);
+    let renamed = written.and_then(|()| fs::rename(&temporary, target));
+    if renamed.is_err() {
+        // What went wrong first is what the caller wants to hear of.
+        let _ = fs::remove_file(&temporary);
+    }
+    renamed
+}
+
+/// Gives a new file the owner, as far as the system allows that, and the permissions of an old one.
+fn keep_access(file: &File, old: &fs::Metadata) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, fchown};
+        let new = file.metadata()?;
+        if (new.uid(), new.gid()) != (old.uid(), old.gid()) {
+            let _ = fchown(file, Some(old.uid()), Some(old.gid()));
+        }
+    }
+    file.set_permissions(old.permissions())
+}
+
 /// A new file in the same folder.
-fn create_beside(path: &Path) -> io::Result<(fs::File, PathBuf)> {
+fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
+    let process = std::process::id();
     let mut number = 0;
     loop {
-        let mut name = path.as_os_str().to_owned();
-        name.push(format!(".{number}.part"));
-        match OpenOptions::new().write(true).create_new(true).open(&name) {
+        let path = target.with_file_name(format!(".jostle.{process}.{number}.part"));
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
-            found => return found.map(|file| (file, name.into())),
+            found => return found.map(|file| (file, path)),
         }
     }
 }

@@ -8,7 +8,9 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
-use crate::arrays::{Argument, Given, column, count, decimal, number, point, table, word};
+use crate::arrays::{
+    Argument, Given, column, count, decimal, number, point, read_only, table, word,
+};
 use crate::error::{refused, type_error, value_error};
 use crate::particles::reals;
 
@@ -318,36 +320,36 @@ impl PySprings {
         Ok(Self(springs))
     }
 
-    /// Ids of the ends: ndarray of uint32, shape (m, 2). They change in a world when
+    /// Ids of the ends: read-only ndarray of uint32, shape (m, 2). They change in a world when
     /// particles before them are removed.
     #[getter]
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        table(py, self.0.0.iter().map(|spring| spring.pair).collect())
+        Ok(read_only(table(py, self.0.0.iter().map(|spring| spring.pair).collect())?))
     }
 
     /// Lengths at rest: ndarray of float32, shape (m,).
     #[getter]
     fn lengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        column(py, self.0.0.iter().map(|spring| spring.length).collect())
+        read_only(column(py, self.0.0.iter().map(|spring| spring.length).collect()))
     }
 
     /// Force for each unit of length: ndarray of float32, shape (m,).
     #[getter]
     fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        column(py, self.0.0.iter().map(|spring| spring.stiffness).collect())
+        read_only(column(py, self.0.0.iter().map(|spring| spring.stiffness).collect()))
     }
 
     /// Force for each unit of speed: ndarray of float32, shape (m,).
     #[getter]
     fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        column(py, self.0.0.iter().map(|spring| spring.damping).collect())
+        read_only(column(py, self.0.0.iter().map(|spring| spring.damping).collect()))
     }
 
     /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite where
     /// it never does.
     #[getter]
     fn max_stretch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        column(py, self.0.0.iter().map(|spring| spring.max_stretch).collect())
+        read_only(column(py, self.0.0.iter().map(|spring| spring.max_stretch).collect()))
     }
 
     fn __len__(&self) -> usize {

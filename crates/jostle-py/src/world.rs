@@ -1,18 +1,21 @@
 //! `jostle.World`.
 
-use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use jostle::pairs::Overlaps;
 use jostle::{Each, Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{Argument, Given, column, count, decimal, number, point, table};
+use crate::arrays::{Argument, Given, column, count, decimal, number, point, read_only, table};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
@@ -24,6 +27,12 @@ use crate::settings;
 /// Between whole steps, a long call looks about this often whether the user has
 /// pressed Ctrl-C and lets other threads at the world.
 const LOOK_UP: Duration = Duration::from_millis(50);
+
+/// A step of less work than this, particles times sub-steps, is done by the calling thread.
+const LITTLE_WORK: usize = 8_000;
+
+/// So is none that took longer than this the last time.
+const LITTLE_TIME: Duration = Duration::from_millis(20);
 
 /// Names of the stages, in the order of [`Stage`].
 const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve", "forces"];
@@ -100,7 +109,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 ///        [1., 0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "World", frozen)]
 pub struct PyWorld {
-    state: Mutex<State>,
+    state: Arc<Mutex<State>>,
 }
 
 struct State {
@@ -178,7 +187,10 @@ impl PyWorld {
 
     /// Let time pass.
     ///
-    /// Other threads may look at the world meanwhile; they see it between two steps.
+    /// Other threads may look at the world meanwhile; they see it between two steps. A step
+    /// is done whole or not at all: when one is refused, or interrupted with Ctrl-C, the
+    /// world is as it was before that step. Of a call with `steps` above 1, the steps before
+    /// it stay.
     ///
     /// Parameters
     /// ----------
@@ -190,7 +202,11 @@ impl PyWorld {
     /// Raises
     /// ------
     /// ValueError
-    ///     If `dt` is not finite and above 0.
+    ///     If `dt` is not finite and above 0, if it would carry a particle too far, if too
+    ///     many particles are in one place, or if a number would become infinite or NaN; the
+    ///     sentence names the particle then.
+    /// KeyboardInterrupt
+    ///     After Ctrl-C, which a long step notices within a fraction of a second.
     ///
     /// Examples
     /// --------
@@ -203,14 +219,13 @@ impl PyWorld {
     fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
         let dt = number("dt", dt)?;
         let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
-        self.long(py, |state| state.world.forget_renumbering())?;
-        loop {
-            left = self.long(py, |state| state.step(dt, left))??;
-            if left == 0 {
-                return Ok(());
-            }
+        // Refuses a wrong `dt` before anything changes.
+        self.long(py, |state| state.begin(dt))?.map_err(refused)?;
+        while left > 0 {
+            left = self.step_some(py, dt, left)?;
             py.check_signals()?;
         }
+        Ok(())
     }
 
     /// Add particles behind the others.
@@ -270,8 +285,12 @@ impl PyWorld {
         Ok(column(py, ids.map_err(refused)?.collect()))
     }
 
-    /// Remove particles; the rows behind them close up, and the springs and attractors
-    /// that name them go too.
+    /// Remove particles, which changes the ids of others.
+    ///
+    /// An id is a row number: the rows behind a removed one close up, so an old id may name
+    /// another particle afterwards. `renumbered` gives the new id of each old one. Springs
+    /// and attractors that name a removed particle are removed too; the others follow their
+    /// particles.
     ///
     /// Parameters
     /// ----------
@@ -291,6 +310,8 @@ impl PyWorld {
     /// >>> world.positions
     /// array([[0., 0.],
     ///        [9., 0.]], dtype=float32)
+    /// >>> world.renumbered  # the particle 2 is now 1, and 1 is gone
+    /// array([ 0, -1,  1])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         let ids = Argument::integers("ids", ids)?.ids()?;
         self.long(py, |state| state.world.remove(&ids))?.map_err(refused)
@@ -351,10 +372,16 @@ impl PyWorld {
         self.long(py, |state| state.write_some(draft, &ids))?.map_err(refused)
     }
 
-    /// Centres: ndarray of float32, shape (n, 2), a copy. Assign to change all.
+    /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
+    ///
+    /// Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
+    /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
+    /// ``world.positions = world.positions + 1``, or change some rows with
+    /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        table(py, self.long(py, |state| state.world.positions())?)
+        let positions = self.long(py, |state| state.world.positions())?;
+        Ok(read_only(table(py, positions)?))
     }
 
     #[setter]
@@ -365,11 +392,15 @@ impl PyWorld {
         })
     }
 
-    /// Velocities: ndarray of float32, shape (n, 2), units of length a second, a copy.
-    /// Assign to change all.
+    /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length a
+    /// second.
+    ///
+    /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
+    /// or change some rows with ``world.set([0], velocities=[(7, 7)])``.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        table(py, self.long(py, |state| state.world.velocities())?)
+        let velocities = self.long(py, |state| state.world.velocities())?;
+        Ok(read_only(table(py, velocities)?))
     }
 
     #[setter]
@@ -380,11 +411,14 @@ impl PyWorld {
         })
     }
 
-    /// Radii: ndarray of float32, shape (n,), a copy. Assign an array or one number to
-    /// change all; masses stay as they are.
+    /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`. Masses stay
+    /// as they are.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(column(py, self.long(py, |state| state.world.radii())?))
+        let radii = self.long(py, |state| state.world.radii())?;
+        Ok(read_only(column(py, radii)))
     }
 
     #[setter]
@@ -395,11 +429,13 @@ impl PyWorld {
         })
     }
 
-    /// Masses: ndarray of float32, shape (n,), a copy. Assign an array or one number to
-    /// change all.
+    /// Masses: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(column(py, self.long(py, |state| state.world.masses())?))
+        let masses = self.long(py, |state| state.world.masses())?;
+        Ok(read_only(column(py, masses)))
     }
 
     #[setter]
@@ -410,11 +446,13 @@ impl PyWorld {
         })
     }
 
-    /// The particles' own restitutions: ndarray of float32, shape (n,), a copy. Assign
-    /// an array or one number to change all.
+    /// Restitutions of the particles: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
     fn restitutions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(column(py, self.long(py, |state| state.world.restitutions())?))
+        let restitutions = self.long(py, |state| state.world.restitutions())?;
+        Ok(read_only(column(py, restitutions)))
     }
 
     #[setter]
@@ -425,11 +463,13 @@ impl PyWorld {
         })
     }
 
-    /// What can be moved: ndarray of bool, shape (n,), a copy. Assign an array or one
-    /// truth to change all.
+    /// Which particles can be moved: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one bool; to change some, use `set`.
     #[getter]
     fn movable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        Ok(column(py, self.long(py, |state| state.world.movable())?))
+        let movable = self.long(py, |state| state.world.movable())?;
+        Ok(read_only(column(py, movable)))
     }
 
     #[setter]
@@ -515,13 +555,19 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.on_touch = on_touch)
     }
 
-    /// What merging has made of ids in the last call of `step`: ndarray of uint32, shape
-    /// (n before it,), the new id of each old one, so that `ids = world.renumbered[ids]`
-    /// follows particles; those that merged share one. None where nothing has merged.
+    /// New ids after the last call of `step` or `remove`: a read-only ndarray of int64, shape
+    /// (n before the call,), or None if that call changed no id.
+    ///
+    /// The new id of each old one: ``ids = world.renumbered[ids]`` follows particles.
+    /// Particles that merged share an id; a removed one has -1, so drop those with
+    /// ``ids = ids[ids >= 0]`` before the next call. Each call of `step` or `remove` replaces
+    /// the array: read it after every call that may merge or remove particles.
     #[getter]
-    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
-        let ids = self.long(py, |state| state.world.renumbered().map(<[u32]>::to_vec))?;
-        Ok(ids.map(|ids| column(py, ids)))
+    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
+        let new = |id: &Option<u32>| id.map_or(-1, i64::from);
+        let ids = self
+            .long(py, |state| state.world.renumbered().map(|ids| ids.iter().map(new).collect()))?;
+        Ok(ids.map(|ids| read_only(column(py, ids))))
     }
 
     /// How pairs are found: "quadtree" or "brute".
@@ -738,7 +784,8 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// path : str or os.PathLike
-    ///     A file that is there is replaced, once the new one is whole.
+    ///     A file that is there is replaced, once the new one is whole; it keeps its
+    ///     permissions. A symbolic link stays, and the file that it leads to is replaced.
     ///
     /// Raises
     /// ------
@@ -772,7 +819,8 @@ impl PyWorld {
     /// OSError
     ///     If the file cannot be read.
     /// ValueError
-    ///     If there is no world in it, or it is cut off or damaged.
+    ///     If there is no world in it, or it is cut off or damaged; the sentence names the
+    ///     file.
     ///
     /// Examples
     /// --------
@@ -785,7 +833,8 @@ impl PyWorld {
     fn load(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
         let py = class.py();
         let bytes = files::read(py, &path)?;
-        Ok(Self::of(py.detach(|| World::restore(&bytes)).map_err(refused)?))
+        let world = py.detach(|| World::restore(&bytes));
+        Ok(Self::of(world.map_err(|error| in_file(&path, &error))?))
     }
 
     /// Copies and pickles are snapshots.
@@ -810,7 +859,8 @@ impl PyWorld {
 impl PyWorld {
     /// The Python face of a world.
     pub fn of(world: World) -> Self {
-        Self { state: Mutex::new(State { world, profile: Default::default() }) }
+        let state = State { world, profile: Default::default() };
+        Self { state: Arc::new(Mutex::new(state)) }
     }
 
     /// For a glance: other Python threads wait.
@@ -826,6 +876,40 @@ impl PyWorld {
     ) -> PyResult<R> {
         let done = py.detach(|| self.state.lock().ok().map(|mut state| act(&mut state)));
         done.ok_or_else(broken)
+    }
+
+    /// Does some of the steps, and returns how many are left.
+    ///
+    /// Steps that may take long run in a thread of their own, so that this one can look for
+    /// Ctrl-C: Python's signals arrive in no other. After Ctrl-C the call returns at once; the
+    /// thread holds the world until it has undone the step under way.
+    fn step_some(&self, py: Python<'_>, dt: f64, left: usize) -> PyResult<usize> {
+        let stop = Arc::new(AtomicBool::new(false));
+        if self.state(py)?.is_quick() {
+            return self.long(py, |state| state.step(dt, left, &stop))?.map_err(refused);
+        }
+        let (tell, mut hear) = mpsc::channel();
+        let (state, watched) = (self.state.clone(), stop.clone());
+        let work = move || {
+            let done = state.lock().ok().map(|mut state| state.step(dt, left, &watched));
+            // Nobody listens any more after Ctrl-C.
+            let _ = tell.send(done);
+        };
+        if thread::Builder::new().name("jostle-step".into()).spawn(work).is_err() {
+            // The system starts no more threads.
+            return self.long(py, |state| state.step(dt, left, &stop))?.map_err(refused);
+        }
+        loop {
+            let heard;
+            (heard, hear) = py.detach(move || (hear.recv_timeout(LOOK_UP), hear));
+            match heard {
+                Ok(done) => return done.ok_or_else(broken)?.map_err(refused),
+                Err(RecvTimeoutError::Disconnected) => return Err(broken()),
+                Err(RecvTimeoutError::Timeout) => {
+                    py.check_signals().inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+                }
+            }
+        }
     }
 
     fn len(&self, py: Python<'_>) -> PyResult<usize> {
@@ -862,10 +946,23 @@ impl PyWorld {
 }
 
 impl State {
+    /// Begins a call of `step`.
+    fn begin(&mut self, dt: f64) -> jostle::Result<()> {
+        self.world.step(dt, 0, &mut |_| ())?;
+        self.world.forget_renumbering();
+        Ok(())
+    }
+
+    /// Whether a step is certainly over before anybody could want to interrupt it.
+    fn is_quick(&self) -> bool {
+        let work = self.world.len() * self.world.settings().substeps;
+        work < LITTLE_WORK && self.profile.iter().sum::<Duration>() < LITTLE_TIME
+    }
+
     /// Does some of the steps, and returns how many are left.
-    fn step(&mut self, dt: f64, mut left: usize) -> PyResult<usize> {
+    fn step(&mut self, dt: f64, mut left: usize, stop: &AtomicBool) -> jostle::Result<usize> {
         let start = Instant::now();
-        loop {
+        while left > 0 {
             let mut profile = <[Duration; STAGES.len()]>::default();
             let mut since = Instant::now();
             let watch = &mut |stage: Stage| {
@@ -873,16 +970,14 @@ impl State {
                 profile[stage as usize] += now - since;
                 since = now;
             };
-            // None is left for `steps=0`; the core looks at `dt` all the same.
-            self.world.step(dt, left.min(1), watch).map_err(refused)?;
-            if left > 0 {
-                self.profile = profile;
-                left -= 1;
-            }
-            if left == 0 || start.elapsed() >= LOOK_UP {
-                return Ok(left);
+            self.world.step_until(dt, 1, watch, stop)?;
+            self.profile = profile;
+            left -= 1;
+            if start.elapsed() >= LOOK_UP {
+                break;
             }
         }
+        Ok(left)
     }
 
     fn write_all(&mut self, draft: Draft, found: usize) -> jostle::Result<()> {
@@ -906,6 +1001,15 @@ impl State {
             Ok(())
         })
     }
+}
+
+/// What is wrong with a file of a world.
+fn in_file(path: &Path, error: &Error) -> PyErr {
+    let found = match error {
+        Error::Value { value, rule, .. } => format!("{value}; {rule}"),
+        other => other.to_string(),
+    };
+    PyValueError::new_err(format!("{} holds {found}", path.display()))
 }
 
 /// A panic is a bug; what it leaves behind is not to be trusted.

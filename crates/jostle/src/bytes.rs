@@ -95,6 +95,12 @@ impl<'a> Reader<'a> {
     pub fn open(bytes: &'a [u8], magic: [u8; 8], version: u32) -> Result<Self> {
         let all = bytes.len();
         let mut reader = Self(bytes);
+        if all == 0 {
+            return Err(Error::of("data", "nothing", "a snapshot has at least its head"));
+        }
+        if all < HEAD && bytes.iter().zip(&magic).all(|(found, right)| found == right) {
+            return Err(cut_off_after(all, HEAD as u64));
+        }
         if reader.get::<[u8; 8]>().ok() != Some(magic) {
             let rule = "it does not begin as a snapshot does";
             return Err(Error::of("data", format!("{all} bytes of something else"), rule));
@@ -106,7 +112,7 @@ impl<'a> Reader<'a> {
         }
         let (length, sum): (u64, u64) = (reader.get()?, reader.get()?);
         if length > reader.0.len() as u64 {
-            return Err(cut_off());
+            return Err(cut_off_after(all, (HEAD as u64).saturating_add(length)));
         }
         if length < reader.0.len() as u64 || sum != checksum(reader.0) {
             return Err(damaged("its checksum is wrong"));
@@ -146,6 +152,10 @@ impl<'a> Reader<'a> {
 /// What does not mean anything.
 pub fn damaged(rule: &str) -> Error {
     Error::of("data", "a damaged snapshot", rule)
+}
+
+fn cut_off_after(found: usize, expected: u64) -> Error {
+    damaged(&format!("it is cut off: {found} of at least {expected} bytes are there"))
 }
 
 fn cut_off() -> Error {

@@ -109,7 +109,8 @@ impl Previous {
             return 0.0;
         }
         let range = self.starts[first] as usize..self.starts[first + 1] as usize;
-        let found = self.seconds[range.clone()].iter().position(|&other| other == second);
+        // In canonical order, so ascending: one large particle may rest on very many.
+        let found = self.seconds[range.clone()].binary_search(&second);
         found.map_or(0.0, |at| self.impulses[range.start + at])
     }
 }
@@ -200,6 +201,13 @@ impl Contacts {
         starts
     }
 
+    /// Exchanges the lists with those of `other`; the resting impulses to start from stay.
+    pub fn exchange(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.list, &mut other.list);
+        std::mem::swap(&mut self.order, &mut other.order);
+        std::mem::swap(&mut self.ends, &mut other.ends);
+    }
+
     /// Drops the contacts of particles that are gone and renames the places of
     /// the others, which close up.
     pub fn retain(&mut self, keep: &[bool]) {
@@ -256,15 +264,20 @@ impl Contacts {
         parallel::for_chunks(threads, &mut self.list, |_, chunk| chunk.iter_mut().for_each(&act));
     }
 
-    /// Keeps the resting impulses for the next step, easy to find by place.
-    pub fn remember(&mut self, places: usize) {
+    /// Keeps the resting impulses for the next step, easy to find by place. Returns the
+    /// first contact whose impulse is not finite, if there is one.
+    pub fn remember(&mut self, places: usize) -> Option<&Contact> {
         let Self { list, order, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
         starts.resize(places + 1, 0);
         seconds.clear();
         impulses.clear();
+        let mut overflow = None;
         for &at in order.iter() {
             let contact = &list[at as usize];
+            if contact.impulse == f32::INFINITY {
+                overflow = overflow.or(Some(contact));
+            }
             if contact.impulse > 0.0 && contact.image == [0.0; 2] {
                 starts[contact.places[0] as usize + 1] += 1;
                 seconds.push(contact.places[1]);
@@ -274,6 +287,7 @@ impl Contacts {
         for place in 0..places {
             starts[place + 1] += starts[place];
         }
+        overflow
     }
 
     /// All contacts in canonical order.

@@ -166,13 +166,14 @@ impl Container {
                 }
                 // Rounding may leave the result a little outside: shrink until it is in.
                 let mut scale = reach / length(out);
-                loop {
+                for turn in 0.. {
                     let moved = [0, 1].map(|k| (f64::from(center[k]) + out[k] * scale) as f32);
                     if length(offset(moved)) <= reach || scale < 1e-9 {
                         return moved;
                     }
-                    scale *= 1.0 - 1e-7;
+                    scale *= 1.0 - shrink(turn);
                 }
+                *center
             }
             Self::None | Self::Torus { .. } => position,
         }
@@ -224,6 +225,15 @@ impl Container {
             }
         }
     }
+}
+
+/// By how much a position is brought closer to the centre in each turn until it is inside.
+/// A few tiny steps are enough nearly always. Where float32 is coarse, far from the origin,
+/// the step doubles up to a half, so that there are at most about 60 turns.
+fn shrink(turn: u32) -> f64 {
+    const TINY_TURNS: u32 = 8;
+    let doublings = turn.saturating_sub(TINY_TURNS).min(23);
+    (1e-7 * f64::from(1u32 << doublings)).min(0.5)
 }
 
 /// The largest float32 that is not above `value`.

@@ -33,6 +33,17 @@ pub enum Error {
         /// The limit that was passed.
         most: usize,
     },
+    /// The caller asked a long call to stop.
+    Interrupted,
+    /// A step would give a particle a number that no world can hold.
+    NotFinite {
+        /// The column, as the caller spells it.
+        argument: &'static str,
+        /// Row of the particle.
+        index: usize,
+        /// What the step would have written, printed.
+        value: String,
+    },
     /// Questions have more answers than memory is set aside for.
     TooManyIds {
         /// The limit that was passed.
@@ -91,6 +102,13 @@ impl fmt::Display for Error {
                 f,
                 "more than {most} pairs of particles may touch in one step; \
                  spread the particles out, or take smaller steps"
+            ),
+            Self::Interrupted => write!(f, "the call was interrupted"),
+            Self::NotFinite { argument, index, value } => write!(
+                f,
+                "the step would make {argument}[{index}] {value}, which is not finite; the world \
+                 is as it was before this step: take smaller steps, or smaller masses, forces or \
+                 speeds"
             ),
             Self::TooManyIds { most } => {
                 write!(f, "the answer has more than {most} ids; ask for fewer regions at a time")

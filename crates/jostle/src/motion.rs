@@ -68,6 +68,16 @@ impl Motions {
         self.0.resize_with(len, Default::default);
     }
 
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The motion of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> Motion {

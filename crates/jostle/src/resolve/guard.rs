@@ -4,15 +4,21 @@
 //! can have more of them than there are rounds. So before anything moves, the
 //! straight line from each fast pair's first offset to its last is looked at: if
 //! it cuts through the contact, both ways are shortened to where it enters. Ways
-//! only ever get shorter, and standing still is always allowed, so this ends.
+//! only ever get shorter, and standing still is always allowed, so this ends. A long row of
+//! particles could need as many passes as it has members: after a number of passes, all of
+//! the row stops.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{Contact, Contacts};
+use crate::groups::Groups;
 use crate::motion::{Motion, Motions};
 
 /// Passes that shorten to the point of touching; later ones stop at the start.
 const GENTLE_PASSES: usize = 8;
+
+/// Passes at most. What is then still being shortened stops, with all that is fast beside it.
+const MOST_PASSES: usize = 64;
 
 /// How deep a line may cut, as a share of the sum of radii: a rounded bounce is
 /// no passage.
@@ -30,7 +36,7 @@ pub fn guard(contacts: &mut Contacts, motions: &Motions, threads: Option<usize>)
     if !any_fast.into_inner() {
         return;
     }
-    for pass in 0.. {
+    for pass in 0..MOST_PASSES {
         let any = AtomicBool::new(false);
         contacts.solve(threads, |contact, colour| {
             // What has not been shortened since it was looked at last is still free.
@@ -45,7 +51,30 @@ pub fn guard(contacts: &mut Contacts, motions: &Motions, threads: Option<usize>)
             }
         });
         if !any.into_inner() {
-            break;
+            return;
+        }
+    }
+    stop_islands(contacts, motions);
+}
+
+/// Stops every island of fast contacts in which the last pass has shortened a way. No other
+/// contact can be cut through (see [`may_get_through`]).
+fn stop_islands(contacts: &Contacts, motions: &Motions) {
+    let fast = || contacts.list.iter().filter(|contact| contact.fast);
+    let mut islands = Groups::default();
+    islands.reset(motions.len());
+    for contact in fast().filter(|contact| !contact.inverse_masses.contains(&0.0)) {
+        islands.join(contact.places[0], contact.places[1]);
+    }
+    let mut stops = vec![false; motions.len()];
+    for place in fast().flat_map(|contact| contact.places) {
+        if motions.turn(place) >= turn(MOST_PASSES - 1, 0) {
+            stops[islands.root(place) as usize] = true;
+        }
+    }
+    for place in fast().flat_map(|contact| contact.places) {
+        if stops[islands.root(place) as usize] {
+            motions.set_travel(place, [0.0; 2]);
         }
     }
 }

@@ -29,10 +29,7 @@ impl World {
     /// Finds out what the forces do in the first sub-step. It does not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn feel(&mut self, dt: f32) -> Result<()> {
-        let (particles, settings) = (&mut self.particles, &self.settings);
-        for position in &mut particles.positions {
-            *position = settings.container.wrap(*position);
-        }
+        let settings = &self.settings;
         let memory = &mut self.memory.forces;
         memory.accelerations.clear();
         memory.reaches.clear();

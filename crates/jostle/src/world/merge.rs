@@ -122,12 +122,12 @@ impl World {
     fn close_up(&mut self, heirs: &[u32]) {
         let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
         let shifted = self.take_out(&gone);
-        let moved: Vec<u32> = heirs.iter().map(|&heir| shifted[heir as usize]).collect();
-        let some: Vec<Option<u32>> = moved.iter().copied().map(Some).collect();
-        crate::forces::follow(&mut self.forces, &some);
+        let moved: Vec<Option<u32>> =
+            heirs.iter().map(|&heir| Some(shifted[heir as usize])).collect();
+        crate::forces::follow(&mut self.forces, &moved);
         self.renumbered = Some(match self.renumbered.take() {
             None => moved,
-            Some(before) => before.iter().map(|&row| moved[row as usize]).collect(),
+            Some(before) => before.iter().map(|row| moved[(*row)? as usize]).collect(),
         });
     }
 }

@@ -6,6 +6,7 @@
 //! and every sum and every loop runs in an order that comes from the state.
 //! `rows` leads back to the order of adding, which is all that callers see.
 
+mod fast;
 mod feel;
 mod merge;
 mod search;
@@ -13,6 +14,7 @@ mod settings;
 mod snapshot;
 mod step;
 mod sums;
+mod undo;
 
 use std::ops::Range;
 
@@ -27,9 +29,11 @@ use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::resolve;
 use crate::shapes::{MOST_ROWS, Shapes};
+use fast::FastMemory;
 use feel::ForceMemory;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
+use undo::{Before, Ordered};
 
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,8 +99,8 @@ pub struct World {
     contacts: Contacts,
     time: f64,
     stats: Stats,
-    /// Where merging has brought each row.
-    renumbered: Option<Vec<u32>>,
+    /// Where the last call has brought each row, if it removed or merged any.
+    renumbered: Option<Vec<Option<u32>>>,
     memory: Memory,
 }
 
@@ -113,11 +117,12 @@ struct Memory {
     pairs: search::Lists,
     /// The same where what touches merges.
     meetings: Vec<merge::Meeting>,
-    particles: Particles,
-    rows: Vec<u32>,
-    wall_pushes: Vec<[f32; MAX_WALLS]>,
     old_sweeps: Vec<Sweep>,
     forces: ForceMemory,
+    fast: FastMemory,
+    before: Before,
+    /// What the first part of a step leaves to `before`, for its other parts.
+    spare: Ordered,
 }
 
 impl World {
@@ -193,7 +198,7 @@ impl World {
         let moved: Vec<Option<u32>> =
             gone.iter().zip(shifted).map(|(&gone, new)| (!gone).then_some(new)).collect();
         forces::follow(&mut self.forces, &moved);
-        self.renumbered = None;
+        self.renumbered = (!rows.is_empty()).then_some(moved);
         Ok(())
     }
 
@@ -218,13 +223,14 @@ impl World {
         shifted
     }
 
-    /// Where each row has gone by merging since this was last forgotten, or rows were
-    /// removed: merged particles share one. None where nothing merged.
-    pub fn renumbered(&self) -> Option<&[u32]> {
+    /// The new row of each old one, after rows were removed, or merged since this was last
+    /// forgotten: merged particles share one, a removed one has none. None where all rows
+    /// are what they were.
+    pub fn renumbered(&self) -> Option<&[Option<u32>]> {
         self.renumbered.as_deref()
     }
 
-    /// Begins to keep account of merging anew.
+    /// Begins to keep account of rows anew.
     pub fn forget_renumbering(&mut self) {
         self.renumbered = None;
     }

@@ -1,9 +1,12 @@
 //! A step: from positions and velocities to those `dt` seconds later.
 
 use std::cmp::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 
 use super::feel::{ForceMemory, accelerate, aside, find_places, springs};
-use super::{Memory, OnTouch, Stage, Stats, World, merge, search};
+use super::undo::Ordered;
+use super::{Memory, OnTouch, Stage, Stats, World, fast, merge, search};
+use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::integrate::{self, Sweep};
@@ -22,22 +25,35 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 const WORTH_WAKING: usize = 12_000;
 
 /// Parts into which a step on a torus is cut at most.
-const MAX_PARTS: f32 = 1000.0;
+pub(super) const MAX_PARTS: f32 = 1000.0;
 
 impl World {
-    /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends.
+    /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends. A step that
+    /// is refused leaves the world as it was before that step; those before it stay.
     pub fn step(
         &mut self,
         dt: f64,
         steps: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
+        self.step_until(dt, steps, watch, &AtomicBool::new(false))
+    }
+
+    /// As [`World::step`], until `stop` becomes true. It is looked at between stages and
+    /// sub-steps; then the step under way is undone and [`Error::Interrupted`] returned.
+    pub fn step_until(
+        &mut self,
+        dt: f64,
+        steps: usize,
+        watch: &mut (dyn FnMut(Stage) + Send),
+        stop: &AtomicBool,
+    ) -> Result<()> {
         let single = dt as f32;
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0"));
         }
         let threads = self.threads();
-        parallel::among(threads, || self.step_often(single, dt, steps, watch))
+        parallel::among(threads, || self.step_often(single, dt, steps, watch, stop))
     }
 
     /// The threads to use: one for a small world.
@@ -51,25 +67,44 @@ impl World {
         dt: f64,
         steps: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
+        stop: &AtomicBool,
     ) -> Result<()> {
         for _ in 0..steps {
             let parts = self.parts(single)?;
-            for _ in 0..parts {
-                self.step_once(single / parts as f32, watch)?;
+            self.begin();
+            if let Err(error) = self.step_in_parts(single, parts, watch, stop) {
+                self.undo();
+                return Err(error);
             }
             self.time += dt;
         }
         Ok(())
     }
 
-    /// How many parts a step needs so that nothing outruns its images.
-    fn parts(&self, dt: f32) -> Result<usize> {
-        let gravity = self.settings.gravity;
-        let ways = self.particles.velocities.iter().map(|v| {
-            let way = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
-            way(0).max(way(1))
-        });
-        let longest = ways.fold(0.0, f32::max);
+    fn step_in_parts(
+        &mut self,
+        dt: f32,
+        parts: usize,
+        watch: &mut (dyn FnMut(Stage) + Send),
+        stop: &AtomicBool,
+    ) -> Result<()> {
+        for _ in 0..parts {
+            self.step_once(dt / parts as f32, watch, stop)?;
+        }
+        self.move_the_held(dt, stop)
+    }
+
+    /// The longer side of the box of a particle's straight way in `dt` seconds.
+    pub(super) fn way(&self, place: usize, dt: f32) -> f32 {
+        let (gravity, v) = (self.settings.gravity, self.particles.velocities[place]);
+        let way = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
+        way(0).max(way(1))
+    }
+
+    /// How many parts a step needs so that nothing outruns its images; holds back the few
+    /// that need many more than the others.
+    fn parts(&mut self, dt: f32) -> Result<usize> {
+        let longest = (0..self.len()).map(|place| self.way(place, dt)).fold(0.0, f32::max);
         if longest > particles::FARTHEST {
             let rule = format!(
                 "a particle would move by {longest:e}, more than {:e}",
@@ -79,32 +114,42 @@ impl World {
         }
         let parts = (longest / self.settings.container.reach()).ceil().max(1.0);
         if parts > MAX_PARTS {
-            let rule = format!(
-                "a particle would circle the torus {} times; take smaller steps",
-                parts / 8.0
-            );
-            return Err(Error::of("dt", dt, &rule));
+            return Err(fast::too_many_tours(dt, parts));
         }
-        Ok(parts as usize)
+        if !self.hold_the_fast(dt, parts) {
+            return Ok(parts as usize);
+        }
+        let others = (0..self.len()).filter(|&place| !self.is_held(self.rows[place]));
+        let longest = others.map(|place| self.way(place, dt)).fold(0.0, f32::max);
+        Ok((longest / self.settings.container.reach()).ceil().max(1.0) as usize)
     }
 
     /// The order of a step, spelled once: positions → sweeps → tree → candidate
     /// pairs → contacts → resolved velocities and positions.
-    fn step_once(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
+    pub(super) fn step_once(
+        &mut self,
+        dt: f32,
+        watch: &mut (dyn FnMut(Stage) + Send),
+        stop: &AtomicBool,
+    ) -> Result<()> {
+        go_on(stop)?;
         self.feel(dt)?;
         if !self.forces.is_empty() {
             watch(Stage::Forces);
         }
         self.sweep(dt);
         watch(Stage::Integrate);
+        go_on(stop)?;
         self.build();
         watch(Stage::Build);
+        go_on(stop)?;
         self.candidates()?;
         watch(Stage::Pairs);
+        go_on(stop)?;
         self.arrange();
         self.meet();
         watch(Stage::Contacts);
-        self.resolve(dt, watch);
+        self.resolve(dt, watch, stop)?;
         self.break_springs();
         self.merge();
         watch(Stage::Resolve);
@@ -114,15 +159,16 @@ impl World {
     /// Finds out how far each particle may get.
     fn sweep(&mut self, dt: f32) {
         let threads = self.threads();
-        let Memory { sweeps, shapes, forces, .. } = &mut self.memory;
+        let Memory { sweeps, shapes, forces, fast, .. } = &mut self.memory;
         let ForceMemory { accelerations, reaches, .. } = &*forces;
+        let held = |place: usize| !fast.held.is_empty() && fast.held[self.rows[place] as usize];
         let (particles, settings) = (&self.particles, &self.settings);
         let len = particles.len();
         sweeps.resize(len, Sweep::default());
         parallel::for_chunks(threads, sweeps, |first, sweeps| {
             for (sweep, place) in sweeps.iter_mut().zip(first..) {
                 let position = particles.positions[place];
-                *sweep = if particles.movable[place] {
+                *sweep = if particles.movable[place] && !held(place) {
                     let (velocity, radius) = (particles.velocities[place], particles.radii[place]);
                     let sweep = Sweep::new(position, velocity, radius, settings.gravity, dt);
                     let (by, reach) = (accelerations.get(place), reaches.get(place));
@@ -154,15 +200,23 @@ impl World {
         memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
     }
 
-    /// Brings everything into the order of the tree. Nothing can fail any more.
+    /// Brings everything into the order of the tree. The first part of a step leaves the old
+    /// order to [`World::undo`].
     fn arrange(&mut self) {
         let threads = self.threads();
         let memory = &mut self.memory;
         let order = memory.tree.rows();
-        memory.particles.gather(&self.particles, order, threads);
-        std::mem::swap(&mut memory.particles, &mut self.particles);
-        gather(&mut memory.rows, &mut self.rows, order, threads);
-        gather(&mut memory.wall_pushes, &mut self.wall_pushes, order, threads);
+        let spare =
+            if memory.before.arranged { &mut memory.spare } else { &mut memory.before.ordered };
+        let Ordered { particles, rows, wall_pushes } = spare;
+        particles.gather(&self.particles, order, threads);
+        std::mem::swap(particles, &mut self.particles);
+        gather(rows, &mut self.rows, order, threads);
+        gather(wall_pushes, &mut self.wall_pushes, order, threads);
+        if !memory.before.arranged {
+            self.contacts.exchange(&mut memory.before.contacts);
+            memory.before.arranged = true;
+        }
         gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
         if self.forces.is_empty() {
             return;
@@ -195,17 +249,27 @@ impl World {
     /// Contacts from pairs, or meetings where nothing bounces.
     fn meet(&mut self) {
         let threads = self.threads();
-        let Memory { tree, pairs, meetings, .. } = &mut self.memory;
+        let Memory { tree, pairs, meetings, fast, .. } = &mut self.memory;
         meetings.clear();
         if self.settings.on_touch == OnTouch::Merge {
             merge::expect(pairs, &self.particles, meetings);
             pairs.clear();
         }
+        if !fast.held.is_empty() {
+            let (rows, held) = (&self.rows, &fast.held);
+            let free = |pair: &[u32; 2]| !pair.iter().any(|&at| held[rows[at as usize] as usize]);
+            pairs.iter_mut().for_each(|(_, pairs)| pairs.retain(free));
+        }
         let (particles, restitution) = (&self.particles, self.settings.restitution);
         self.contacts.collect(pairs, particles, restitution, tree.rows(), threads);
     }
 
-    fn resolve(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) {
+    fn resolve(
+        &mut self,
+        dt: f32,
+        watch: &mut (dyn FnMut(Stage) + Send),
+        stop: &AtomicBool,
+    ) -> Result<()> {
         let settings = &self.settings;
         let [gx, gy] = settings.gravity;
         let rules = Rules {
@@ -236,6 +300,7 @@ impl World {
         let forces = &mut memory.forces;
         let h = dt / settings.substeps as f32;
         for substep in 0..settings.substeps {
+            go_on(stop)?;
             if substep > 0 && forces::pull(&self.forces) {
                 watch(Stage::Resolve);
                 for (place, halfway) in forces.halfway.iter_mut().enumerate() {
@@ -257,19 +322,67 @@ impl World {
             merge::note(&mut memory.meetings, motions, rules.threads);
         }
         resolve::measure_touching(&mut scene, &rules);
-        self.contacts.remember(self.particles.len());
+        if let Some(contact) = self.contacts.remember(self.particles.len()) {
+            return Err(not_finite(
+                "contact_impulses",
+                self.rows[contact.places[0] as usize],
+                "inf",
+            ));
+        }
         let Particles { positions, velocities, .. } = &mut self.particles;
-        let motions = &memory.motions;
+        let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
+        let any = AtomicBool::new(false);
         parallel::for_chunks_of_two(rules.threads, positions, velocities, |first, p, v| {
             for ((position, velocity), place) in p.iter_mut().zip(v).zip(first as u32..) {
                 let limit = particles::FARTHEST;
                 let motion = motions.get(place);
+                if !is_finite(&motion, &wall_pushes[place as usize]) {
+                    any.store(true, Atomic::Relaxed);
+                }
                 let allowed = motion.position.map(|v| v.clamp(-limit, limit));
                 *position = settings.container.wrap(allowed);
                 *velocity = motion.velocity.map(|v| v.clamp(-limit, limit));
             }
         });
+        if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
     }
+
+    /// Names the first row to which the sub-steps have given a number that is not finite.
+    fn name_what_is_not_finite(&self) -> Error {
+        let motion = |place: usize| self.memory.motions.get(place as u32);
+        let bad = |&place: &usize| !is_finite(&motion(place), &self.wall_pushes[place]);
+        let place = (0..self.len()).filter(bad).min_by_key(|&place| self.rows[place]);
+        let place = place.expect("only called if there is one");
+        let Motion { position, velocity, .. } = motion(place);
+        let columns: [(&str, &[f32]); 3] = [
+            ("velocities", &velocity),
+            ("positions", &position),
+            ("wall_impulses", &self.wall_pushes[place]),
+        ];
+        let broken =
+            columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
+        let (argument, numbers) = broken.expect("one of them is not finite");
+        let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+        not_finite(argument, self.rows[place], &format!("({})", numbers.join(", ")))
+    }
+}
+
+/// Stops the step when the caller wants that.
+fn go_on(stop: &AtomicBool) -> Result<()> {
+    if stop.load(Atomic::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+/// Whether a step may end so.
+#[inline(always)]
+fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
+    let Motion { position: [x, y], velocity: [u, v], .. } = motion;
+    // A product with 0 is 0, or not a number.
+    let [a, b, c, d] = wall_pushes;
+    [x, y, u, v, a, b, c, d].into_iter().map(|value| value * 0.0).sum::<f32>() == 0.0
+}
+
+fn not_finite(argument: &'static str, row: u32, value: &str) -> Error {
+    Error::NotFinite { argument, index: row as usize, value: value.to_string() }
 }
 
 /// Reorders a column into its spare and swaps the two.

@@ -68,7 +68,7 @@ class Columns:
         self.tags, self.born = np.delete(self.tags, rows), np.delete(self.born, rows)
         self.add(world)
 
-    def merge(self, world: jostle.World, renumbered: NDArray[np.uint32]) -> Tags:
+    def merge(self, world: jostle.World, renumbered: NDArray[np.int64]) -> Tags:
         """Give what has become of several particles the tag of the oldest of them.
 
         Returns

@@ -1,0 +1,202 @@
+//! Few fast particles on a torus.
+//!
+//! No part of a step may carry a particle further than an eighth of a torus, or it would meet
+//! images that the search does not list. So a fast particle needs many parts. Where few do, they
+//! are held while all others make the step, and then make their own parts alone, in a small
+//! world of the particles near their paths. Those stand still there until they are hit; what is
+//! hit moves on with the fast ones.
+
+use std::cmp::Ordering;
+use std::sync::atomic::AtomicBool;
+
+use super::step::MAX_PARTS;
+use super::{OnTouch, World, WorldSettings};
+use crate::error::{Error, Result};
+use crate::integrate::Sweep;
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::query::{self, Rect};
+use crate::shapes::{Each, Shapes};
+
+/// Parts of a step that all particles make together, however few of them need so many.
+const FEW_PARTS: f32 = 8.0;
+
+/// Particles are held if they are fewer than one in so many.
+const HELD_SHARE: usize = 4;
+
+/// What the fast particles need; the next step uses it again.
+#[derive(Debug, Default)]
+pub(super) struct FastMemory {
+    /// By row, which particles are held during the step. Empty: none.
+    pub(super) held: Vec<bool>,
+    tree: Quadtree<f32>,
+    near: Option<Box<World>>,
+}
+
+impl World {
+    /// Chooses the particles that make their own parts of a step of `dt` seconds, of which all
+    /// together would need so many. Returns whether there are any.
+    pub(super) fn hold_the_fast(&mut self, dt: f32, parts: f32) -> bool {
+        self.memory.fast.held.clear();
+        // Particles that merge change their rows, which the small world cannot tell.
+        if parts <= FEW_PARTS || self.settings.on_touch == OnTouch::Merge {
+            return false;
+        }
+        let most = FEW_PARTS * self.settings.container.reach();
+        let is_fast = |place: usize| self.way(place, dt) > most;
+        let count = (0..self.len()).filter(|&place| is_fast(place)).count();
+        if count == 0 || count * HELD_SHARE >= self.len() {
+            return false;
+        }
+        let mut held = vec![false; self.len()];
+        self.rows.iter().enumerate().for_each(|(place, &row)| {
+            held[row as usize] = is_fast(place);
+        });
+        self.memory.fast.held = held;
+        true
+    }
+
+    /// Whether the particle in a row is held.
+    pub(super) fn is_held(&self, row: u32) -> bool {
+        self.memory.fast.held.get(row as usize).is_some_and(|&held| held)
+    }
+
+    /// Lets those that were held move for `dt` seconds.
+    pub(super) fn move_the_held(&mut self, dt: f32, stop: &AtomicBool) -> Result<()> {
+        if self.memory.fast.held.is_empty() {
+            return Ok(());
+        }
+        let mut tree = std::mem::take(&mut self.memory.fast.tree);
+        let mut near = self.memory.fast.near.take().unwrap_or_default();
+        let done = self.move_held(&mut tree, &mut near, dt, stop);
+        let fast = &mut self.memory.fast;
+        (fast.tree, fast.near) = (tree, Some(near));
+        done
+    }
+
+    fn move_held(
+        &mut self,
+        tree: &mut Quadtree<f32>,
+        near: &mut World,
+        dt: f32,
+        stop: &AtomicBool,
+    ) -> Result<()> {
+        let mut moving: Vec<bool> = self.rows.iter().map(|&row| self.is_held(row)).collect();
+        let settings = WorldSettings { gravity: [0.0; 2], drag: 0.0, ..self.settings };
+        near.configure_empty(settings)?;
+        let shapes = Shapes {
+            centers: self.particles.positions.clone(),
+            radii: Each::Rows(self.particles.radii.clone()),
+            ..Shapes::default()
+        };
+        tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal);
+        let (mut left, mut turns) = (f64::from(dt), 0.0);
+        loop {
+            let ways = (0..self.len()).filter(|&place| moving[place]).map(|place| {
+                let [u, v] = self.particles.velocities[place];
+                u.abs().max(v.abs()) * left as f32
+            });
+            let longest = ways.fold(0.0, f32::max);
+            let parts = (longest / settings.container.reach()).ceil().max(1.0);
+            turns += 1.0;
+            if turns + parts > 4.0 * MAX_PARTS {
+                return Err(too_many_tours(dt, parts));
+            }
+            let h = (left / f64::from(parts)) as f32;
+            let places = self.near(tree, &moving, h)?;
+            self.move_once(near, &places, &mut moving, h, stop)?;
+            if parts == 1.0 {
+                return Ok(());
+            }
+            left -= left / f64::from(parts);
+        }
+    }
+
+    /// Lets what moves do so for `h` seconds, in the world of the particles in these `places`.
+    fn move_once(
+        &mut self,
+        near: &mut World,
+        places: &[u32],
+        moving: &mut [bool],
+        h: f32,
+        stop: &AtomicBool,
+    ) -> Result<()> {
+        near.fill(&self.particles, places);
+        near.begin();
+        near.step_once(h, &mut |_| (), stop).map_err(|error| match error {
+            Error::NotFinite { argument, index, value } => {
+                let index = self.rows[places[index] as usize] as usize;
+                Error::NotFinite { argument, index, value }
+            }
+            other => other,
+        })?;
+        let Particles { positions, velocities, .. } = &near.particles;
+        for ((position, velocity), &row) in positions.iter().zip(velocities).zip(&near.rows) {
+            let place = places[row as usize] as usize;
+            // What stands still has had its time already; a hit sets it in motion.
+            if moving[place] || self.particles.velocities[place] != *velocity {
+                moving[place] = true;
+                self.particles.positions[place] = *position;
+                self.particles.velocities[place] = *velocity;
+            }
+        }
+        Ok(())
+    }
+
+    /// The places of what moves and of what that could meet within `h` seconds, ascending.
+    fn near(&self, tree: &Quadtree<f32>, moving: &[bool], h: f32) -> Result<Vec<u32>> {
+        let Particles { positions, velocities, radii, .. } = &self.particles;
+        let sweep = |place: usize| {
+            Sweep::new(positions[place], velocities[place], radii[place], [0.0; 2], h)
+        };
+        let mut places: Vec<u32> =
+            (0..self.len() as u32).filter(|&place| moving[place as usize]).collect();
+        if self.settings.on_touch == OnTouch::Ignore {
+            return Ok(places);
+        }
+        // The furthest that what stands still may reach beyond its disc.
+        let standing = (0..self.len()).filter(|&place| !moving[place]);
+        let beyond = |place: usize| {
+            let Sweep { low, high } = sweep(place);
+            (high[0] - low[0]).max(high[1] - low[1])
+        };
+        let margin = standing.map(beyond).fold(0.0, f32::max);
+        let offsets = [[0.0; 2]].into_iter().chain(self.settings.container.images());
+        let offsets: Vec<[f32; 2]> =
+            offsets.flat_map(|[x, y]| [[x, y], [-x, -y]]).skip(1).collect();
+        let windows = places.iter().flat_map(|&place| {
+            let place = place as usize;
+            let Sweep { low, high } = sweep(place).widened(radii[place] + margin);
+            offsets
+                .iter()
+                .map(move |by| [low[0] + by[0], low[1] + by[1], high[0] + by[0], high[1] + by[1]])
+        });
+        let windows = Rect::all(&windows.collect::<Vec<_>>())?;
+        places.extend(query::search(tree, &windows, None)?.ids);
+        places.sort_unstable();
+        places.dedup();
+        Ok(places)
+    }
+
+    /// Takes over the rules, with no particle yet.
+    fn configure_empty(&mut self, settings: WorldSettings) -> Result<()> {
+        self.fill(&Particles::default(), &[]);
+        self.configure(settings)
+    }
+
+    /// Replaces all particles by those in some places of another world.
+    fn fill(&mut self, all: &Particles, places: &[u32]) {
+        self.particles.gather(all, places, Some(1));
+        self.rows = (0..places.len() as u32).collect();
+        self.wall_pushes.clear();
+        self.wall_pushes.resize(places.len(), Default::default());
+        self.contacts.recall(Vec::new(), places.len());
+    }
+}
+
+/// Refuses a step in which a particle would go around a torus too often.
+pub(super) fn too_many_tours(dt: f32, parts: f32) -> Error {
+    let rule =
+        format!("a particle would circle the torus {} times; take smaller steps", parts / 8.0);
+    Error::of("dt", dt, &rule)
+}

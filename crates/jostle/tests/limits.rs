@@ -1,0 +1,233 @@
+//! What a step never does: write numbers that no world can hold, work without bound, or leave
+//! a world halfway.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use jostle::forces::{Force, Gravitation, Spring, Springs};
+use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
+
+/// Far more than any of these steps takes; a step without a bound took hundreds of times as long.
+const SOON: Duration = Duration::from_secs(20);
+
+fn within_bounds(act: impl FnOnce()) {
+    let start = Instant::now();
+    act();
+    assert!(start.elapsed() < SOON, "it took {:?}", start.elapsed());
+}
+
+/// Everything that another step depends on.
+fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<u32>>>) {
+    (world.snapshot(), world.renumbered().map(<[_]>::to_vec))
+}
+
+/// Three heavy discs whose velocities overflow after some steps.
+fn overflowing() -> World {
+    let positions = vec![[0.0, 0.0], [3.0, 0.5], [1.0, 2.5]];
+    let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
+    all.masses = vec![1e26; 3];
+    let settings = WorldSettings { gravity: [0.0, 10.0], drag: 1e3, ..Default::default() };
+    let mut world = World::new(all, settings).unwrap();
+    let gravitation = Gravitation { g: 1.0, softening: 0.1, theta: 0.5 };
+    world.set_forces(vec![Force::Gravitation(gravitation)]).unwrap();
+    world
+}
+
+#[test]
+fn a_step_that_overflows_is_refused_and_undone() {
+    let mut world = overflowing();
+    let (steps, before, error) = (0..1000)
+        .find_map(|step| {
+            let before = state(&world);
+            let error = world.step(0.01, 1, &mut |_| ()).err()?;
+            Some((step, before, error.to_string()))
+        })
+        .expect("it overflows at some time");
+    assert!(error.starts_with("the step would make velocities["), "{error}");
+    assert!(error.contains("which is not finite"), "{error}");
+    assert_eq!(state(&world), before);
+    assert_eq!(world.time(), (0..steps).fold(0.0, |time, _| time + 0.01));
+    // The same in one call: the steps before the one that is refused stay.
+    let mut other = overflowing();
+    assert_eq!(other.step(0.01, 1000, &mut |_| ()).unwrap_err().to_string(), error);
+    assert_eq!(state(&other), before);
+    assert_eq!(state(&World::restore(&before.0).unwrap()).0, before.0);
+    // The world can be mended and goes on.
+    world.edit(|all| Ok(all.masses.fill(1.0))).unwrap();
+    world.set_forces(Vec::new()).unwrap();
+    world.step(0.01, 10, &mut |_| ()).unwrap();
+    assert!(world.velocities().iter().flatten().all(|v| v.is_finite()));
+}
+
+fn crowd(len: usize, side: f32) -> Particles {
+    let columns = (len as f32).sqrt().ceil() as usize;
+    let gap = side / columns as f32;
+    let at = |k: usize| [(k % columns) as f32 + 0.5, (k / columns) as f32 + 0.5].map(|v| v * gap);
+    let speed = |k: usize| [(k * 7 % 11) as f32 - 5.0, (k * 5 % 13) as f32 - 6.0];
+    let radii = (0..len).map(|k| gap * (0.3 + 0.05 * (k % 5) as f32)).collect();
+    Particles::new((0..len).map(at).collect(), (0..len).map(speed).collect(), radii, 1.0)
+}
+
+/// Worlds of all kinds, with how they are called.
+fn worlds() -> Vec<(&'static str, World)> {
+    let pile = WorldSettings {
+        gravity: [0.0, 40.0],
+        restitution: 0.3,
+        container: Container::Box { min: [-1.0; 2], max: [31.0; 2] },
+        ..Default::default()
+    };
+    let torus = Container::Torus { size: [30.0; 2] };
+    let merging =
+        WorldSettings { on_touch: OnTouch::Merge, container: torus, ..Default::default() };
+    let spring = |k| Spring {
+        pair: [k, k + 1],
+        length: 1.0,
+        stiffness: 50.0,
+        damping: 0.1,
+        max_stretch: 0.5,
+    };
+    let mut outside = crowd(60, 30.0);
+    outside.positions[3] = [-95.0, 64.0];
+    let mut one_fast = crowd(60, 30.0);
+    one_fast.velocities[7] = [9000.0, 4000.0];
+    let make = |all, settings| World::new(all, settings).unwrap();
+    let mut sprung = make(crowd(60, 30.0), pile);
+    sprung.set_forces(vec![Force::Springs(Springs((0..50).map(spring).collect()))]).unwrap();
+    let many_parts = {
+        let mut all = crowd(60, 30.0);
+        all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
+        make(all, WorldSettings { container: torus, ..Default::default() })
+    };
+    vec![
+        ("pile", make(crowd(60, 30.0), pile)),
+        ("springs", sprung),
+        ("merging", make(crowd(60, 30.0), merging)),
+        ("outside", make(outside, WorldSettings { container: torus, ..Default::default() })),
+        ("one fast", make(one_fast, WorldSettings { container: torus, ..Default::default() })),
+        ("many parts", many_parts),
+    ]
+}
+
+#[test]
+fn an_interrupted_step_is_undone_wherever_it_stops() {
+    for (name, mut world) in worlds() {
+        world.step(1.0 / 60.0, 5, &mut |_| ()).unwrap();
+        let mut other = World::restore(&world.snapshot()).unwrap();
+        // Stop after the first stage, after the second, and so on, until the step gets through.
+        for stages in 0.. {
+            let before = state(&world);
+            let (stop, mut seen) = (AtomicBool::new(stages == 0), 0);
+            let watch = &mut |_: Stage| {
+                seen += 1;
+                stop.store(seen >= stages, Ordering::Relaxed);
+            };
+            let Err(error) = world.step_until(1.0 / 60.0, 1, watch, &stop) else { break };
+            assert_eq!(error, jostle::Error::Interrupted);
+            assert_eq!(state(&world), before, "{name} stopped after {stages} stages");
+            assert!(stages < 1000);
+        }
+        world.forget_renumbering();
+        other.step(1.0 / 60.0, 1, &mut |_| ()).unwrap();
+        let steps = &mut |world: &mut World| world.step(1.0 / 60.0, 5, &mut |_| ()).unwrap();
+        steps(&mut world);
+        steps(&mut other);
+        assert_eq!(world.snapshot(), other.snapshot(), "{name} goes on as if nothing had been");
+    }
+}
+
+#[test]
+fn positions_that_a_caller_gave_are_back_after_a_step_that_is_undone() {
+    let torus = Container::Torus { size: [10.0; 2] };
+    let all = Particles::new(vec![[-3.0, 25.0], [5.0, 5.0]], vec![[1.0; 2]; 2], vec![1.0; 2], 1.0);
+    let settings = WorldSettings { container: torus, ..Default::default() };
+    let mut world = World::new(all, settings).unwrap();
+    let stop = AtomicBool::new(true);
+    world.step_until(0.1, 1, &mut |_| (), &stop).unwrap_err();
+    assert_eq!(world.positions()[0], [-3.0, 25.0]);
+}
+
+#[test]
+fn a_round_wall_far_from_the_origin_takes_no_longer() {
+    let center = [1e7 + 1.0; 2];
+    let container = Container::Circle { center, radius: 2.1 };
+    let positions = (0..1000).map(|k| [center[0] + (k % 7) as f32, center[1] - (k % 5) as f32]);
+    let all = Particles::new(positions.collect(), vec![[1.0, 0.5]; 1000], vec![0.5; 1000], 1.0);
+    let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
+    let mut world = World::new(all, settings).unwrap();
+    within_bounds(|| world.step(0.1, 3, &mut |_| ()).unwrap());
+    for [x, y] in world.positions() {
+        let [x, y] = [x - center[0], y - center[1]].map(f64::from);
+        assert!((x * x + y * y).sqrt() <= 1.6 + 1e-6);
+    }
+}
+
+fn torus_with_one_fast(speed: f32, len: usize, on_touch: OnTouch) -> World {
+    let side = 1000.0;
+    let mut all = crowd(len, side);
+    all.radii.iter_mut().for_each(|radius| *radius *= 0.3);
+    all.velocities[0] = [speed, 0.618 * speed];
+    let container = Container::Torus { size: [side; 2] };
+    World::new(all, WorldSettings { container, on_touch, ..Default::default() }).unwrap()
+}
+
+#[test]
+fn a_fast_particle_on_a_torus_makes_its_own_parts() {
+    let mut stages = 0;
+    let mut world = torus_with_one_fast(6e6, 400, OnTouch::Bounce);
+    let (momentum, energy) = (world.momentum(), world.kinetic_energy());
+    world.step(0.01, 1, &mut |stage| stages += i32::from(stage == Stage::Build)).unwrap();
+    assert!(stages <= 8, "all particles made {stages} parts");
+    let close = |a: f64, b: f64, size: f64| (a - b).abs() < 1e-5 * size;
+    let size = 2.0 * energy / 6e6;
+    assert!((0..2).all(|k| close(world.momentum()[k], momentum[k], size)));
+    assert!(close(world.kinetic_energy(), energy, energy));
+    let moved = world.velocities().iter().filter(|v| v[0].abs() > 100.0).count();
+    assert!(moved > 3, "it has hit others, which hit others: {moved}");
+}
+
+#[test]
+fn a_fast_particle_among_those_that_it_passes_flies_straight() {
+    // Free flight: the place after a step is known.
+    let mut world = torus_with_one_fast(5e5, 100, OnTouch::Ignore);
+    let start = world.positions();
+    let velocities = world.velocities();
+    world.step(0.01, 1, &mut |_| ()).unwrap();
+    for (row, ([x, y], [u, v])) in start.into_iter().zip(velocities).enumerate() {
+        let goal = [x + u * 0.01, y + v * 0.01].map(|v| f64::from(v).rem_euclid(1000.0));
+        for (found, goal) in world.positions()[row].into_iter().zip(goal) {
+            let off = (f64::from(found) - goal).abs();
+            assert!(off.min(1000.0 - off) < 0.05, "row {row}: {found} instead of {goal}");
+        }
+    }
+}
+
+#[test]
+fn the_order_of_adding_does_not_show_where_few_are_fast() {
+    let mut worlds = [false, true].map(|reversed| {
+        let world = torus_with_one_fast(2e6, 200, OnTouch::Bounce);
+        let mut all = world.particles();
+        if reversed {
+            let order: Vec<u32> = (0..200).rev().collect();
+            all.gather(&world.particles(), &order, Some(1));
+        }
+        World::new(all, *world.settings()).unwrap()
+    });
+    worlds.iter_mut().for_each(|world| world.step(0.01, 3, &mut |_| ()).unwrap());
+    let [first, second] = worlds.map(|world| world.positions());
+    assert!(first.iter().eq(second.iter().rev()));
+}
+
+#[test]
+fn a_long_row_that_is_stopped_takes_no_longer() {
+    let len = 20_000;
+    let mut positions: Vec<[f32; 2]> = (0..len).map(|k| [-(k as f32), 0.0]).collect();
+    positions.push([1.0, 0.0]);
+    let mut velocities = vec![[60.0, 0.0]; len];
+    velocities.push([0.0, 0.0]);
+    let mut all = Particles::new(positions, velocities, vec![0.5; len + 1], 1.0);
+    all.movable[len] = false;
+    let settings = WorldSettings { restitution: 0.0, substeps: 1, ..Default::default() };
+    let mut world = World::new(all, settings).unwrap();
+    within_bounds(|| world.step(0.1, 1, &mut |_| ()).unwrap());
+    assert!(world.positions().iter().all(|p| p[0] <= 1.0), "nothing has passed the obstacle");
+}

@@ -1,0 +1,149 @@
+"""`World.save` and `World.load`: permissions, links, failures, and what is wrong with a file."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+import threading
+from pathlib import Path
+
+import pytest
+
+import jostle
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="permissions and links are POSIX's")
+
+
+def small() -> jostle.World:
+    return jostle.scenes.create("gas", n=20)
+
+
+def mode(path: Path) -> int:
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+@pytest.mark.parametrize("permissions", [0o600, 0o640, 0o666, 0o755])
+def test_a_file_keeps_its_permissions(permissions: int, tmp_path: Path) -> None:
+    path = tmp_path / "world.jostle"
+    path.write_text("old")
+    path.chmod(permissions)
+    small().save(path)
+    assert mode(path) == permissions
+    assert path.read_bytes() == small().snapshot()
+    assert os.listdir(tmp_path) == ["world.jostle"]
+
+
+def test_a_new_file_honours_the_umask(tmp_path: Path) -> None:
+    old = os.umask(0o027)
+    try:
+        small().save(tmp_path / "world.jostle")
+    finally:
+        os.umask(old)
+    assert mode(tmp_path / "world.jostle") == 0o640
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_symbolic_link_stays_and_its_target_is_written(there: bool, tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    target, link = folder / "world.jostle", tmp_path / "latest"
+    if there:
+        target.write_text("old")
+        target.chmod(0o600)
+    middle = tmp_path / "middle"
+    middle.symlink_to("folder/world.jostle")
+    link.symlink_to(middle)
+    small().save(link)
+    assert link.is_symlink()
+    assert middle.is_symlink()
+    assert not target.is_symlink()
+    assert target.read_bytes() == small().snapshot()
+    if there:
+        assert mode(target) == 0o600
+    assert len(jostle.World.load(link)) == 20
+    assert os.listdir(folder) == ["world.jostle"]
+
+
+def test_a_circle_of_links_is_refused(tmp_path: Path) -> None:
+    one, other = tmp_path / "one", tmp_path / "other"
+    one.symlink_to(other)
+    other.symlink_to(one)
+    with pytest.raises(OSError, match="symbolic links"):
+        small().save(one)
+    assert sorted(os.listdir(tmp_path)) == ["one", "other"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everything")
+def test_a_file_that_may_not_be_written_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "world.jostle"
+    path.write_text("old")
+    path.chmod(0o444)
+    with pytest.raises(PermissionError):
+        small().save(path)
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["world.jostle"]
+
+
+def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    signal = pytest.importorskip("signal")
+    path = tmp_path / "world.jostle"
+    path.write_text("old")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
+    try:
+        with pytest.raises(OSError, match="large"):
+            small().save(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["world.jostle"]
+
+
+def test_a_pipe_is_written_and_not_replaced(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    found: list[bytes] = []
+    reader = threading.Thread(target=lambda: found.append(pipe.read_bytes()))
+    reader.start()
+    small().save(pipe)
+    reader.join()
+    assert found == [small().snapshot()]
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
+def test_a_long_name_is_no_obstacle(tmp_path: Path) -> None:
+    path = tmp_path / ("x" * 255)
+    small().save(path)
+    assert len(jostle.World.load(path)) == 20
+
+
+WHOLE = small().snapshot()
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        (b"", "holds nothing; a snapshot has at least its head"),
+        (WHOLE[:5], "holds a damaged snapshot; it is cut off: 5 of at least 28 bytes are there"),
+        (WHOLE[:20], "holds a damaged snapshot; it is cut off: 20 of at least 28 bytes are there"),
+        (
+            WHOLE[:-7],
+            "holds a damaged snapshot; it is cut off: "
+            f"{len(WHOLE) - 7} of at least {len(WHOLE)} bytes are there",
+        ),
+        (b"words", "holds 5 bytes of something else; it does not begin as a snapshot does"),
+        (WHOLE[:-1] + b"?", "holds a damaged snapshot; its checksum is wrong"),
+    ],
+    ids=["empty", "in the magic", "in the head", "in the body", "foreign", "changed"],
+)
+def test_what_is_wrong_with_a_file_names_the_file(
+    data: bytes, sentence: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "a world"
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=f"^{re.escape(f'{path} {sentence}')}$"):
+        jostle.World.load(path)

@@ -1,0 +1,213 @@
+"""What a step of `World` refuses, and how it is interrupted: the world stays what it was."""
+
+from __future__ import annotations
+
+import _thread
+import signal
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jostle
+
+FLOAT = np.float32
+
+
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Python's own handler: a background job begins with SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+# ---- numbers that no world can hold --------------------------------------------------------------
+
+
+def overflowing() -> jostle.World:
+    world = jostle.World(
+        [(0, 0), (3, 0.5), (1, 2.5)], np.zeros((3, 2)), 1.0, masses=1e26, gravity=(0, 10), drag=1e3
+    )
+    world.forces = [jostle.Gravitation(1, 0.1)]
+    return world
+
+
+def test_a_step_that_overflows_names_the_particle_and_changes_nothing() -> None:
+    world = overflowing()
+    before = world.snapshot()
+    with pytest.raises(ValueError, match=r"the step would make velocities\[\d\] \(.*not finite"):
+        for _ in range(1000):
+            before = world.snapshot()
+            world.step(0.01)
+    assert world.snapshot() == before
+    assert jostle.World.restore(before).snapshot() == before
+    assert np.isfinite(world.velocities).all()
+    # The steps before it stay, in one call too.
+    other = overflowing()
+    with pytest.raises(ValueError, match="not finite"):
+        other.step(0.01, steps=1000)
+    assert other.snapshot() == before
+    world.masses, world.forces = 1, ()
+    world.step(0.01, steps=3)
+
+
+numbers = st.one_of(
+    st.sampled_from([0.0, 1.0, -1.0, 1e-30, 1e18, -1e18, 1e9, -1e9]),
+    st.floats(-1e18, 1e18, width=32),
+    st.floats(-10, 10, width=32),
+)
+positive = st.one_of(
+    st.sampled_from([1e-30, 1e-3, 1.0, 1e6, 1e18]), st.floats(1e-6, 100, width=32)
+)
+shares = st.floats(0, 1, width=32)
+sizes = st.one_of(st.just(0.0), positive)
+
+
+@st.composite
+def forces(draw: st.DrawFn, n: int) -> list[jostle.Force]:
+    """Any forces on n particles."""
+    found: list[jostle.Force] = []
+    if draw(st.booleans()):
+        found.append(jostle.Gravitation(draw(numbers), draw(sizes), draw(shares)))
+    if n and draw(st.booleans()):
+        law = draw(st.sampled_from(["harmonic", "inverse_square"]))
+        particle = draw(st.integers(0, n - 1))
+        found.append(jostle.Attractor(particle=particle, strength=draw(numbers), law=law))
+    if n > 1 and draw(st.booleans()):
+        pairs = draw(st.lists(st.permutations(range(n)).map(lambda p: p[:2]), max_size=3))
+        numbers_of = (draw(sizes), draw(sizes), draw(sizes), draw(st.one_of(st.none(), sizes)))
+        found.append(jostle.Springs(np.array(pairs, int).reshape(-1, 2), *numbers_of))
+    if draw(st.booleans()):
+        found.append(jostle.Thermostat(draw(sizes), draw(shares)))
+    return found
+
+
+@st.composite
+def worlds(draw: st.DrawFn) -> jostle.World:
+    """Any world of a few particles that can be made: its numbers may be extreme."""
+    n = draw(st.integers(0, 5))
+
+    def column(of: st.SearchStrategy[float]) -> list[float]:
+        return draw(st.lists(of, min_size=n, max_size=n))
+
+    def vectors() -> np.ndarray:
+        return np.array([column(numbers), column(numbers)], FLOAT).T.reshape(n, 2)
+
+    container = draw(
+        st.one_of(
+            st.none(),
+            st.builds(lambda x, w: jostle.Box(x, x, FLOAT(x) + w, FLOAT(x) + w), numbers, positive),
+            st.builds(lambda x, r: jostle.Circle((x, x), r), numbers, positive),
+            st.builds(jostle.Torus, positive, positive),
+        ).filter(lambda _: True)
+    )
+    return jostle.World(
+        vectors(),
+        vectors(),
+        column(sizes),
+        masses=column(positive.filter(lambda m: m <= 1e30)),
+        movable=draw(st.lists(st.booleans(), min_size=n, max_size=n)),
+        gravity=(draw(numbers), draw(numbers)),
+        drag=draw(sizes),
+        restitution=column(shares) if draw(st.booleans()) else draw(shares),
+        container=container,
+        forces=draw(forces(n)),
+        on_touch=draw(st.sampled_from(["bounce", "merge", "ignore"])),
+        substeps=draw(st.integers(1, 4)),
+        threads=1,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_what_was_saved_can_be_loaded(data: st.DataObject) -> None:
+    try:
+        world = data.draw(worlds())
+    except ValueError:
+        return  # There is no such world.
+    for act in data.draw(st.lists(st.sampled_from(["step", "remove", "set"]), max_size=6)):
+        before = world.snapshot()
+        try:
+            if act == "step":
+                world.step(data.draw(st.sampled_from([1e-6, 1 / 60, 1.0, 1e9])))
+            elif act == "remove" and len(world):
+                world.remove([data.draw(st.integers(0, len(world) - 1))])
+            elif len(world):
+                world.set([0], velocities=[(data.draw(numbers), 0)], radii=data.draw(sizes))
+        except ValueError:
+            assert world.snapshot() == before
+        again = jostle.World.restore(world.snapshot())
+        assert again.snapshot() == world.snapshot()
+        assert again.state_hash() == world.state_hash()
+
+
+# ---- bounded work --------------------------------------------------------------------------------
+
+
+def test_walls_and_torus_take_bounded_work() -> None:
+    rng = np.random.default_rng(1)
+    center = (1e7 + 1, 1e7 + 1)
+    places = center + rng.uniform(-2, 2, (1000, 2))
+    far = jostle.World(places, rng.normal(size=(1000, 2)), 0.01, container=jostle.Circle(center, 2.1))
+    velocities = rng.normal(size=(2000, 2))
+    velocities[0] = (6e6, 3e6)
+    torus = jostle.World(
+        rng.uniform(0, 1000, (2000, 2)), velocities, 1.0, container=jostle.Torus(1000, 1000)
+    )
+    start = time.perf_counter()
+    far.step(0.01)
+    torus.step(0.01)
+    assert time.perf_counter() - start < 10  # 25 s and 2 s without bounds, on a quiet machine
+
+
+# ---- Ctrl-C --------------------------------------------------------------------------------------
+
+
+def long_step() -> tuple[jostle.World, float]:
+    """A world of which one step takes seconds, and its time of step."""
+    rng = np.random.default_rng(2)
+    positions = rng.uniform(0, 300, (20_000, 2))
+    world = jostle.World(positions, rng.normal(size=(20_000, 2)), 1.0, substeps=1000, threads=1)
+    return world, 1 / 60
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_one_long_step_is_interrupted_and_undone() -> None:
+    world, dt = long_step()
+    before = world.snapshot()
+    pressed: list[float] = []
+
+    def press() -> None:
+        pressed.append(time.perf_counter())
+        _thread.interrupt_main()
+
+    timer = threading.Timer(0.2, press)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        world.step(dt)
+    assert time.perf_counter() - pressed[0] < 2
+    assert world.snapshot() == before
+    assert world.time == 0
+    timer.join()
+    world.substeps = 1
+    world.step(dt)  # and it is still in order
+    assert world.time == dt
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_a_handler_may_look_at_the_world_during_a_step() -> None:
+    world, dt = long_step()
+    world.substeps = 20
+    seen: list[float] = []
+    signal.signal(signal.SIGINT, lambda *_: seen.append(world.time))
+    timer = threading.Timer(0.05, _thread.interrupt_main)
+    timer.start()
+    while not seen:
+        world.step(dt)
+    timer.join()
+    assert np.isfinite(seen).all()
