@@ -33,6 +33,23 @@ pub(super) struct FastMemory {
     near: Option<Box<World>>,
 }
 
+/// What moves, by place; and what bounds the others, which stand still.
+#[derive(Debug, Default)]
+struct Moving {
+    moves: Vec<bool>,
+    places: Vec<u32>,
+    fastest_other: f32,
+    largest_other: f32,
+}
+
+impl Moving {
+    fn start(&mut self, place: usize) {
+        if !std::mem::replace(&mut self.moves[place], true) {
+            self.places.push(place as u32);
+        }
+    }
+}
+
 impl World {
     /// Chooses the particles that make their own parts of a step of `dt` seconds, of which all
     /// together would need so many. Returns whether there are any.
@@ -81,7 +98,18 @@ impl World {
         dt: f32,
         stop: &AtomicBool,
     ) -> Result<()> {
-        let mut moving: Vec<bool> = self.rows.iter().map(|&row| self.is_held(row)).collect();
+        let mut moving = Moving::default();
+        for (place, &row) in (0..).zip(&self.rows) {
+            let ([u, v], radius) =
+                (self.particles.velocities[place as usize], self.particles.radii[place as usize]);
+            moving.moves.push(self.is_held(row));
+            if self.is_held(row) {
+                moving.places.push(place);
+            } else {
+                moving.fastest_other = moving.fastest_other.max(u.abs().max(v.abs()));
+                moving.largest_other = moving.largest_other.max(radius);
+            }
+        }
         let settings = WorldSettings { gravity: [0.0; 2], drag: 0.0, ..self.settings };
         near.configure_empty(settings)?;
         let shapes = Shapes {
@@ -92,15 +120,16 @@ impl World {
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal);
         let (mut left, mut turns) = (f64::from(dt), 0.0);
         loop {
-            let ways = (0..self.len()).filter(|&place| moving[place]).map(|place| {
-                let [u, v] = self.particles.velocities[place];
+            let ways = moving.places.iter().map(|&place| {
+                let [u, v] = self.particles.velocities[place as usize];
                 u.abs().max(v.abs()) * left as f32
             });
             let longest = ways.fold(0.0, f32::max);
             let parts = (longest / settings.container.reach()).ceil().max(1.0);
             turns += 1.0;
             if turns + parts > 4.0 * MAX_PARTS {
-                return Err(too_many_tours(dt, parts));
+                let row = moving.places.iter().map(|&place| self.rows[place as usize]).min();
+                return Err(too_many_tours(dt, row.unwrap_or(0), parts));
             }
             let h = (left / f64::from(parts)) as f32;
             let places = self.near(tree, &moving, h)?;
@@ -117,7 +146,7 @@ impl World {
         &mut self,
         near: &mut World,
         places: &[u32],
-        moving: &mut [bool],
+        moving: &mut Moving,
         h: f32,
         stop: &AtomicBool,
     ) -> Result<()> {
@@ -134,8 +163,8 @@ impl World {
         for ((position, velocity), &row) in positions.iter().zip(velocities).zip(&near.rows) {
             let place = places[row as usize] as usize;
             // What stands still has had its time already; a hit sets it in motion.
-            if moving[place] || self.particles.velocities[place] != *velocity {
-                moving[place] = true;
+            if moving.moves[place] || self.particles.velocities[place] != *velocity {
+                moving.start(place);
                 self.particles.positions[place] = *position;
                 self.particles.velocities[place] = *velocity;
             }
@@ -144,29 +173,23 @@ impl World {
     }
 
     /// The places of what moves and of what that could meet within `h` seconds, ascending.
-    fn near(&self, tree: &Quadtree<f32>, moving: &[bool], h: f32) -> Result<Vec<u32>> {
+    fn near(&self, tree: &Quadtree<f32>, moving: &Moving, h: f32) -> Result<Vec<u32>> {
         let Particles { positions, velocities, radii, .. } = &self.particles;
-        let sweep = |place: usize| {
-            Sweep::new(positions[place], velocities[place], radii[place], [0.0; 2], h)
-        };
-        let mut places: Vec<u32> =
-            (0..self.len() as u32).filter(|&place| moving[place as usize]).collect();
+        let mut places = moving.places.clone();
+        places.sort_unstable();
         if self.settings.on_touch == OnTouch::Ignore {
             return Ok(places);
         }
-        // The furthest that what stands still may reach beyond its disc.
-        let standing = (0..self.len()).filter(|&place| !moving[place]);
-        let beyond = |place: usize| {
-            let Sweep { low, high } = sweep(place);
-            (high[0] - low[0]).max(high[1] - low[1])
-        };
-        let margin = standing.map(beyond).fold(0.0, f32::max);
+        // How far the sweep of what stands still may reach beyond its disc, see `Sweep::new`.
+        let margin = moving.fastest_other * h + moving.largest_other;
         let offsets = [[0.0; 2]].into_iter().chain(self.settings.container.images());
         let offsets: Vec<[f32; 2]> =
             offsets.flat_map(|[x, y]| [[x, y], [-x, -y]]).skip(1).collect();
         let windows = places.iter().flat_map(|&place| {
             let place = place as usize;
-            let Sweep { low, high } = sweep(place).widened(radii[place] + margin);
+            let [position, velocity] = [positions[place], velocities[place]];
+            let sweep = Sweep::new(position, velocity, radii[place], [0.0; 2], h);
+            let Sweep { low, high } = sweep.widened(radii[place] + margin);
             offsets
                 .iter()
                 .map(move |by| [low[0] + by[0], low[1] + by[1], high[0] + by[0], high[1] + by[1]])
@@ -195,8 +218,8 @@ impl World {
 }
 
 /// Refuses a step in which a particle would go around a torus too often.
-pub(super) fn too_many_tours(dt: f32, parts: f32) -> Error {
-    let rule =
-        format!("a particle would circle the torus {} times; take smaller steps", parts / 8.0);
+pub(super) fn too_many_tours(dt: f32, row: u32, parts: f32) -> Error {
+    let tours = parts / 8.0;
+    let rule = format!("particle {row} would circle the torus {tours} times; take smaller steps");
     Error::of("dt", dt, &rule)
 }

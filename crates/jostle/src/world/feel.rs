@@ -52,15 +52,16 @@ impl World {
             let bodies = bodies(particles, &particles.positions, places, settings);
             forces::springs::reach(all, &bodies, &particles.velocities, dt, groups, reaches);
         }
-        let ForceMemory { accelerations, reaches, .. } = &*memory;
-        let ways = (0..particles.len())
-            .filter_map(|place| aside(accelerations.get(place), reaches.get(place), dt));
-        let longest = ways.fold(0.0, f32::max);
+        let ForceMemory { accelerations, reaches, .. } = &self.memory.forces;
+        let particles = &self.particles;
+        let way = |place: usize| aside(accelerations.get(place), reaches.get(place), dt);
+        let longest = (0..particles.len()).filter_map(way).fold(0.0, f32::max);
         if longest <= particles::FARTHEST {
             return Ok(());
         }
         let most = particles::FARTHEST;
-        let rule = format!("forces would move a particle by {longest:e}, more than {most:e}");
+        let row = self.row_of(longest, |place| way(place).unwrap_or(0.0));
+        let rule = format!("forces would move particle {row} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
     }
 

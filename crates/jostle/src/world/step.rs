@@ -94,6 +94,12 @@ impl World {
         self.move_the_held(dt, stop)
     }
 
+    /// The first row whose place has this `number`, for an error to name it.
+    pub(super) fn row_of(&self, number: f32, of: impl Fn(usize) -> f32) -> u32 {
+        let places = (0..self.len()).filter(|&place| of(place) == number);
+        places.map(|place| self.rows[place]).min().unwrap_or(0)
+    }
+
     /// The longer side of the box of a particle's straight way in `dt` seconds.
     pub(super) fn way(&self, place: usize, dt: f32) -> f32 {
         let (gravity, v) = (self.settings.gravity, self.particles.velocities[place]);
@@ -106,15 +112,15 @@ impl World {
     fn parts(&mut self, dt: f32) -> Result<usize> {
         let longest = (0..self.len()).map(|place| self.way(place, dt)).fold(0.0, f32::max);
         if longest > particles::FARTHEST {
-            let rule = format!(
-                "a particle would move by {longest:e}, more than {:e}",
-                particles::FARTHEST
-            );
+            let row = self.row_of(longest, |place| self.way(place, dt));
+            let most = particles::FARTHEST;
+            let rule = format!("particle {row} would move by {longest:e}, more than {most:e}");
             return Err(Error::of("dt", dt, &rule));
         }
         let parts = (longest / self.settings.container.reach()).ceil().max(1.0);
         if parts > MAX_PARTS {
-            return Err(fast::too_many_tours(dt, parts));
+            let row = self.row_of(longest, |place| self.way(place, dt));
+            return Err(fast::too_many_tours(dt, row, parts));
         }
         if !self.hold_the_fast(dt, parts) {
             return Ok(parts as usize);
