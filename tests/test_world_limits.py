@@ -30,11 +30,17 @@ def ctrl_c() -> Iterator[None]:
 
 
 def overflowing() -> jostle.World:
-    world = jostle.World(
-        [(0, 0), (3, 0.5), (1, 2.5)], np.zeros((3, 2)), 1.0, masses=1e26, gravity=(0, 10), drag=1e3
+    return jostle.World(
+        [(0, 0), (3, 0), (6, 0)],
+        np.zeros((3, 2)),
+        radii=1.0,
+        masses=1e26,
+        gravity=(0, 10),
+        drag=1e3,
+        container=jostle.Box(-20, -20, 20, 20),
+        forces=[jostle.Gravitation(1, 0.1)],
+        substeps=1,
     )
-    world.forces = [jostle.Gravitation(1, 0.1)]
-    return world
 
 
 def test_a_step_that_overflows_names_the_particle_and_changes_nothing() -> None:
@@ -58,13 +64,11 @@ def test_a_step_that_overflows_names_the_particle_and_changes_nothing() -> None:
 
 numbers = st.one_of(
     st.sampled_from([0.0, 1.0, -1.0, 1e-30, 1e18, -1e18, 1e9, -1e9]),
-    st.floats(-1e18, 1e18, width=32),
-    st.floats(-10, 10, width=32),
+    st.floats(-1e18, 1e18),
+    st.floats(-10, 10),
 )
-positive = st.one_of(
-    st.sampled_from([1e-30, 1e-3, 1.0, 1e6, 1e18]), st.floats(1e-6, 100, width=32)
-)
-shares = st.floats(0, 1, width=32)
+positive = st.one_of(st.sampled_from([1e-30, 1e-3, 1.0, 1e6, 1e18]), st.floats(1e-6, 100))
+shares = st.floats(0, 1)
 sizes = st.one_of(st.just(0.0), positive)
 
 
@@ -104,7 +108,7 @@ def worlds(draw: st.DrawFn) -> jostle.World:
             st.builds(lambda x, w: jostle.Box(x, x, FLOAT(x) + w, FLOAT(x) + w), numbers, positive),
             st.builds(lambda x, r: jostle.Circle((x, x), r), numbers, positive),
             st.builds(jostle.Torus, positive, positive),
-        ).filter(lambda _: True)
+        )
     )
     return jostle.World(
         vectors(),
@@ -123,7 +127,7 @@ def worlds(draw: st.DrawFn) -> jostle.World:
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_what_was_saved_can_be_loaded(data: st.DataObject) -> None:
     try:
@@ -153,7 +157,9 @@ def test_walls_and_torus_take_bounded_work() -> None:
     rng = np.random.default_rng(1)
     center = (1e7 + 1, 1e7 + 1)
     places = center + rng.uniform(-2, 2, (1000, 2))
-    far = jostle.World(places, rng.normal(size=(1000, 2)), 0.01, container=jostle.Circle(center, 2.1))
+    far = jostle.World(
+        places, rng.normal(size=(1000, 2)), 0.01, container=jostle.Circle(center, 2.1)
+    )
     velocities = rng.normal(size=(2000, 2))
     velocities[0] = (6e6, 3e6)
     torus = jostle.World(
@@ -202,7 +208,7 @@ def test_one_long_step_is_interrupted_and_undone() -> None:
 @pytest.mark.usefixtures("ctrl_c")
 def test_a_handler_may_look_at_the_world_during_a_step() -> None:
     world, dt = long_step()
-    world.substeps = 20
+    world.substeps = 5
     seen: list[float] = []
     signal.signal(signal.SIGINT, lambda *_: seen.append(world.time))
     timer = threading.Timer(0.05, _thread.interrupt_main)

@@ -21,12 +21,18 @@ fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<u32>>>) {
     (world.snapshot(), world.renumbered().map(<[_]>::to_vec))
 }
 
-/// Three heavy discs whose velocities overflow after some steps.
+/// Three heavy discs whose velocities overflow after 17 steps.
 fn overflowing() -> World {
-    let positions = vec![[0.0, 0.0], [3.0, 0.5], [1.0, 2.5]];
+    let positions = vec![[0.0, 0.0], [3.0, 0.0], [6.0, 0.0]];
     let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
     all.masses = vec![1e26; 3];
-    let settings = WorldSettings { gravity: [0.0, 10.0], drag: 1e3, ..Default::default() };
+    let settings = WorldSettings {
+        gravity: [0.0, 10.0],
+        drag: 1e3,
+        container: Container::Box { min: [-20.0; 2], max: [20.0; 2] },
+        substeps: 1,
+        ..Default::default()
+    };
     let mut world = World::new(all, settings).unwrap();
     let gravitation = Gravitation { g: 1.0, softening: 0.1, theta: 0.5 };
     world.set_forces(vec![Force::Gravitation(gravitation)]).unwrap();

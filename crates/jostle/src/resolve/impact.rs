@@ -206,7 +206,8 @@ fn round_wall(
         let to_closest = -dot(q, v) / vv;
         let closest = both(|k| q[k] + v[k] * to_closest);
         let free = (reach * reach - dot(closest, closest)).max(0.0);
-        let wait = (to_closest + (free / vv).sqrt()).clamp(0.0, left);
+        // Not `clamp`, which panics where an overflow has made `left` NaN.
+        let wait = (to_closest + (free / vv).sqrt()).max(0.0).min(left);
         let outward = both(|k| q[k] + v[k] * wait);
         let (nn, nv) = (dot(outward, outward), dot(outward, v));
         if nv <= 0.0 || nv * nv < f64::from(rest_speed) * f64::from(rest_speed) * nn {
