@@ -237,3 +237,24 @@ fn a_long_row_that_is_stopped_takes_no_longer() {
     within_bounds(|| world.step(0.1, 1, &mut |_| ()).unwrap());
     assert!(world.positions().iter().all(|p| p[0] <= 1.0), "nothing has passed the obstacle");
 }
+
+#[test]
+fn an_overflow_at_a_round_wall_is_no_panic() {
+    let positions = vec![[-4.971_573, -8.371_553], [-8.106_048_5e17, -1.249_123_6]];
+    let velocities = vec![[1.0, 9.989_999_8e17], [0.0; 2]];
+    let mut all = Particles::new(positions, velocities, vec![9.9e17, 6.617_464_5], 1.0);
+    all.masses = vec![2.154_265_4e25, 6.257_104e-21];
+    all.movable = vec![true, false];
+    let settings = WorldSettings {
+        gravity: [-6.6e17, 1e9],
+        drag: 9.4,
+        container: Container::Circle { center: [-9.99e17, 0.56], radius: 9.9e17 },
+        ..Default::default()
+    };
+    let mut world = World::new(all, settings).unwrap();
+    let before = state(&world);
+    if world.step(1.0 / 60.0, 1, &mut |_| ()).is_err() {
+        assert_eq!(state(&world), before);
+    }
+    assert_eq!(World::restore(&world.snapshot()).unwrap().snapshot(), world.snapshot());
+}
