@@ -4,6 +4,7 @@ mod common;
 
 mod determinism;
 mod forces;
+mod limits;
 mod merging;
 mod physics;
 mod query;
