@@ -595,7 +595,7 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
         "restitutions is 2; a restitution must lie between 0 and 1",
     ),
     (lambda w: w.add([(1, 1)], [(0, 0)], -1), ValueError, "radii is -1; a radius must be finite"),
-    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "masses[0] is 0; a mass must lie between"),
+    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "radii[0] is 0; its mass, density times radius"),
     (lambda w: w.add([(1, 1)], [], 1), ValueError, "velocities has shape (0,); it must be (1, 2)"),
     (
         lambda w: w.add([(1, 1)], [(0, 0)], 1, densities=0),
