@@ -35,8 +35,8 @@ run: $(VENV)/wheel  ## start the simulator; ARGS="pile -n 2000" chooses a scene 
 
 test: setup  ## run every test: Rust, Python and the examples in the documents
 	$(need_rust)
-	cargo test --workspace
-	$(BIN)/python -m pytest $(ARGS)
+	cargo test --package jostle
+	$(BIN)/python -m pytest $(or $(ARGS),--numprocesses auto --dist worksteal)
 
 arcade: $(VENV)/wheel  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
 	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \

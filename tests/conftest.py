@@ -1,8 +1,21 @@
 """What every test stands on: no window, no sound, property tests that can be repeated."""
 
 import os
+from pathlib import Path
 
+import pytest
 from hypothesis import settings
+
+# Files that test the simulator, the command and the repository instead of the library.
+BESIDE_THE_LIBRARY = [
+    "test_app_*.py",
+    "test_bench.py",
+    "test_cli.py",
+    "test_emitters.py",
+    "test_examples.py",
+    "test_rooms.py",
+    "test_tune.py",
+]
 
 # Set before any test imports a window library.
 os.environ["SDL_VIDEODRIVER"] = "offscreen"
@@ -15,3 +28,13 @@ settings.register_profile("here", deadline=None, print_blob=True)
 # A failure there must come from the change at hand, so every run draws the same examples.
 settings.register_profile("ci", parent=settings.get_profile("here"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    text = "run only the tests of the library, which need none of the simulator's packages"
+    parser.addoption("--library", action="store_true", help=text)
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    left_out = any(collection_path.match(pattern) for pattern in BESIDE_THE_LIBRARY)
+    return True if left_out and config.getoption("--library") else None

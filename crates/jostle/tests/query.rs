@@ -1,13 +1,11 @@
 //! Every question to a tree against brute force, on shapes made to break it.
 
-mod common;
-
 use jostle::query::{self, Circle, FirstHit, Nearest, Point, Polygon, Ray, Rect, Region};
 use jostle::simd::{self, Instructions};
 use jostle::{Each, Quadtree, Scalar, Settings, Shapes};
 use proptest::prelude::*;
 
-use common::{Raw, built, coordinate, settings, shapes, size};
+use crate::common::{Raw, built, coordinate, settings, shapes, size};
 
 /// What is asked: places, sizes, directions and a mask.
 #[derive(Clone, Debug)]

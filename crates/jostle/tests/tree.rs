@@ -1,13 +1,11 @@
 //! The tree against brute force, on shapes made to break it.
 
-mod common;
-
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
 use jostle::{Columns, Each, Error, Quadtree, Scalar, Settings, Shapes, pairs};
 use proptest::prelude::*;
 
-use common::{Raw, built, settings, shapes};
+use crate::common::{Raw, built, settings, shapes};
 
 /// The plainest oracle there is, with the formula of the contract written out.
 fn by_the_book<T: Scalar>(a: &Shapes<T>, b: &Shapes<T>, itself: bool) -> Vec<[u32; 2]> {

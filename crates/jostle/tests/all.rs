@@ -1,0 +1,14 @@
+//! All integration tests, in one program: it is compiled and linked once.
+
+mod common;
+
+mod determinism;
+mod forces;
+mod limits;
+mod merging;
+mod physics;
+mod query;
+mod scenes;
+mod snapshot;
+mod space;
+mod tree;
