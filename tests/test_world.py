@@ -63,7 +63,7 @@ def test_columns_are_float32_in_the_order_of_adding() -> None:
         "restitutions": (np.float32, (3,)),
         "movable": (np.bool_, (3,)),
     }
-    assert all(column.flags.c_contiguous for column in columns(world).values())
+    assert all(getattr(world, name).flags.c_contiguous for name in COLUMNS)
     assert world.positions.tolist() == [[0, 0], [10, 0], [20, 5]]
     assert world.velocities.tolist() == [[1, 0], [0, 2], [0, 0]]
     assert world.radii.tolist() == [1, 2, 3]
@@ -586,7 +586,7 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
         "restitutions is 2; a restitution must lie between 0 and 1",
     ),
     (lambda w: w.add([(1, 1)], [(0, 0)], -1), ValueError, "radii is -1; a radius must be finite"),
-    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "masses[0] is 0; a mass must lie between"),
+    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "radii[0] is 0; its mass, density times radius"),
     (lambda w: w.add([(1, 1)], [], 1), ValueError, "velocities has shape (0,); it must be (1, 2)"),
     (
         lambda w: w.add([(1, 1)], [(0, 0)], 1, densities=0),

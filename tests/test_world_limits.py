@@ -216,3 +216,10 @@ def test_a_handler_that_uses_the_world_during_a_step_is_told_why_it_cannot() -> 
         world.step(dt)
     timer.join()
     assert world.snapshot() == before
+
+
+def test_a_particle_without_radius_needs_a_mass() -> None:
+    sentence = r"radii\[1\] is 0; its mass, density times radius squared, would be 0e0, but must"
+    with pytest.raises(ValueError, match=sentence):
+        jostle.World([(0, 0), (1, 1)], np.zeros((2, 2)), radii=[1, 0])
+    assert len(jostle.World([(0, 0), (1, 1)], np.zeros((2, 2)), radii=[1, 0], masses=1)) == 2

@@ -1,6 +1,6 @@
 //! Columns of particles on their way into a world.
 
-use jostle::particles::{check_masses, check_radii, check_restitutions, check_vectors};
+use jostle::particles::{MASS_RANGE, check_masses, check_radii, check_restitutions, check_vectors};
 use jostle::{Each, Error, Particles};
 use pyo3::prelude::*;
 
@@ -49,6 +49,7 @@ impl Draft {
         if !has_masses {
             let pairs = particles.radii.iter().zip(densities);
             particles.masses = pairs.map(|(r, density)| density * r * r).collect();
+            check_own_masses(&particles)?;
         }
         Ok(particles)
     }
@@ -102,6 +103,23 @@ fn check_column(
     check: impl Fn(&[f32]) -> jostle::Result<()>,
 ) -> jostle::Result<()> {
     column.map_or(Ok(()), |column| column.check(check))
+}
+
+/// As [`check_masses`], where the caller has given none.
+fn check_own_masses(particles: &Particles) -> jostle::Result<()> {
+    let Particles { masses, radii, .. } = particles;
+    let [least, most] = MASS_RANGE;
+    match masses.iter().position(|mass| !(least..=most).contains(mass)) {
+        Some(index) => {
+            let rule = format!(
+                "its mass, density times radius squared, would be {:e}, but must lie between \
+                 {least:e} and {most:e}; give masses",
+                masses[index]
+            );
+            Err(Error::at("radii", index, radii[index], &rule))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The core knows masses only.

@@ -266,3 +266,12 @@ fn an_overflow_at_a_round_wall_is_no_panic() {
     }
     assert_eq!(World::restore(&world.snapshot()).unwrap().snapshot(), world.snapshot());
 }
+
+#[test]
+fn gravitation_may_lose_all_of_its_particles() {
+    let mut world = overflowing();
+    world.step(0.01, 1, &mut |_| ()).unwrap();
+    world.remove(&[0, 1, 2]).unwrap();
+    world.step(0.01, 1, &mut |_| ()).unwrap();
+    assert_eq!((world.len(), world.potential_energy()), (0, 0.0));
+}

@@ -141,9 +141,7 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
 fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, memory: &mut Memory) -> bool {
     sort(bodies, memory);
     let direct = memory.tree.len() <= DIRECT || gravitation.theta == 0.0;
-    if !memory.tree.is_empty() {
-        find_groups(memory);
-    }
+    find_groups(memory);
     if !direct {
         weigh(&memory.tree, &memory.all.mass, &mut memory.moments);
     }
@@ -174,6 +172,9 @@ fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
 fn find_groups(memory: &mut Memory) {
     let Memory { tree, groups, stack, .. } = memory;
     groups.clear();
+    if tree.is_empty() {
+        return;
+    }
     stack.push(0);
     while let Some(index) = stack.pop() {
         let node = &tree.nodes()[index as usize];
