@@ -370,7 +370,10 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
             "vertices[1] is (0, 0); corner 0 of the polygon: the polygon is not convex there",
         ),
         (lambda: TREE.nearest((0, 0), 0), "k is 0; it must be at least 1"),
-        (lambda: TREE.nearest((0, 0), 10**9), "k is 1000000000; for 1 point that is 1000000000 neighbours"),
+        (
+            lambda: TREE.nearest((0, 0), 10**9),
+            "k is 1000000000; for 1 point that is 1000000000 neighbours",
+        ),
         (lambda: TREE.nearest((0, 0), max_distance=-1), "max_distance is -1; it must be at least"),
         (lambda: TREE.nearest((0, 0), max_distance=np.nan), "max_distance is NaN; it must be at"),
         (lambda: TREE.raycast((0, 0), (0, 0)), "direction is (0, 0); a direction has a length"),

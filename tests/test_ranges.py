@@ -171,7 +171,7 @@ def test_radii_out_of_range_are_refused_by_name(dtype: Any, radius: float, rule:
 def test_a_plain_number_too_small_for_float32_is_not_taken_for_0() -> None:
     same = np.zeros((2, 2), np.float32)
     assert jostle.find_pairs(same.astype(np.float64), 1e-60).tolist() == [[0, 1]]
-    with pytest.raises(ValueError, match="^radii is 1e-45; a radius must be 0, or between"):
+    with pytest.raises(ValueError, match=r"^radii is 1e-45; a radius must be 0, or between"):
         jostle.find_pairs(same, 1e-60)
 
 

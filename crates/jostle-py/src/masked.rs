@@ -58,7 +58,7 @@ fn first_masked(array: &Bound<'_, PyAny>) -> PyResult<Option<Vec<usize>>> {
     }
     let mask = ma.call_method1("getmaskarray", (array,))?;
     let indices = numpy.call_method1("argwhere", (mask,))?.call_method0("tolist")?;
-    Ok(indices.try_iter()?.next().transpose()?.map(|first| first.extract()).transpose()?)
+    indices.try_iter()?.next().transpose()?.map(|first| first.extract()).transpose()
 }
 
 fn refusal(what: &str) -> PyErr {
