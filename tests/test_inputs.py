@@ -1,4 +1,4 @@
-"""What arguments may be: hostile, huge, masked and empty ones, bit sets; and which ids come back."""
+"""What arguments may be: hostile, huge, masked and empty ones, bit sets; which ids come back."""
 
 from __future__ import annotations
 
