@@ -366,7 +366,7 @@ def test_rays_hit_the_sides_of_boxes_exactly() -> None:
 
 
 def overlap_by_sides(a: Any, b: Any) -> bool:
-    """Whether two rects overlap; `colliderect` of two FRects rounds their sides to float32."""
+    """Whether two rects overlap; pygame rounds the sides of an FRect to float32."""
     return (a.left < b.right and b.left < a.right) and (a.top < b.bottom and b.top < a.bottom)
 
 
@@ -385,8 +385,10 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
         space = jostle.Space()
         ids = space.add(boxes=rects)
         assert space.update().entered.tolist() == expected
-        for point in [rect.topleft for rect in rects] + [rect.bottomright for rect in rects]:
-            inside = [i for i, rect in enumerate(rects) if rect.collidepoint(point)]
+        for x, y in [rect.topleft for rect in rects] + [rect.bottomright for rect in rects]:
+            point = (x, y)
+            inside = [i for i, rect in enumerate(rects)
+                      if rect.left <= x < rect.right and rect.top <= y < rect.bottom]
             assert tree.query_point(point).tolist() == space.query_point(point).tolist() == inside
         moved = [rect.move(3, 0) for rect in rects]
         space.move(ids, boxes=moved)

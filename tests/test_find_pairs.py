@@ -252,7 +252,11 @@ WRONG_VALUES = [
     ({"max_pairs": 2**80}, f"max_pairs is {2**80}; it must be at most"),
 ]
 WRONG_TYPES = [
-    ({"centers": None}, "centers or boxes must be given: centers of shape (n, 2), or boxes"),
+    (
+        {"centers": None},
+        "centers or boxes must be given: centers of shape (n, 2), or boxes of shape (n, 4), "
+        "which are min_x, min_y, max_x, max_y",
+    ),
     ({"centers": "here"}, "centers must hold real numbers, not str"),
     ({"centers": [("0", "1")]}, "centers must hold real numbers, not <U1"),
     ({"centers": [(True, False)]}, "centers must hold real numbers, not bool"),

@@ -206,7 +206,7 @@ for method in ("quadtree", "brute"):
 tree = jostle.Quadtree(points, 0.002, threads=2)
 assert np.array_equal(tree.pairs(sort=True), expected)
 tree.nearest(points, k=2)
-world = jostle.World(points * 100, points, 0.01, forces=[jostle.Gravitation()], threads=2)
+world = jostle.World(points * 100, points, 0.01, forces=[jostle.Gravitation(1.0)], threads=2)
 world.step(0.01)
 print(len(world))
 """

@@ -80,9 +80,10 @@ fn a_kept_tree_serves_after_every_stop() {
 fn queries_stop() {
     let all = shapes(40_000);
     let mut tree = Quadtree::new(&all, alone()).unwrap();
-    let circles = Circle::all(&all.centers, &Each::One(1.0)).unwrap();
+    let circles = Circle::all(&Each::Rows(all.centers.clone()), &Each::One(1.0)).unwrap();
     let ways = Each::One([1.0, 0.5]);
-    let rays = Ray::all(&all.centers[..5000], &ways, &Each::One(0.0), 9000.0).unwrap();
+    let rays = Ray::all(&Each::Rows(all.centers[..5000].to_vec()), &ways, &Each::One(0.0), 9000.0)
+        .unwrap();
     let points = &all.centers[..5000];
     let wanted = (3, f64::INFINITY);
     let found = at_every_poll(&mut tree, |tree| query::search(tree, &circles, None), |_| ());

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use jostle::forces::{Force, Gravitation, Spring, Springs};
 use jostle::interrupt::watch;
-use jostle::{Container, OnTouch, Particles, World, WorldSettings};
+use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
 
 /// Far more than any of these steps takes; a step without a bound took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);

@@ -217,7 +217,7 @@ fn an_inelastic_gas_never_gains_energy() {
 fn deepest_overlap(particles: &Particles) -> f32 {
     let radii = Each::Rows(particles.radii.clone());
     let shapes = Shapes::circles(particles.positions.clone(), radii).unwrap();
-    let discs = Columns::of(&shapes);
+    let discs = Columns::of(&shapes).unwrap();
     let found = pairs::brute(&discs, None, DEFAULT_MAX_PAIRS).unwrap();
     let depth = |&[i, j]: &[u32; 2]| {
         let (a, b) = (discs.shape(i as usize), discs.shape(j as usize));

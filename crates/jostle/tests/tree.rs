@@ -200,7 +200,7 @@ fn cells_hold_the_middles_of_boxes() {
     let shapes = Shapes::<f64>::from_boxes(boxes, Each::One(0.0), None).unwrap();
     let tree = built(&shapes, Settings { leaf_capacity: 1, ..Settings::default() });
     // As for four discs at these middles, however wide one of the boxes is.
-    assert_eq!(tree.cells()[0], [1.0, 1.0, 9.0, 9.0]);
+    assert_eq!(tree.cells().unwrap()[0], [1.0, 1.0, 9.0, 9.0]);
 }
 
 /// Discs of equal radius at given places.
