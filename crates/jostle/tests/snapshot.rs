@@ -147,7 +147,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     );
     assert_eq!(
         refusal(b""),
-        "data is 0 bytes of something else; it does not begin as a snapshot does"
+        "data is nothing; a snapshot has at least its head"
     );
     let mut newer = good.clone();
     newer[8] = 9;

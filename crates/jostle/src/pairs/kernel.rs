@@ -285,6 +285,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             if CORE == BOXES {
                 shapes.max_x = simd.sub(shapes.max_x, simd.splat(shift[0]));
                 shapes.max_y = simd.sub(shapes.max_y, simd.splat(shift[1]));
+            } else {
+                [shapes.max_x, shapes.max_y] = [shapes.x, shapes.y];
             }
             let bits = self.reaching::<CORE>(&shapes, cover) & first_lanes(rows.end - start);
             let end = to.len.min(CHUNK);
