@@ -454,7 +454,8 @@ class Snapshot:
     @cached_property
     def _rects(self) -> list[Any]:
         """Copies of the rects. An FRect of whole numbers collides as that Rect does."""
-        whole = (self._sides == np.trunc(self._sides)) & (np.abs(self._sides) < 2.0**31)
+        fits_int = (self._sides >= -(2.0**31)) & (self._sides < 2.0**31)
+        whole = (self._sides == np.trunc(self._sides)) & fits_int
         kinds = [pygame.Rect if fits else pygame.FRect for fits in whole.all(axis=1).tolist()]
         return [kind(*sides) for kind, sides in zip(kinds, self._sides.tolist(), strict=True)]
 

@@ -145,17 +145,20 @@ fn foreign_bytes_are_refused_in_a_sentence() {
         refusal(b"not mine"),
         "data is 8 bytes of something else; it does not begin as a snapshot does"
     );
-    assert_eq!(
-        refusal(b""),
-        "data is nothing; a snapshot has at least its head"
-    );
+    assert_eq!(refusal(b""), "data is nothing; a snapshot has at least its head");
     let mut newer = good.clone();
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
         "data is a snapshot in format 9; this version of jostle reads format 1"
     );
-    assert_eq!(refusal(&good[..good.len() - 1]), "data is a damaged snapshot; it is cut off");
+    let (there, whole) = (good.len() - 1, good.len());
+    assert_eq!(
+        refusal(&good[..there]),
+        format!(
+            "data is a damaged snapshot; it is cut off: {there} of at least {whole} bytes are there"
+        )
+    );
     let longer = [&good[..], &[0]].concat();
     assert_eq!(refusal(&longer), "data is a damaged snapshot; its checksum is wrong");
 }
