@@ -22,7 +22,7 @@ SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup run test arcade lint bench docs web clean
+.PHONY: help setup run test arcade lint bench docs web wheel clean
 
 help:  ## list the verbs
 	@echo "make VERB, where VERB is one of"
@@ -63,6 +63,10 @@ docs: setup  ## draw the pictures of the documents again
 
 web:
 	@echo "The web page is not there yet: jostle runs in Python and in Rust so far."
+
+wheel: $(VENV)/run  ## build a wheel for others into dist, with every optimisation
+	$(need_rust)
+	$(BIN)/maturin build --release --interpreter $(BIN)/python --out dist
 
 clean:  ## remove everything that was built
 	rm -rf $(VENV) $(ARCADE) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache

@@ -87,8 +87,10 @@ def along_ray(
     outside = np.maximum(np.maximum(-low, high), 0)
     inside = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= reach**2
     nothing = np.zeros_like(reach)
-    ways = [to_box(low, high, u, np.stack(grown, axis=1))
-            for grown in ([reach, nothing], [nothing, reach])]
+    ways = [
+        to_box(low, high, u, np.stack(grown, axis=1))
+        for grown in ([reach, nothing], [nothing, reach])
+    ]
     for x in (low[:, 0], high[:, 0]):
         ways += [to_circle(x, y, u, reach) for y in (low[:, 1], high[:, 1])]
     rounded = np.minimum.reduce(ways)
@@ -205,8 +207,11 @@ _sizes = st.one_of(st.just(0.0), st.integers(0, 16).map(lambda k: k / 8))
 
 
 @settings(max_examples=30, deadline=None)
-@given(boxes(_eighths), st.lists(st.tuples(_eighths, _eighths, _sizes, _sizes, _sizes), max_size=20),
-       _sizes)
+@given(
+    boxes(_eighths),
+    st.lists(st.tuples(_eighths, _eighths, _sizes, _sizes, _sizes), max_size=20),
+    _sizes,
+)
 def test_boxes_and_other_shapes_meet_as_in_exact_arithmetic(
     rows: NDArray[Any], others: list[tuple[float, ...]], radius: float
 ) -> None:
@@ -217,7 +222,9 @@ def test_boxes_and_other_shapes_meet_as_in_exact_arithmetic(
     for second, sizes in [(circles, None), (shapes_of(centers, radii, halves), halves)]:
         tree = jostle.Quadtree(boxes=rows, radii=np.full(len(rows), radius, dtype), leaf_capacity=2)
         other = jostle.Quadtree(centers, radii, sizes, leaf_capacity=3)
-        expected = [[i, j] for i, a in enumerate(first) for j, b in enumerate(second) if overlap(a, b)]
+        expected = [
+            [i, j] for i, a in enumerate(first) for j, b in enumerate(second) if overlap(a, b)
+        ]
         assert by_row(tree.pairs(other)) == expected
         assert by_row(other.pairs(tree)[:, ::-1]) == expected
         # All in one space, the boxes in the middle of the ids.
@@ -267,9 +274,7 @@ def test_trees_of_boxes_hold_their_invariants_at_any_size(dtype: Any) -> None:
 
 # ---- queries -------------------------------------------------------------------------------------
 
-_near = st.one_of(
-    _borders, st.integers(-9, 9).map(lambda k: k * 0.1), st.floats(-10, 10, width=32)
-)
+_near = st.one_of(_borders, st.integers(-9, 9).map(lambda k: k * 0.1), st.floats(-10, 10, width=32))
 _small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.0078125, 5, width=32))
 
 
@@ -341,9 +346,7 @@ def polygon_overlaps(corners: list[tuple[int, int]], box: list[Fraction]) -> boo
 
 @settings(max_examples=50, deadline=None)
 @given(boxes(st.integers(-8, 8).map(float)), st.integers(-6, 6), st.integers(-6, 6))
-def test_polygons_overlap_boxes_as_in_exact_arithmetic(
-    rows: NDArray[Any], x: int, y: int
-) -> None:
+def test_polygons_overlap_boxes_as_in_exact_arithmetic(rows: NDArray[Any], x: int, y: int) -> None:
     corners = [(x, y), (x + 5, y + 1), (x + 6, y + 4), (x + 2, y + 6)]
     exact = [[Fraction(float(v)) for v in row] for row in rows]
     expected = [i for i, box in enumerate(exact) if polygon_overlaps(corners, box)]
@@ -374,10 +377,16 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
     pygame = pytest.importorskip("pygame")
     rng = np.random.default_rng(5)
     four = np.hstack([rng.integers(-40, 40, (60, 2)), rng.integers(1, 12, (60, 2))])
-    for rects in ([pygame.Rect(*row) for row in four.tolist()],
-                  [pygame.FRect(*(row * 0.1)) for row in four]):
-        expected = [[i, j] for i, rect in enumerate(rects) for j in range(i + 1, len(rects))
-                    if overlap_by_sides(rect, rects[j])]
+    for rects in (
+        [pygame.Rect(*row) for row in four.tolist()],
+        [pygame.FRect(*(row * 0.1)) for row in four],
+    ):
+        expected = [
+            [i, j]
+            for i, rect in enumerate(rects)
+            for j in range(i + 1, len(rects))
+            if overlap_by_sides(rect, rects[j])
+        ]
         assert by_row(jostle.find_pairs(boxes=rects)) == expected
         assert by_row(jostle.find_pairs(boxes=tuple(rects))) == expected
         tree = jostle.Quadtree(boxes=rects, leaf_capacity=4)
@@ -387,8 +396,11 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
         assert space.update().entered.tolist() == expected
         for x, y in [rect.topleft for rect in rects] + [rect.bottomright for rect in rects]:
             point = (x, y)
-            inside = [i for i, rect in enumerate(rects)
-                      if rect.left <= x < rect.right and rect.top <= y < rect.bottom]
+            inside = [
+                i
+                for i, rect in enumerate(rects)
+                if rect.left <= x < rect.right and rect.top <= y < rect.bottom
+            ]
             assert tree.query_point(point).tolist() == space.query_point(point).tolist() == inside
         moved = [rect.move(3, 0) for rect in rects]
         space.move(ids, boxes=moved)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import inspect
 import re
-import signal
 import threading
 import time
 from collections.abc import Callable
@@ -17,9 +16,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from signals import reaction_to_ctrl_c
 
 import jostle
-from signals import reaction_to_ctrl_c
 
 COLUMNS = ["positions", "velocities", "radii", "masses", "restitutions", "movable"]
 
@@ -586,7 +585,11 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
         "restitutions is 2; a restitution must lie between 0 and 1",
     ),
     (lambda w: w.add([(1, 1)], [(0, 0)], -1), ValueError, "radii is -1; a radius must be finite"),
-    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "radii[0] is 0; its mass, density times radius"),
+    (
+        lambda w: w.add([(1, 1)], [(0, 0)], 0),
+        ValueError,
+        "radii[0] is 0; its mass, density times radius",
+    ),
     (lambda w: w.add([(1, 1)], [], 1), ValueError, "velocities has shape (0,); it must be (1, 2)"),
     (
         lambda w: w.add([(1, 1)], [(0, 0)], 1, densities=0),
