@@ -457,7 +457,7 @@ def test_a_box_moves_by_boxes_and_by_centers() -> None:
     space.move(right, (7, 0.5))
     assert space.centers(right).tolist() == [7, 0.5]
     assert (space.half_sizes(right) == half).all()
-    assert (space.boxes(right) == [*((7, 0.5) - half), *((7, 0.5) + half)]).all()
+    assert (space.boxes(right) == np.concatenate([(7, 0.5) - half, np.add((7, 0.5), half)])).all()
     assert space.update().left.tolist() == [[left, right]]
     # And back again, rounded by a radius.
     space.resize(right, radii=0.25)

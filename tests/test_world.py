@@ -588,7 +588,7 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (
         lambda w: w.add([(1, 1)], [(0, 0)], 0),
         ValueError,
-        "radii[0] is 0; its mass, density times radius",
+        "radii[0] is 0; its mass, density times",
     ),
     (lambda w: w.add([(1, 1)], [], 1), ValueError, "velocities has shape (0,); it must be (1, 2)"),
     (

@@ -18,7 +18,7 @@ def trees(
     assert_type(Quadtree(points, radii=[1, 2]), Quadtree)
     assert_type(Quadtree(np.load("centers.npy"), given["radii"]), Quadtree)
     assert_type(Quadtree([pygame.Vector2(), pygame.Vector2()], 2), Quadtree)
-    assert_type(Quadtree(points).pairs(Quadtree(points)), NDArray[np.uint32])
+    assert_type(Quadtree(points).pairs(Quadtree(points)), NDArray[np.int64])
     print(jostle.find_pairs(single, 1).shape, jostle.find_pairs(given["centers"]).tolist())
     contacts = Quadtree(single, 1.0).contacts()
     print(contacts.pairs[contacts.depths > 0.5].tolist())

@@ -44,7 +44,7 @@ pub fn for_each<T: Send>(
         && let Some(team) = Team::of(threads)
     {
         let items: Vec<_> = items.iter_mut().map(Mutex::new).collect();
-        return team.share(items.len(), 1, &|index| act(&mut *locked(&items[index])));
+        return team.share(items.len(), 1, &|index| act(*locked(&items[index])));
     }
     let _ = threads;
     items.iter_mut().for_each(act);

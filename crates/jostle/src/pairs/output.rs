@@ -13,6 +13,9 @@ use crate::simd::{LANES, for_each_lane};
 /// New pairs are reported to the common count in portions of this size.
 const PORTION: usize = 1 << 16;
 
+/// Two places.
+type Pair = [u32; 2];
+
 /// Pairs that are copied at a time.
 const COPIED: usize = 1 << 18;
 
@@ -77,7 +80,7 @@ impl Budget {
         }
         let mut pairs = memory::zeroed(count)?;
         let mut rest = pairs.as_mut_slice();
-        let mut targets: Vec<(&mut [[u32; 2]], &[[u32; 2]])> = Vec::new();
+        let mut targets: Vec<(&mut [Pair], &[Pair])> = Vec::new();
         for part in &parts {
             let (target, behind) = std::mem::take(&mut rest).split_at_mut(part.pairs.len());
             rest = behind;
