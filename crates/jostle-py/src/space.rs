@@ -167,6 +167,7 @@ impl PySpace {
         text_signature = "($self, centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
                           categories=1, masks=0xFFFFFFFF)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
         &self,
         py: Python<'py>,
