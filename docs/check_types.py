@@ -2,9 +2,8 @@
 
     python docs/check_types.py
 
-The code of a document is written to a file below target/documents, each line at its own number, and
-an error in that file is reported for the document. How strictly each checker works is set in
-pyproject.toml.
+The code of a document is written to a file in target/documents, with the same line numbers, and
+an error in that file is reported for the document. pyproject.toml sets how strict each checker is.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ CHECKED = ["python/jostle", "examples", "tests/typing"]
 
 
 def code_of(document: str) -> str:
-    """Return the Python code of a Markdown text, each line at the number that it has there."""
+    """Return the Python code of a Markdown text, with the same line numbers."""
     return "".join(f"{line}\n" for line in code_lines(document.splitlines()))
 
 
 def code_lines(lines: list[str]) -> Iterator[str]:
-    """Yield a line for each line: code as it is, without the prompt of an example; else nothing."""
+    """Yield one line for each line: code without its prompts, and an empty line for all else."""
     inside, prompts = False, False
     for number, line in enumerate(lines):
         if line.startswith("```"):
@@ -42,7 +41,7 @@ def code_lines(lines: list[str]) -> Iterator[str]:
 
 
 def until_fence(lines: list[str]) -> Iterator[str]:
-    """Yield the lines of a block."""
+    """Yield the lines up to the end of a block."""
     for line in lines:
         if line.startswith("```"):
             return
@@ -50,7 +49,7 @@ def until_fence(lines: list[str]) -> Iterator[str]:
 
 
 def extract() -> dict[str, str]:
-    """Write the code of all documents; return the name of the document for that of each file."""
+    """Write the code of all documents; return the document's name for the name of each file."""
     CODE.mkdir(parents=True, exist_ok=True)
     for file in CODE.glob("*.py"):
         file.unlink()
@@ -65,7 +64,7 @@ def extract() -> dict[str, str]:
 
 
 def main() -> int:
-    """Run both checkers at a time, and print what they say."""
+    """Run both checkers at the same time, and print their output."""
     names = extract()
     mypy = [sys.executable, "-m", "mypy", *CHECKED, *names]
     pyright = [sys.executable, "-m", "basedpyright", "--warnings"]

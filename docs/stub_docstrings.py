@@ -1,7 +1,7 @@
 """Copy the docstrings of the compiled module into its stub, where editors read them.
 
     python docs/stub_docstrings.py          writes python/jostle/_core.pyi
-    python docs/stub_docstrings.py --check  fails if that would change it
+    python docs/stub_docstrings.py --check  fails if the stub is out of date
 
 The docstrings are written in crates/jostle-py, so the wheel has to be built and installed first
 (make setup). Of several overloads only the first has the docstring: editors show it for all.
@@ -116,7 +116,7 @@ def quoted(docstring: str, indent: str) -> str:
 
 
 def main() -> int:
-    """Write the stub, or say that it has to be written."""
+    """Write the stub, or report that it is out of date."""
     import jostle._core
 
     old = STUB.read_text(encoding="utf-8")
