@@ -137,33 +137,33 @@ def find_pairs(
     """Find every pair of overlapping shapes.
 
     A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-    ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius.
+    ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
     Touching is not overlapping.
 
     Parameters
     ----------
     centers : array_like, shape (n, 2), optional
-        Centres, in any unit of length; to be given unless `boxes` is.
+        Centres, in any unit of length; required unless `boxes` is given.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
-        Half widths and half heights. Left out, every shape is a circle.
+        Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
         min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
-        What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
-        read by them, in a list or a tuple. The four numbers are compared as they are:
-        boxes that share an edge never overlap, while sides that are
-        ``center ± half_size`` are rounded. With `radii`, the boxes are rounded by them.
+        Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+        are accepted in a list or a tuple. The four numbers are compared without rounding:
+        boxes that share an edge never overlap, whereas sides computed as
+        ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
     method : {"auto", "brute", "quadtree"}, default "auto"
-        How the pairs are found, never which: "auto" takes brute force where that
+        How the pairs are found; the pairs are the same. "auto" uses brute force if it
         is faster.
     sort : bool, default False
-        Whether to sort the pairs by first, then by second shape. Without, their
-        order says nothing.
+        Whether to sort the pairs by the first, then by the second shape. If False, their
+        order is not specified.
     max_pairs : int, default 134217728
-        The most pairs to return; the default is two gibibytes of them.
+        Maximum number of pairs to return; the default corresponds to 2 GiB.
     threads : int, optional
-        How many threads work, at most one for each core, which is the default. The answer is the
+        Number of threads, at most one for each core, which is the default. The answer is the
         same for every number.
 
     Returns
@@ -184,11 +184,11 @@ def find_pairs(
 
     Notes
     -----
-    Arithmetic is float32 if every array given is float32, else float64. A plain
-    number, or a plain pair of half sizes, takes the precision of the arrays
-    beside it.
+    Arithmetic is float32 if every given array is float32, otherwise float64. A plain
+    number, or a plain pair of half sizes, takes the precision of the given
+    arrays.
 
-    Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
+    Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
     is at most an eighth of the largest number of the type, a box at most twice as wide and
     high as that.
@@ -215,24 +215,24 @@ def sprite_pairs(
     Parameters
     ----------
     left, right : list
-        Sprites. None for `right` asks for the pairs i < j within `left`.
+        Sprites. With None for `right`, the pairs i < j within `left`.
     rule : {"rect", "rects", "circle", "mask", "within"}
         "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
-        "rects" is "rect" for lists of rectangles instead of sprites. No pair of "mask" and
-        "within" is sure: "mask" finds masks that may overlap, "within" rectangles that
-        collide or are at most `scale` apart along each axis.
+        "rects" is "rect" for lists of rectangles instead of sprites. "mask" and "within" give
+        candidate pairs, none of them sure: "mask" masks that may overlap, "within" rectangles
+        that collide or are at most `scale` apart along each axis.
     scale : float
-        Factor for rectangles or radii, 1.0 leaves them as they are; of "within" the gap.
+        Factor for rectangles or radii, 1.0 for their own size; for "within" the largest gap.
     types : tuple of type
         `pygame.Rect` and `pygame.FRect`.
     radius_of : callable, optional
-        Is asked for the radius of a sprite that has none.
+        Called for the radius of a sprite that has none.
 
     Returns
     -------
     tuple of ndarray of uint32, shape (m, 2), and ndarray of bool, shape (m,), or None
-        Rows of `left` and of `right`, sorted, and whether each pair is sure; None where
-        all are. None altogether where only pygame itself can tell.
+        Rows of `left` and of `right`, sorted, and whether each pair is sure, or None if
+        all are. None alone if only pygame can decide.
     """
 
 def sprite_sides(sprites: list[Any], types: tuple[type, type]) -> NDArray[np.float64] | None:
@@ -248,25 +248,25 @@ def sprite_sides(sprites: list[Any], types: tuple[type, type]) -> NDArray[np.flo
     Returns
     -------
     ndarray of float64, shape (n, 4)
-        x, y, width and height as they are; None where a rect is something of its own.
+        x, y, width and height; None if a rect is of another type.
     """
 
 def sprite_dict(
     pairs: NDArray[np.uint32], keys: list[Any], values: list[Any]
 ) -> dict[Any, list[Any]]:
-    """Put together what belongs to each first row of some sorted pairs.
+    """Group the second rows of sorted pairs by their first rows.
 
     Parameters
     ----------
     pairs : ndarray of uint32, shape (m, 2)
         Sorted by first.
     keys, values : list
-        What the first and the second rows stand for.
+        The objects of the first and of the second rows.
 
     Returns
     -------
     dict of key to list of value
-        What `groupcollide` answers for these pairs.
+        The result of `groupcollide` for these pairs.
     """
 
 @final
@@ -274,39 +274,39 @@ class Quadtree:
     """A quadtree over shapes that do not change.
 
     A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-    ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius. The
-    tree is built once, around whatever positions it is given; there are no bounds
-    to choose. Several threads may ask it at the same time.
+    ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0. The
+    tree is built once, for any positions; there are no bounds to choose. Several threads may
+    query it at the same time.
 
     Parameters
     ----------
     centers : array_like, shape (n, 2), optional
-        Centres, in any unit of length; to be given unless `boxes` is.
+        Centres, in any unit of length; required unless `boxes` is given.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
-        Half widths and half heights. Left out, every shape is a circle.
+        Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
         min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
-        What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
-        read by them, in a list or a tuple. The four numbers are compared as they are:
-        boxes that share an edge never overlap, while sides that are
-        ``center ± half_size`` are rounded. With `radii`, the boxes are rounded by them.
+        Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+        are accepted in a list or a tuple. The four numbers are compared without rounding:
+        boxes that share an edge never overlap, whereas sides computed as
+        ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
     categories : array_like of int, a number or shape (n,), optional
-        What each shape is, as a set of 32 bits; 1 where left out.
+        Categories of each shape, as a set of 32 bits; 1 if omitted.
     masks : array_like of int, a number or shape (n,), optional
-        What each shape may pair with, as a set of 32 bits; all of them where left
-        out. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]`` have a bit. A negative integer stands for its low 32
-        bits, so ``masks=~SHIP`` is every category but SHIP. Of a uint8 or uint16 array ``~``
-        gives no bits above the 8th or 16th.
+        Categories each shape may pair with, as a set of 32 bits; all of them if
+        omitted. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]`` are not 0. A negative integer stands for its low 32
+        bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~``
+        sets no bits above the 8th or 16th.
     leaf_capacity : int, default 96
         Shapes that a box may hold before it splits into four.
     max_depth : int, default 4096
-        Subdivisions allowed: 0 keeps everything in one box, 2 allows two. The
-        default never stops a split.
+        Maximum number of subdivisions: with 0 there is one box, with 2 there are two levels
+        below it. The default never prevents a split.
     threads : int, optional
-        How many threads work, at most one for each core, which is the default. Every answer is
+        Number of threads, at most one for each core, which is the default. Every answer is
         the same for every number.
 
     Raises
@@ -319,11 +319,11 @@ class Quadtree:
 
     Notes
     -----
-    Arithmetic is float32 if every array given is float32, else float64. A plain
-    number, or a plain pair of half sizes, takes the precision of the arrays
-    beside it.
+    Arithmetic is float32 if every given array is float32, otherwise float64. A plain
+    number, or a plain pair of half sizes, takes the precision of the given
+    arrays.
 
-    Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
+    Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
     is at most an eighth of the largest number of the type, a box at most twice as wide and
     high as that.
@@ -364,16 +364,16 @@ class Quadtree:
         Parameters
         ----------
         other : Quadtree, optional
-            A tree of the same dtype. Left out, the pairs are those within this tree, ``i < j``.
-            This tree given as `other` is treated as any other tree: each pair comes in both
-            orders, and each shape of some size pairs with itself.
+            A tree of the same dtype. If omitted, the pairs are those within this tree, ``i < j``.
+            If `other` is this tree, it is treated as any other tree: each pair comes in both
+            orders, and each shape with an area pairs with itself.
         sort : bool, default False
-            Whether to sort the pairs by first, then by second shape. Without, they
-            come in the order of this tree, the same for every number of threads.
+            Whether to sort the pairs by the first, then by the second shape. If False, they
+            come in the order of this tree, which is the same for every number of threads.
         max_pairs : int, default 134217728
-            The most pairs to return; the default is two gibibytes of them.
+            Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
-            Find only pairs of which both have a category in this set of bits.
+            Find only pairs whose shapes both have a category in this set of bits.
 
         Returns
         -------
@@ -402,26 +402,27 @@ class Quadtree:
         Parameters
         ----------
         max_pairs : int, default 134217728
-            The most pairs to return. Each takes 32 bytes, in float32 20, and about as much
-            while they are searched; nothing is set aside for more than there are.
+            Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
+            much during the search; memory is allocated only for the pairs that are found.
 
         Returns
         -------
         Contacts
             pairs : ndarray of int64, shape (m, 2)
-                As :meth:`pairs` gives them, in the order of the tree.
+                As from :meth:`pairs`, in the order of the tree.
             normals : ndarray of the tree's dtype, shape (m, 2)
-                Unit vectors from i to j. Where the boxes inside the shapes overlap, the
-                axis along which the way out is shortest; +x for coincident centres.
+                Unit vectors from i to j. If the cores of the shapes overlap, the axis
+                of least penetration; +x for coincident centres.
             depths : ndarray of the tree's dtype, shape (m,)
-                How far j has to move along the normal until the two only touch.
+                Penetration: the distance that j must move along the normal until the two only
+                touch.
 
         Raises
         ------
         ValueError
             If more than `max_pairs` pairs overlap.
         MemoryError
-            If there is no memory for them.
+            If there is no memory for the contacts.
 
         Examples
         --------
@@ -439,17 +440,17 @@ class Quadtree:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
-            `top`, `right` and `bottom`, as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-            `max_y`, as :class:`jostle.Box`, is read by them, also in a list.
+            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
+            `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
+            `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending. For many rectangles a `Hits` of all of them. What only
-            touches a rectangle does not overlap it.
+            Row numbers, ascending; for many rectangles a `Hits`. A shape that only touches
+            a rectangle does not overlap it.
 
         Raises
         ------
@@ -459,9 +460,9 @@ class Quadtree:
 
         Notes
         -----
-        Every question is read in the tree's dtype and answered as brute force would, in
-        that arithmetic. Many questions are answered on all threads of the tree. A shape
-        of no category (0) is found only where no mask is given.
+        Queries are converted to the tree's dtype; the answer is that of brute force in that
+        arithmetic. Many queries in one call use all threads of the tree. A shape without
+        categories (0) is found only if no mask is given.
 
         Examples
         --------
@@ -504,8 +505,8 @@ class Quadtree:
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending. For many discs a `Hits` of all of them. What only
-            touches a disc does not overlap it.
+            Row numbers, ascending; for many discs a `Hits`. A shape that only touches
+            a disc does not overlap it.
 
         Raises
         ------
@@ -542,12 +543,11 @@ class Quadtree:
     ) -> _Ids | Hits | Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids:
-        """Find the shapes that a point is in, or each of many points.
+        """Find the shapes that contain a point, or each of many points.
 
-        A point is in a circle, or in a rounded box, up to and with its edge. It is in a
-        rectangle as pygame has it: the left and the upper edge are in, the right and the
-        lower are not, so tiles side by side share no point. A rectangle without width and
-        height is a circle of radius 0.
+        A circle or a rounded box contains its edge. A rectangle contains its left and its
+        upper edge, but not the right and the lower, as in pygame, so tiles side by side
+        share no point. A rectangle of width and height 0 is a circle of radius 0.
 
         Parameters
         ----------
@@ -559,7 +559,7 @@ class Quadtree:
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending. For many points a `Hits` of all of them.
+            Row numbers, ascending; for many points a `Hits`.
 
         Raises
         ------
@@ -590,20 +590,20 @@ class Quadtree:
         Parameters
         ----------
         vertices : array_like, shape (v, 2) or (k, v, 2)
-            Corners in their order, in either direction of turning.
+            Corners in order, clockwise or counterclockwise.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending. For many polygons a `Hits` of all of them. What only
-            touches a polygon does not overlap it.
+            Row numbers, ascending; for many polygons a `Hits`. A shape that only touches
+            a polygon does not overlap it.
 
         Raises
         ------
         ValueError
-            If a polygon has less than three corners, is not convex or has no area, if a
+            If a polygon has fewer than three corners, is not convex or has no area, if a
             coordinate is not finite, or there are more than 134217728 ids.
 
         Examples
@@ -640,25 +640,25 @@ class Quadtree:
         point : array_like, shape (2,) or (n, 2)
             Points.
         k : int, default 1
-            How many shapes to find.
+            Number of shapes to find.
         max_distance : float, default inf
-            Find nothing farther than this.
+            Ignore shapes farther than this, in units of length.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
         Returns
         -------
         Neighbors
-            Unpacks as ``distances, ids``, in this order, as `cKDTree.query` of SciPy
-            (:meth:`raycast` gives the row first).
+            Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
+            (:meth:`raycast` returns the row first).
 
             distances : ndarray of the tree's dtype, shape (k,) or (n, k)
-                How far it is to the surface of each shape, nearest first; 0 inside,
-                infinity where there are fewer than k.
+                Distances to the surfaces, nearest first; 0 inside a shape, infinity if
+                fewer than k are found.
             ids : ndarray of int64, shape (k,) or (n, k)
-                Row numbers, of shapes as near the smaller first; -1 where there are
-                fewer than k: leave those out before you index with them. A point that is
-                a shape of the tree has itself for its nearest.
+                Row numbers, the smaller first at equal distances; -1 if fewer than k are
+                found: remove those before you use them as an index. The nearest shape of a
+                point in the tree is that point itself.
 
         Raises
         ------
@@ -683,27 +683,27 @@ class Quadtree:
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit:
-        """Find what a ray hits first, or each of many.
+        """Find the first shape that a ray hits, or each of many rays.
 
         Parameters
         ----------
         origin : array_like, shape (2,) or (k, 2)
-            Where each ray begins.
+            Start of each ray.
         direction : array_like, shape (2,) or (k, 2)
-            Where each ray goes; the length does not matter. One origin may have many
-            directions, and many origins one.
+            Direction of each ray, of any length except 0. One origin may have many
+            directions, and many origins one direction.
         max_distance : float, default inf
-            How far the rays reach, in units of length.
+            Maximum length of the rays, in units of length.
         mask : int, optional
-            Hit only shapes with a category in this set of bits; the others are as air.
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
 
         Returns
         -------
         RayHit or RayHits
-            Unpacks as ``row, distance``, in this order (:meth:`nearest` gives distances
-            first). Of shapes at one distance the smaller row; -1 and infinity where nothing is
-            hit, so look at the row before you index with it. The distance is that to the
-            surface, 0 where a ray begins in a shape. Arrays of them for many rays. A ray that
+            Unpacks as ``row, distance``, in this order (:meth:`nearest` returns distances
+            first); for many rays, arrays of both. At equal distances the smaller row; -1 and
+            infinity if nothing is hit, so test the row before you use it as an index. The
+            distance is that to the surface, 0 if a ray starts in a shape. A ray that only
             touches an edge hits it.
 
         Raises
@@ -766,25 +766,25 @@ class Quadtree:
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit:
-        """Find what a disc that is thrown hits first, or each of many.
+        """Find the first shape that a moving disc hits, or each of many discs.
 
         Parameters
         ----------
         origin : array_like, shape (2,) or (k, 2)
-            Where the centre of each disc begins.
+            Start of the centre of each disc.
         direction : array_like, shape (2,) or (k, 2)
-            Where it goes; the length does not matter.
+            Direction of the motion, of any length except 0.
         radius : array_like, a number or shape (k,)
             Radii of the discs.
         max_distance : float, default inf
-            How far the discs fly, in units of length.
+            Maximum distance of the motion, in units of length.
         mask : int, optional
-            Hit only shapes with a category in this set of bits; the others are as air.
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
 
         Returns
         -------
         RayHit or RayHits
-            Row number and how far the disc gets, as :meth:`raycast` gives them.
+            Row number and distance of the motion until the hit, as from :meth:`raycast`.
 
         Raises
         ------
@@ -850,24 +850,24 @@ class Quadtree:
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     def nodes(self) -> Nodes:
-        """Look at the boxes of the tree.
+        """Return the boxes of the tree.
 
         Returns
         -------
         Nodes
             boxes : ndarray of float64, shape (k, 4)
-                min_x, min_y, max_x, max_y of each box. It holds the centres of its
-                shapes; a shape may reach over its border. Quarters without a shape
-                are left out, and so are subdivisions that would part nothing: shapes at
-                one place are in one box, however many they are.
+                min_x, min_y, max_x, max_y of each box. It contains the centres of its
+                shapes; a shape may extend beyond it. Quarters without shapes
+                are omitted, and so are subdivisions that would separate nothing:
+                coincident shapes are in one box, whatever their number.
             depths : ndarray of int64, shape (k,)
                 Subdivisions above each box.
             counts : ndarray of int64, shape (k,)
-                Shapes in each box and all below it.
+                Shapes in each box and its descendants.
             is_leaf : ndarray of bool, shape (k,)
                 Whether the box did not split.
 
-            Parents stand before their children; the first box is the root. A tree
+            Parents precede their children; the first box is the root. A tree
             without shapes has no boxes.
 
         Examples
@@ -881,50 +881,50 @@ class Quadtree:
         """
     @property
     def stats(self) -> Stats:
-        """What the tree looks like and how much work its last answer was.
+        """Size of the tree and number of tests of the last query.
 
         A `Stats` of four integers: `nodes` (boxes), `leaves` (boxes that did not
-        split), `depth` (subdivisions above the deepest box) and `tests` (how often
-        the last question tested a shape, against another or against what was asked
-        for; 0 before the first).
+        split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
+        the last query tested, against another shape or against the query; 0 before
+        the first query).
         """
     def __len__(self) -> int: ...
 
 @final
 class Space:
-    """A living collection of shapes: they come, move, change and go, and pairs are told as they
-    form and part.
+    """A collection of shapes that can be added, moved, changed and removed, and of the pairs that
+    overlap.
 
     A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-    ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius.
-    Each has an id of its own that is never given to another. What changes costs time, what does not costs
-    next to none: a million still shapes may stand around a thousand that move. Every question
-    sees every change made before it.
+    ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
+    Each shape has an id, which is never used again for another shape. The cost depends on the
+    shapes that change: a million shapes at rest cost almost nothing beside a thousand that move.
+    Every query includes all previous changes.
 
     Parameters
     ----------
     dtype : {"float64", "float32"}, default "float64"
         Precision of all arithmetic. Other numbers are converted.
     leaf_capacity : int, default 96
-        Shapes that a box of a tree may hold before it splits into four. Trees of a few
-        among many shapes take fewer.
+        Shapes that a box of a tree may hold before it splits into four. Small trees in a
+        space with many shapes use a smaller number.
     max_depth : int, default 4096
-        Subdivisions allowed; the default never stops a split.
+        Maximum number of subdivisions; the default never prevents a split.
     threads : int, optional
-        How many threads work, at most one for each core, which is the default. Every answer
+        Number of threads, at most one for each core, which is the default. Every answer
         is the same for every number.
 
     Raises
     ------
     TypeError
-        If an argument is not what it should be.
+        If an argument has the wrong type.
     ValueError
         If a setting is out of range.
 
     Notes
     -----
-    Wherever ids are wanted, one may be given instead of an array, and then one value for each
-    other argument. A refused call changes nothing.
+    Where ids are an argument, one id may be given instead of an array; then the other arguments
+    are one value each. A refused call changes nothing.
 
     Examples
     --------
@@ -958,34 +958,34 @@ class Space:
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int:
-        """Add shapes, or one.
+        """Add one shape or many.
 
         Parameters
         ----------
         centers : array_like, shape (k, 2) or (2,), optional
-            Centres; to be given unless `boxes` is.
+            Centres; required unless `boxes` is given.
         radii : array_like, a number or shape (k,), default 0.0
             Radii.
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-            Half widths and half heights. Left out, the shapes are circles.
+            Half widths and half heights. If omitted, the shapes are circles.
         boxes : array_like, shape (k, 4) or (4,), optional
             min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
-            What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
-            read by them, also in a list or a tuple. The four numbers are compared as they
-            are: boxes that share an edge never overlap, while sides that are
+            Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+            are accepted, also in a list or a tuple. The four numbers are compared without
+            rounding: boxes that share an edge never overlap, whereas sides computed as
             ``center ± half_size`` are rounded.
         categories : array_like of int, a number or shape (k,), default 1
-            What each shape is, as a set of 32 bits.
+            Categories of each shape, as a set of 32 bits.
         masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
-            What each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
-            if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` have a bit.
+            Categories each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
+            if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` are not 0.
             A negative integer stands for its low 32 bits, so ``masks=~SHIP`` is every category
-            but SHIP. Of a uint8 or uint16 array ``~`` gives no bits above the 8th or 16th.
+            except SHIP. For a uint8 or uint16 array, ``~`` sets no bits above the 8th or 16th.
 
         Returns
         -------
         ndarray of int64, shape (k,), or int
-            Their ids; one id for one centre or one box. The first are 0, 1, 2, ...
+            Their ids; one id for one centre or one box. Ids start at 0: 0, 1, 2, ...
 
         Raises
         ------
@@ -1091,21 +1091,21 @@ class Space:
         *,
         boxes: _Boxes | _Rect | None = None,
     ) -> None:
-        """Give shapes other centres, or other boxes.
+        """Change the centres or the boxes of shapes.
 
-        What does not move thereby costs as little as if it had not been named.
+        Shapes whose values stay the same cost almost nothing.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Which shapes, none of them twice.
+            The shapes, each at most once.
         centers : array_like, shape (k, 2), or (2,) for one id, optional
-            Where they are now. A shape that was given as a box, and whose centre changes, is
-            ``center ± half_size`` from now on, with half the size of its box, and compared
-            as such: its sides are rounded. Give `boxes` to keep them exact.
+            The new centres. A shape that was given as a box, and whose centre changes, is stored as
+            ``center ± half_size`` from then on, with half the size of its box, and its sides are
+            rounded. Give `boxes` to keep them exact.
         boxes : array_like, shape (k, 4), or (4,) for one id, optional
             In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
-            as in :meth:`add`. This may change the size, too. Radii stay as they are.
+            as in :meth:`add`. The size may change too. Radii stay the same.
 
         Raises
         ------
@@ -1113,7 +1113,7 @@ class Space:
             If an argument does not hold numbers, or if not exactly one of `centers` and
             `boxes` is given.
         ValueError
-            If no shape has an id, or one is named twice, a coordinate is not finite, or a
+            If an id does not exist or is given twice, a coordinate is not finite, or a
             minimum is above its maximum; then nothing moves.
 
         Examples
@@ -1132,25 +1132,25 @@ class Space:
     def resize(
         self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None:
-        """Give shapes other radii, half sizes or both.
+        """Change the radii or the half sizes of shapes, or both.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Which shapes, none of them twice.
+            The shapes, each at most once.
         radii : array_like, a number or shape (k,), optional
-            Left out, they stay as they are.
+            If omitted, they stay the same.
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-            Left out, they stay as they are. A shape that was given as a box, and whose size
-            changes, is ``center ± half_size`` from now on; ``move(ids, boxes=...)`` gives it
-            another box.
+            If omitted, they stay the same. A shape that was given as a box, and whose size
+            changes, is stored as ``center ± half_size`` from then on; ``move(ids, boxes=...)``
+            gives it another box.
 
         Raises
         ------
         TypeError
             If an argument does not hold numbers.
         ValueError
-            If no shape has an id, or one is named twice, or a size is not finite or out of
+            If an id does not exist or is given twice, or a size is not finite or out of
             range; then nothing changes.
 
         Examples
@@ -1165,23 +1165,23 @@ class Space:
     def set_filter(
         self, ids: ArrayLike, categories: ArrayLike | None = None, masks: ArrayLike | None = None
     ) -> None:
-        """Give shapes other categories, masks or both.
+        """Change the categories or the masks of shapes, or both.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Which shapes, none of them twice.
+            The shapes, each at most once.
         categories : array_like of int, a number or shape (k,), optional
-            Left out, they stay as they are.
+            If omitted, they stay the same.
         masks : array_like of int, a number or shape (k,), optional
-            Left out, they stay as they are.
+            If omitted, they stay the same.
 
         Raises
         ------
         TypeError
             If an argument does not hold integers.
         ValueError
-            If no shape has an id, or one is named twice, or a set of bits has more than 32;
+            If an id does not exist or is given twice, or a set of bits has more than 32;
             then nothing changes.
 
         Examples
@@ -1189,24 +1189,24 @@ class Space:
         >>> import jostle
         >>> space = jostle.Space()
         >>> ids = space.add([(0, 0), (1, 0)], radii=1.0)
-        >>> space.set_filter(0, masks=0)  # it pairs with nothing any more
+        >>> space.set_filter(0, masks=0)  # it can no longer pair
         >>> len(space.pairs())
         0
         """
     def remove(self, ids: ArrayLike) -> None:
-        """Remove shapes. Their ids are never given again.
+        """Remove shapes. Their ids are never used again.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Which shapes, none of them twice.
+            The shapes, each at most once.
 
         Raises
         ------
         TypeError
             If `ids` does not hold integers.
         ValueError
-            If no shape has an id or one is named twice; then none is removed.
+            If an id does not exist or is given twice; then none is removed.
 
         Examples
         --------
@@ -1218,28 +1218,28 @@ class Space:
         array([2])
         """
     def update(self, *, max_pairs: SupportsIndex = 134217728) -> Events:
-        """Tell which pairs have formed and which have parted since the last update.
+        """Find the pairs that entered and left since the last update.
 
-        Two states are compared, that of the last update and that of now; the first update
-        compares with a space without shapes. What was added and removed in between never
-        shows. Only shapes that changed cost time.
+        The current state is compared with the state at the last update; the first update
+        compares with an empty space. A shape that was both added and removed in between has no
+        effect. The cost depends on the shapes that changed.
 
         Parameters
         ----------
         max_pairs : int, default 134217728
-            The most overlapping pairs of shapes that changed.
+            Maximum number of overlapping pairs of shapes that changed.
 
         Returns
         -------
         Events
             entered, stayed, left : ndarray of int64, shape (m, 2)
-                Pairs of ids, the smaller first, sorted. `left` may name shapes that are
-                removed. `stayed` is worked out when it is asked for.
+                Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
+                shapes. `stayed` is computed when it is first read.
 
         Raises
         ------
         ValueError
-            If there are more than `max_pairs`; then the last update stays the last.
+            If there are more than `max_pairs`; then the call has no effect.
 
         Examples
         --------
@@ -1266,12 +1266,12 @@ class Space:
         Parameters
         ----------
         sort : bool, default False
-            Whether to sort the pairs by first, then by second id. Without, they come in an
-            order that depends on what was called before, and not on the number of threads.
+            Whether to sort the pairs by the first, then by the second id. If False, their order
+            depends on previous calls, but not on the number of threads.
         max_pairs : int, default 134217728
-            The most pairs to return; the default is two gibibytes of them.
+            Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
-            Find only pairs of which both have a category in this set of bits.
+            Find only pairs whose shapes both have a category in this set of bits.
 
         Returns
         -------
@@ -1300,17 +1300,17 @@ class Space:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
-            `top`, `right` and `bottom`, as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-            `max_y`, as :class:`jostle.Box`, is read by them, also in a list.
+            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
+            `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
+            `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Ids, ascending. For many rectangles a `Hits` of all of them. What only
-            touches a rectangle does not overlap it.
+            Ids, ascending; for many rectangles a `Hits`. A shape that only touches
+            a rectangle does not overlap it.
 
         Raises
         ------
@@ -1320,8 +1320,8 @@ class Space:
 
         Notes
         -----
-        Every question is read in the space's dtype and answered as brute force would, in
-        that arithmetic. Many questions are answered on all threads of the tree.
+        Queries are converted to the space's dtype; the answer is that of brute force in that
+        arithmetic. Many queries in one call use all threads of the space.
 
         Examples
         --------
@@ -1365,8 +1365,8 @@ class Space:
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Ids, ascending. For many discs a `Hits` of all of them. What only
-            touches a disc does not overlap it.
+            Ids, ascending; for many discs a `Hits`. A shape that only touches
+            a disc does not overlap it.
 
         Raises
         ------
@@ -1404,12 +1404,11 @@ class Space:
     ) -> _Ids | Hits | Any: ...
     @overload
     def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids:
-        """Find the shapes that a point is in, or each of many points.
+        """Find the shapes that contain a point, or each of many points.
 
-        A point is in a circle, or in a rounded box, up to and with its edge. It is in a
-        rectangle as pygame has it: the left and the upper edge are in, the right and the
-        lower are not, so tiles side by side share no point. A rectangle without width and
-        height is a circle of radius 0.
+        A circle or a rounded box contains its edge. A rectangle contains its left and its
+        upper edge, but not the right and the lower, as in pygame, so tiles side by side
+        share no point. A rectangle of width and height 0 is a circle of radius 0.
 
         Parameters
         ----------
@@ -1421,7 +1420,7 @@ class Space:
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Ids, ascending. For many points a `Hits` of all of them.
+            Ids, ascending; for many points a `Hits`.
 
         Raises
         ------
@@ -1453,20 +1452,20 @@ class Space:
         Parameters
         ----------
         vertices : array_like, shape (v, 2) or (k, v, 2)
-            Corners in their order, in either direction of turning.
+            Corners in order, clockwise or counterclockwise.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
         Returns
         -------
         ndarray of int64, shape (m,), or Hits
-            Ids, ascending. For many polygons a `Hits` of all of them. What only
-            touches a polygon does not overlap it.
+            Ids, ascending; for many polygons a `Hits`. A shape that only touches
+            a polygon does not overlap it.
 
         Raises
         ------
         ValueError
-            If a polygon has less than three corners, is not convex or has no area, if a
+            If a polygon has fewer than three corners, is not convex or has no area, if a
             coordinate is not finite, or there are more than 134217728 ids.
 
         Examples
@@ -1504,24 +1503,24 @@ class Space:
         point : array_like, shape (2,) or (n, 2)
             Points.
         k : int, default 1
-            How many shapes to find.
+            Number of shapes to find.
         max_distance : float, default inf
-            Find nothing farther than this.
+            Ignore shapes farther than this, in units of length.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
         Returns
         -------
         Neighbors
-            Unpacks as ``distances, ids``, in this order, as `cKDTree.query` of SciPy
-            (:meth:`raycast` gives the id first).
+            Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
+            (:meth:`raycast` returns the id first).
 
             distances : ndarray of the space's dtype, shape (k,) or (n, k)
-                How far it is to the surface of each shape, nearest first; 0 inside,
-                infinity where there are fewer than k.
+                Distances to the surfaces, nearest first; 0 inside a shape, infinity if
+                fewer than k are found.
             ids : ndarray of int64, shape (k,) or (n, k)
-                Ids, of shapes as near the smaller first; -1 where there are
-                fewer than k.
+                Ids, the smaller first at equal distances; -1 if fewer than k are
+                found.
 
         Raises
         ------
@@ -1547,27 +1546,27 @@ class Space:
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit:
-        """Find what a ray hits first, or each of many.
+        """Find the first shape that a ray hits, or each of many rays.
 
         Parameters
         ----------
         origin : array_like, shape (2,) or (k, 2)
-            Where each ray begins.
+            Start of each ray.
         direction : array_like, shape (2,) or (k, 2)
-            Where each ray goes; the length does not matter. One origin may have many
-            directions, and many origins one.
+            Direction of each ray, of any length except 0. One origin may have many
+            directions, and many origins one direction.
         max_distance : float, default inf
-            How far the rays reach, in units of length.
+            Maximum length of the rays, in units of length.
         mask : int, optional
-            Hit only shapes with a category in this set of bits; the others are as air.
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
 
         Returns
         -------
         RayHit or RayHits
-            Unpacks as ``id, distance``, in this order (:meth:`nearest` gives distances first).
-            Of shapes at one distance the smaller id; -1 and infinity where nothing is hit. The
-            distance is that to the surface, 0 where a ray begins in a shape. Arrays of them for
-            many rays. A ray that touches an edge hits it.
+            Unpacks as ``id, distance``, in this order (:meth:`nearest` returns distances first);
+            for many rays, arrays of both. At equal distances the smaller id; -1 and infinity if
+            nothing is hit. The distance is that to the surface, 0 if a ray starts in a shape. A
+            ray that only touches an edge hits it.
 
         Raises
         ------
@@ -1630,25 +1629,25 @@ class Space:
         max_distance: _Number = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit:
-        """Find what a disc that is thrown hits first, or each of many.
+        """Find the first shape that a moving disc hits, or each of many discs.
 
         Parameters
         ----------
         origin : array_like, shape (2,) or (k, 2)
-            Where the centre of each disc begins.
+            Start of the centre of each disc.
         direction : array_like, shape (2,) or (k, 2)
-            Where it goes; the length does not matter.
+            Direction of the motion, of any length except 0.
         radius : array_like, a number or shape (k,)
             Radii of the discs.
         max_distance : float, default inf
-            How far the discs fly, in units of length.
+            Maximum distance of the motion, in units of length.
         mask : int, optional
-            Hit only shapes with a category in this set of bits; the others are as air.
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
 
         Returns
         -------
         RayHit or RayHits
-            Id and how far the disc gets, as :meth:`raycast` gives them.
+            Id and distance of the motion until the hit, as from :meth:`raycast`.
 
         Raises
         ------
@@ -1715,12 +1714,12 @@ class Space:
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
-        """Read centres; ``(min + max) / 2`` of shapes given as boxes.
+        """Return centres; ``(min + max) / 2`` for shapes given as boxes.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,), optional
-            Which shapes; all of them, in the order of `ids`, where left out.
+            The shapes; if omitted all of them, in the order of `ids`.
 
         Returns
         -------
@@ -1730,7 +1729,7 @@ class Space:
         Raises
         ------
         ValueError
-            If no shape has an id.
+            If an id does not exist.
 
         Examples
         --------
@@ -1741,13 +1740,13 @@ class Space:
         array([3., 4.])
         """
     def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
-        """Read half widths and half heights; 0 for circles, ``(max - min) / 2`` of shapes given as
+        """Return half widths and half heights; 0 for circles, ``(max - min) / 2`` for shapes given as
         boxes.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,), optional
-            Which shapes; all of them where left out.
+            The shapes; if omitted all of them.
 
         Returns
         -------
@@ -1757,26 +1756,26 @@ class Space:
         Raises
         ------
         ValueError
-            If no shape has an id.
+            If an id does not exist.
         """
     def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
-        """Read boxes: the corners of the shapes, their radii left out.
+        """Return boxes: the sides of the shapes without their radii.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,), optional
-            Which shapes; all of them where left out.
+            The shapes; if omitted all of them.
 
         Returns
         -------
         ndarray of the space's dtype, shape (k, 4), or (4,) for one id
             A copy: min_x, min_y, max_x, max_y, as they were given, or ``center ± half_size``;
-            for a circle twice its centre.
+            for a circle its centre as both corners.
 
         Raises
         ------
         ValueError
-            If no shape has an id.
+            If an id does not exist.
 
         Examples
         --------
@@ -1788,12 +1787,12 @@ class Space:
         """
     @overload
     def radii(self, ids: _Id) -> float:
-        """Read radii.
+        """Return radii.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,), optional
-            Which shapes; all of them where left out.
+            The shapes; if omitted all of them.
 
         Returns
         -------
@@ -1803,7 +1802,7 @@ class Space:
         Raises
         ------
         ValueError
-            If no shape has an id.
+            If an id does not exist.
         """
     @overload
     def radii(self, ids: _IdList | None = None) -> NDArray[np.floating[Any]]: ...
@@ -1811,12 +1810,12 @@ class Space:
     def radii(self, ids: _Undecided) -> float | NDArray[np.floating[Any]] | Any: ...
     @overload
     def categories(self, ids: _Id) -> int:
-        """Read categories.
+        """Return categories.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,), optional
-            Which shapes; all of them where left out.
+            The shapes; if omitted all of them.
 
         Returns
         -------
@@ -1826,7 +1825,7 @@ class Space:
         Raises
         ------
         ValueError
-            If no shape has an id.
+            If an id does not exist.
         """
     @overload
     def categories(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
@@ -1834,12 +1833,12 @@ class Space:
     def categories(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
     @overload
     def masks(self, ids: _Id) -> int:
-        """Read masks.
+        """Return masks.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,), optional
-            Which shapes; all of them where left out.
+            The shapes; if omitted all of them.
 
         Returns
         -------
@@ -1849,7 +1848,7 @@ class Space:
         Raises
         ------
         ValueError
-            If no shape has an id.
+            If an id does not exist.
         """
     @overload
     def masks(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
@@ -1866,11 +1865,11 @@ class Space:
 
 @final
 class Events:
-    """What became of the pairs of a space from one update to the next.
+    """Changes of the overlapping pairs of a space between two updates.
 
-    Each part holds ids, the smaller first, and is sorted by first, then by second. Unpacking
-    gives all three: ``entered, stayed, left = space.update()``. To go without `stayed`, which
-    takes time for every pair there is, ask for the others by name.
+    Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
+    Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
+    for every pair in the space; to avoid it, read the other attributes by name.
 
     Examples
     --------
@@ -1886,24 +1885,24 @@ class Events:
 
     @property
     def entered(self) -> _Pairs:
-        """Pairs that overlap now and did not at the update before: ndarray of int64, shape (m, 2)."""
+        """Pairs that overlap now and did not at the previous update: ndarray of int64, shape (m, 2)."""
     @property
     def stayed(self) -> _Pairs:
         """Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
 
-        They are worked out when they are first asked for, which has to be before the next
-        update of the space.
+        They are computed when they are first read, which must be before the next update of the
+        space.
         """
     @property
     def left(self) -> _Pairs:
-        """Pairs that overlapped at the update before and do not now, be it that a shape was
+        """Pairs that overlapped at the previous update and do not now, also because a shape was
         removed: ndarray of int64, shape (m, 2).
         """
     def __iter__(self) -> Iterator[_Pairs]: ...
 
 @final
 class World:
-    """Circles that move, collide and bounce off walls.
+    """Particles: discs that move, collide and bounce off walls.
 
     Particles are rows, in the order of adding; their row numbers are their ids.
     Everything is float32; other numbers are converted. The same input gives the
@@ -1914,62 +1913,62 @@ class World:
     positions : array_like, shape (n, 2)
         Centres, in units of length.
     velocities : array_like, shape (n, 2)
-        In units of length a second.
+        In units of length per second.
     radii : array_like, a number or shape (n,)
         In units of length, at least 0.
     masses : array_like, a number or shape (n,), optional
-        Above 0. Left out, density times radius squared, as in the article; so a
-        particle of radius 0 needs its mass given.
+        Above 0. If omitted, density times radius squared, as in the article; required for
+        a particle of radius 0.
     densities : array_like, a number or shape (n,), default 1.0
-        Used where `masses` are left out.
+        Used if `masses` are omitted.
     movable : array_like of bool, one or shape (n,), optional
-        Whether anything can move the particle. Left out, all are movable. What is
-        not movable stands still: its velocity becomes 0.
+        Whether contacts and forces can move the particle. If omitted, all are movable.
+        A particle that is not movable is static: its velocity becomes 0.
     gravity : array_like, shape (2,), default (0.0, 0.0)
-        Acceleration, in units of length a second squared.
+        Acceleration, in units of length per second squared.
     drag : float, default 0.0
-        Rate at which speeds die away, per second: dv/dt = -drag v.
+        Linear damping, per second: dv/dt = -drag v.
     restitution : array_like, a number or shape (n,), default 1.0
-        Share of its speed that a bounce gives back, 0 to 1. A number is the world's,
-        an array has one for each particle. Two particles bounce with the product of
-        the world's and both of theirs, one and a wall with that of the world's and
-        its own.
+        Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
+        array has one for each particle. The coefficient of a contact is the product of
+        the world's and those of both particles; at a wall, of the world's and that of the
+        particle.
     container : Box, Circle, Torus or None, optional
-        The walls. A particle outside is brought in by the first step.
+        The walls. The first step moves particles that are outside to the inside.
     forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
-        What accelerates particles, apart from gravity and contacts.
+        Forces beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
-        What becomes of particles that touch. "merge" makes them one at the end of the
-        step: area, mass and momentum are summed up at the centre of mass, restitution is
-        the mean by mass, and the id is the smallest; ids behind the others close up, see
-        `renumbered`. What is not movable holds those that merge with it, and their
-        momentum is lost. What would not fit between the walls as one stays apart.
-        "ignore" lets them pass through each other.
+        What happens to particles that touch. "merge" merges them at the end of the
+        step, at their centre of mass: area, mass and momentum are summed, restitution is
+        the mean weighted by mass, and the id is the smallest; the following ids
+        decrease, see `renumbered`. If one of the particles is not movable, the merged
+        particle is not movable either, and momentum is lost. Particles do not merge if the
+        result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
-        How pairs are found, never which.
+        How pairs are found; the pairs are the same.
     threads : int, optional
-        How many threads work, at most one for each core, which is the default.
+        Number of threads, at most one for each core, which is the default.
     leaf_capacity : int, default 96
         Particles that a box of the tree may hold before it splits.
     max_depth : int, default 4096
-        Subdivisions that the tree may make; the default never stops a split.
+        Maximum number of subdivisions of the tree; the default never prevents a split.
     substeps : int, default 4
-        Parts of a step in which contacts are solved. Piles rest with the default; a
-        gas needs one.
+        Sub-steps of a step, in which contacts are solved. Piles come to rest with the
+        default; 1 is enough for a gas.
 
     Raises
     ------
     TypeError
-        If an argument does not hold what it should.
+        If an argument has the wrong type.
     ValueError
         If a shape is wrong, a value is out of range, or a particle does not fit
-        between the walls; the sentence says which.
+        into the container; the message says which.
 
     Examples
     --------
     >>> import jostle
     >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
-    >>> world.step(0.1, steps=20)  # the left disc meets the right one after a second
+    >>> world.step(0.1, steps=20)  # the left disc hits the right one after a second
     >>> world.velocities
     array([[0., 0.],
            [1., 0.]], dtype=float32)
@@ -1997,12 +1996,11 @@ class World:
         substeps: SupportsIndex = 4,
     ) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
-        """Let time pass.
+        """Advance the simulation.
 
-        Other threads may look at the world meanwhile; they see it between two steps. A step
-        is done whole or not at all: when one is refused, or interrupted with Ctrl-C, the
-        world is as it was before that step. Of a call with `steps` above 1, the steps before
-        it stay.
+        Other threads may read the world during the call; they see its state between two steps.
+        If a step is refused, or interrupted with Ctrl-C, the world keeps the state before
+        that step. In a call with `steps` above 1, the previous steps remain done.
 
         Parameters
         ----------
@@ -2014,11 +2012,11 @@ class World:
         Raises
         ------
         ValueError
-            If `dt` is not finite and above 0, if it would carry a particle too far, if too
-            many particles are in one place, or if a number would become infinite or NaN; the
-            sentence names the particle then.
+            If `dt` is not finite and above 0, if a particle would move too far, if too many
+            particles are in one place, or if a number would become infinite or NaN; then the
+            message names the particle.
         KeyboardInterrupt
-            After Ctrl-C, which a long step notices within a fraction of a second.
+            After Ctrl-C, within a fraction of a second also during a long step.
 
         Examples
         --------
@@ -2039,14 +2037,14 @@ class World:
         restitutions: ArrayLike = 1.0,
         movable: ArrayLike | None = None,
     ) -> _Ids:
-        """Add particles behind the others.
+        """Add particles after the others.
 
         Parameters
         ----------
         positions, velocities : array_like, shape (k, 2)
         radii : array_like, a number or shape (k,)
         masses : array_like, a number or shape (k,), optional
-            Left out, density times radius squared.
+            If omitted, density times radius squared.
         densities : array_like, a number or shape (k,), default 1.0
         restitutions : array_like, a number or shape (k,), default 1.0
         movable : array_like of bool, one or shape (k,), optional
@@ -2071,20 +2069,20 @@ class World:
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles, which changes the ids of others.
 
-        An id is a row number: the rows behind a removed one close up, so an old id may name
+        An id is a row number: the rows after a removed one move up, so an old id may belong to
         another particle afterwards. `renumbered` gives the new id of each old one. Springs
-        and attractors that name a removed particle are removed too; the others follow their
-        particles.
+        and attractors of a removed particle are removed too; the ids in the others are
+        updated.
 
         Parameters
         ----------
         ids : array_like of int, shape (k,)
-            Row numbers, none of them twice.
+            Row numbers, each at most once.
 
         Raises
         ------
         ValueError
-            If there is no such particle or one is named twice; then none is removed.
+            If an id does not exist or is given twice; then none is removed.
 
         Examples
         --------
@@ -2094,7 +2092,7 @@ class World:
         >>> world.positions
         array([[0., 0.],
                [9., 0.]], dtype=float32)
-        >>> world.renumbered  # the particle 2 is now 1, and 1 is gone
+        >>> world.renumbered  # particle 2 is now 1, and 1 is removed
         array([ 0, -1,  1])
         """
     def set(
@@ -2113,18 +2111,18 @@ class World:
         Parameters
         ----------
         ids : array_like of int, shape (k,)
-            Row numbers, none of them twice.
+            Row numbers, each at most once.
         positions, velocities : array_like, shape (k, 2), optional
         radii, masses, restitutions : array_like, a number or shape (k,), optional
-            A new radius leaves the mass as it is.
+            A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
-            What is left out stays as it is.
+            Omitted columns stay the same.
 
         Raises
         ------
         TypeError, ValueError
-            As for a new world, or if there is no such particle or one is named twice;
-            then nothing is changed.
+            As for a new world, or if an id does not exist or is given twice; then nothing
+            is changed.
 
         Examples
         --------
@@ -2147,7 +2145,7 @@ class World:
     def positions(self, value: _Vectors) -> None: ...
     @property
     def velocities(self) -> NDArray[np.float32]:
-        """Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length a
+        """Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
         second.
 
         To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
@@ -2160,7 +2158,7 @@ class World:
         """Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
 
         To change all, assign an array or one number; to change some, use `set`. Masses stay
-        as they are.
+        the same.
         """
     @radii.setter
     def radii(self, value: ArrayLike) -> None: ...
@@ -2174,7 +2172,7 @@ class World:
     def masses(self, value: ArrayLike) -> None: ...
     @property
     def restitutions(self) -> NDArray[np.float32]:
-        """Restitutions of the particles: ndarray of float32, shape (n,), a read-only copy.
+        """Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
 
         To change all, assign an array or one number; to change some, use `set`.
         """
@@ -2190,17 +2188,17 @@ class World:
     def movable(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> tuple[float, float]:
-        """Acceleration of everything movable, (x, y), units of length a second squared."""
+        """Acceleration of all movable particles, (x, y), units of length per second squared."""
     @gravity.setter
     def gravity(self, value: _Vectors) -> None: ...
     @property
     def drag(self) -> float:
-        """Rate at which speeds die away, per second."""
+        """Linear damping, per second."""
     @drag.setter
     def drag(self, value: _Number) -> None: ...
     @property
     def restitution(self) -> float:
-        """The world's share of every bounce, 0 to 1; `restitutions` are the particles' own."""
+        """The world's coefficient of restitution, 0 to 1; `restitutions` has those of the particles."""
     @restitution.setter
     def restitution(self, value: _Number) -> None: ...
     @property
@@ -2210,16 +2208,16 @@ class World:
     def container(self, value: _Container | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """What accelerates particles: a tuple of `Attractor`, `Gravitation`, `Springs` and
-        `Thermostat`. Assign any sequence of them. They name particles by id; when one is
-        removed, its attractors and springs go with it; when one merges, they are tied to
-        what it becomes, and a spring whose ends become one goes.
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
+        any sequence of them. They refer to particles by id. If a particle is removed, its
+        attractors and springs are removed too. If particles merge, attractors and springs refer
+        to the merged particle, and a spring between two of them is removed.
         """
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
     @property
     def on_touch(self) -> Literal["bounce", "merge", "ignore"]:
-        """What becomes of particles that touch: "bounce", "merge" or "ignore"."""
+        """What happens to particles that touch: "bounce", "merge" or "ignore"."""
     @on_touch.setter
     def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
     @property
@@ -2227,8 +2225,8 @@ class World:
         """New ids after the last call of `step` or `remove`: a read-only ndarray of int64, shape
         (n before the call,), or None if that call changed no id.
 
-        The new id of each old one: ``ids = world.renumbered[ids]`` follows particles.
-        Particles that merged share an id; a removed one has -1, so drop those with
+        Row i is the new id of the old id i: ``ids = world.renumbered[ids]`` updates ids.
+        Particles that merged share an id. A removed particle has -1; drop it with
         ``ids = ids[ids >= 0]`` before the next call. Each call of `step` or `remove` replaces
         the array: read it after every call that may merge or remove particles.
         """
@@ -2239,7 +2237,7 @@ class World:
     def method(self, value: Literal["quadtree", "brute"]) -> None: ...
     @property
     def threads(self) -> int | None:
-        """How many threads work; None for one on each core."""
+        """Number of threads; None for one on each core."""
     @threads.setter
     def threads(self, value: SupportsIndex | None) -> None: ...
     @property
@@ -2249,20 +2247,20 @@ class World:
     def leaf_capacity(self, value: SupportsIndex) -> None: ...
     @property
     def max_depth(self) -> int:
-        """Subdivisions that the tree may make."""
+        """Maximum number of subdivisions of the tree."""
     @max_depth.setter
     def max_depth(self, value: SupportsIndex) -> None: ...
     @property
     def substeps(self) -> int:
-        """Parts of a step in which contacts are solved."""
+        """Sub-steps of a step, in which contacts are solved."""
     @substeps.setter
     def substeps(self, value: SupportsIndex) -> None: ...
     @property
     def contacts(self) -> Contacts:
         """The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
-        ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), how far they
-        overlapped when it ended, negative where they had parted again. Where `on_touch` is
-        not "bounce", the pairs that overlap now.
+        ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), the penetration at
+        its end, negative for pairs that had separated. If `on_touch` is not "bounce", the
+        pairs that overlap now.
         """
     @property
     def momentum(self) -> tuple[float, float]:
@@ -2272,31 +2270,31 @@ class World:
         """Sum of ½ m v²."""
     @property
     def potential_energy(self) -> float:
-        """Energy of everything movable in the fields of gravity (0 at the origin) and of
-        attractors (harmonic 0 at the point, inverse square 0 far away), of springs that
-        have not broken (½ stiffness times stretch squared) and of gravitation (0 far
-        away), which is summed up as its forces are, by boxes where particles are many.
+        """Energy of all movable particles in the fields of gravity (0 at the origin) and of
+        attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
+        springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
+        Barnes and Hut's method if there are many particles).
         """
     @property
     def time(self) -> float:
-        """Seconds that have passed."""
+        """Simulated time in seconds."""
     @property
     def profile(self) -> dict[str, float]:
-        """Milliseconds that each stage of the last step took: a dict of "integrate",
-        "build", "pairs", "contacts" and "resolve", and "forces" where there are any.
+        """Milliseconds of each stage of the last step: a dict of "integrate", "build", "pairs",
+        "contacts" and "resolve", and "forces" if there are forces.
         """
     @property
     def stats(self) -> Stats:
-        """What the search of the last step looked like: a `Stats` of four integers, `nodes`,
-        `leaves` and `depth` of the tree, and `tests`, the pairs that were tested.
+        """The search of the last step: a `Stats` of four integers, `nodes`, `leaves` and
+        `depth` of the tree, and `tests`, the number of pairs that were tested.
         """
     def state_hash(self) -> int:
-        """Sum up all particles in 64 bits.
+        """Return a 64-bit hash of all particles.
 
         Returns
         -------
         int
-            The same for the same particles on every machine.
+            The same for the same particles, on every machine.
 
         Examples
         --------
@@ -2306,13 +2304,13 @@ class World:
         True
         """
     def snapshot(self) -> bytes:
-        """Put all of the world into bytes.
+        """Return the whole state of the world in bytes.
 
         Returns
         -------
         bytes
-            Particles, settings, forces, the time, and what leans on what. They are the same
-            on every machine, and a world that `restore` makes of them goes on to the bit.
+            Particles, settings, forces, the time, and the resting contacts, the same bytes on
+            every machine. A world that `restore` makes from them continues with the same bits.
 
         Examples
         --------
@@ -2325,7 +2323,7 @@ class World:
         """
     @classmethod
     def restore(cls, data: bytes | bytearray | memoryview) -> World:
-        """Make a world of the bytes of `snapshot`.
+        """Make a world from the bytes of `snapshot`.
 
         Parameters
         ----------
@@ -2338,9 +2336,9 @@ class World:
         Raises
         ------
         TypeError
-            If `data` are no bytes.
+            If `data` is not bytes.
         ValueError
-            If they are not from `snapshot`, or cut off or damaged since.
+            If they are not from `snapshot`, or are truncated or damaged.
 
         Examples
         --------
@@ -2357,13 +2355,13 @@ class World:
         Parameters
         ----------
         path : str or os.PathLike
-            A file that is there is replaced, once the new one is whole; it keeps its
-            permissions. A symbolic link stays, and the file that it leads to is replaced.
+            An existing file is replaced when the new one is complete; it keeps its
+            permissions. If the path is a symbolic link, its target is replaced.
 
         Raises
         ------
         OSError
-            If the file cannot be written; then an old one is left as it was.
+            If the file cannot be written; then an existing one is unchanged.
 
         Examples
         --------
@@ -2390,7 +2388,7 @@ class World:
         OSError
             If the file cannot be read.
         ValueError
-            If there is no world in it, or it is cut off or damaged; the sentence names the
+            If it does not contain a world, or is truncated or damaged; the message names the
             file.
 
         Examples
@@ -2411,7 +2409,7 @@ class Box:
     Parameters
     ----------
     min_x, min_y, max_x, max_y : float
-        Its sides, in units of length; min below max. Kept as float32.
+        Its sides, in units of length; min below max. Stored as float32.
 
     Raises
     ------
@@ -2449,14 +2447,14 @@ class Box:
 
 @final
 class Circle:
-    """One round wall.
+    """A circular wall.
 
     Parameters
     ----------
     center : array_like, shape (2,)
-        Its centre, in units of length. Kept as float32.
+        Its centre, in units of length. Stored as float32.
     radius : float
-        Its radius, above 0. Kept as float32.
+        Its radius, above 0. Stored as float32.
 
     Raises
     ------
@@ -2486,13 +2484,13 @@ class Circle:
 
 @final
 class Torus:
-    """A rectangle from (0, 0) whose opposite sides are one: what leaves on the right
-    comes in on the left.
+    """A periodic rectangle from (0, 0): a particle that leaves on the right enters on the
+    left.
 
     Parameters
     ----------
     width, height : float
-        Its sides, in units of length, above 0. Kept as float32.
+        Its sides, in units of length, above 0. Stored as float32.
 
     Raises
     ------
@@ -2522,29 +2520,29 @@ class Torus:
 
 @final
 class Attractor:
-    """A pull to a point, or to a particle.
+    """A force towards a point or a particle.
 
-    A particle of the world feels nothing of what it attracts. On a torus the nearest
-    image of the point pulls.
+    An attracting particle is not accelerated by those that it attracts. On a torus the
+    force is towards the nearest image of the point.
 
     Parameters
     ----------
     point : array_like, shape (2,), optional
-        Where to, in units of length; or give `particle`.
+        The point, in units of length; or give `particle`.
     strength : float
-        Acceleration for each unit of distance ("harmonic"), or G times the mass that
-        pulls ("inverse_square"). Below 0 it pushes.
+        Acceleration for each unit of distance ("harmonic"), or G times the attracting
+        mass ("inverse_square"). If negative, the force is repulsive.
     law : {"harmonic", "inverse_square"}, default "harmonic"
         Acceleration is strength times distance, as in the article, or strength over
-        distance squared; nearer than its own radius a particle is then pulled as by a
-        ball of that radius.
+        distance squared. In the second case the force within a particle's own radius is
+        that inside a homogeneous ball of that radius.
     particle : int, optional
-        Id of the particle that it follows, and with which it goes.
+        Id of the attracting particle; if it is removed, the attractor is removed.
 
     Raises
     ------
     TypeError
-        If not one of `point` and `particle` is given, or one holds no numbers.
+        If not exactly one of `point` and `particle` is given, or it does not hold numbers.
     ValueError
         If a number is not finite, or there is no such law.
 
@@ -2553,7 +2551,7 @@ class Attractor:
     >>> import jostle
     >>> pull = jostle.Attractor((0, 0), 4.0)
     >>> world = jostle.World([(3, 0)], [(0, 0)], radii=1.0, forces=[pull])
-    >>> world.step(0.0078539816, steps=200)  # half a swing, π/2 seconds
+    >>> world.step(0.0078539816, steps=200)  # half a period, π/2 seconds
     >>> world.positions.round(3)
     array([[-3.,  0.]], dtype=float32)
     >>> jostle.Attractor(particle=0, strength=9.0, law="inverse_square")
@@ -2570,17 +2568,17 @@ class Attractor:
     ) -> Self: ...
     @property
     def point(self) -> tuple[float, float] | None:
-        """Where it pulls to, (x, y); None if it follows a particle."""
+        """The attracting point, (x, y); None if it is a particle."""
     @property
     def strength(self) -> float:
-        """Acceleration for each unit of distance, or G times the mass that pulls."""
+        """Acceleration for each unit of distance, or G times the attracting mass."""
     @property
     def law(self) -> Literal["harmonic", "inverse_square"]:
         """ "harmonic" or "inverse_square"."""
     @property
     def particle(self) -> int | None:
-        """Id of the particle that it follows, or None. It changes in a world when particles
-        before this one are removed.
+        """Id of the attracting particle, or None. It changes in a world when particles with smaller
+        ids are removed.
         """
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -2590,22 +2588,22 @@ class Attractor:
 
 @final
 class Gravitation:
-    """All particles pull each other by their masses.
+    """Gravitation between all particles.
 
     The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all
-    others; on a torus everything pulls from its nearest image. Many particles are
-    summed up by Barnes and Hut's method on a quadtree, to about half a percent with
-    the default `theta`; few are added one by one. Momentum is kept.
+    others; on a torus over their nearest images. Many particles are summed by Barnes
+    and Hut's method on a quadtree, with an error of about half a percent for the default
+    `theta`; few are summed exactly. Momentum is conserved.
 
     Parameters
     ----------
     G : float
-        The constant of gravitation.
+        The gravitational constant.
     softening : float, default 0.0
-        A distance below which the pull weakens.
+        Distance below which the force is reduced, in units of length.
     theta : float, default 0.5
-        A box counts as one body where its diagonal over its distance is less; 0 to 1.
-        With 0 every pair is added up.
+        A box is treated as one body if its diagonal divided by its distance is less; 0 to 1.
+        With 0 every pair is summed.
 
     Raises
     ------
@@ -2628,45 +2626,45 @@ class Gravitation:
     def __new__(cls, G: _Number, softening: _Number = 0.0, theta: _Number = 0.5) -> Self: ...
     @property
     def G(self) -> float:
-        """The constant of gravitation."""
+        """The gravitational constant."""
     @property
     def softening(self) -> float:
-        """A distance below which the pull weakens."""
+        """Distance below which the force is reduced, in units of length."""
     @property
     def theta(self) -> float:
-        """Diagonal over distance below which a box counts as one body."""
+        """Diagonal divided by distance below which a box is treated as one body."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[float, float, float]: ...
 
 @final
 class Springs:
-    """Pairs of particles that are tied together.
+    """Springs between pairs of particles.
 
-    Each spring pulls its ends with stiffness times its stretch, and with damping times
-    the speed at which it gets longer. Stiff ones act in short parts of a sub-step; what
-    is too stiff even for these is softened. A spring goes with either of its ends.
+    The force of each spring is stiffness times stretch plus damping times the speed of
+    lengthening. Stiff springs are integrated in parts of a sub-step; the stiffness is
+    limited if even these are too long. A spring is removed with either of its ends.
 
     Parameters
     ----------
     pairs : array_like of int, shape (m, 2)
-        Ids of the two ends of each.
+        Ids of the two ends of each spring.
     lengths : array_like, a number or shape (m,)
-        At rest, in units of length.
+        Lengths at rest, in units of length.
     stiffness : array_like, a number or shape (m,)
-        Force for each unit of length.
+        Force for each unit of stretch.
     damping : array_like, a number or shape (m,), default 0.0
         Force for each unit of speed.
     max_stretch : array_like, a number or shape (m,), optional
-        A spring that is longer than at rest by more than this, in units of length,
-        breaks at the end of a step. Left out, none breaks.
+        Stretch beyond which a spring breaks at the end of a step, in units of length. If
+        omitted, none breaks.
 
     Raises
     ------
     TypeError
-        If an argument does not hold what it should.
+        If an argument has the wrong type.
     ValueError
-        If a shape is wrong or a number is out of range; the sentence says which.
+        If a shape is wrong or a number is out of range; the message says which.
 
     Examples
     --------
@@ -2691,21 +2689,21 @@ class Springs:
     @property
     def pairs(self) -> _Pairs:
         """Ids of the ends: read-only ndarray of int64, shape (m, 2). They change in a world when
-        particles before them are removed.
+        particles with smaller ids are removed.
         """
     @property
     def lengths(self) -> NDArray[np.float32]:
         """Lengths at rest: ndarray of float32, shape (m,)."""
     @property
     def stiffness(self) -> NDArray[np.float32]:
-        """Force for each unit of length: ndarray of float32, shape (m,)."""
+        """Force for each unit of stretch: ndarray of float32, shape (m,)."""
     @property
     def damping(self) -> NDArray[np.float32]:
         """Force for each unit of speed: ndarray of float32, shape (m,)."""
     @property
     def max_stretch(self) -> NDArray[np.float32]:
-        """Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite where
-        it never does.
+        """Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
+        breaks.
         """
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -2714,17 +2712,17 @@ class Springs:
 
 @final
 class Thermostat:
-    """Walls that drive what bounces off them towards a speed.
+    """Walls that heat or cool the particles that bounce off them.
 
     Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-    the article's lesson about gases. A world has one at most.
+    the article's lesson about gases. A world has at most one thermostat.
 
     Parameters
     ----------
     speed : float
-        In units of length a second, at least 0.
+        In units of length per second, at least 0.
     rate : float
-        The walls' share, 0 to 1; with 1 everything leaves them at `speed`.
+        Rate of the change, 0 to 1; with 1 particles leave the walls with `speed`.
 
     Raises
     ------
@@ -2748,10 +2746,10 @@ class Thermostat:
     def __new__(cls, speed: _Number, rate: _Number) -> Self: ...
     @property
     def speed(self) -> float:
-        """The speed of the walls."""
+        """The target speed."""
     @property
     def rate(self) -> float:
-        """Their share in a bounce."""
+        """The rate of the change, 0 to 1."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[float, float]: ...
@@ -2772,7 +2770,7 @@ def scene_names() -> list[str]:
     """
 
 def describe_scene(name: str) -> str:
-    """Say what there is to see in a scene.
+    """Describe a scene.
 
     Parameters
     ----------
@@ -2797,23 +2795,23 @@ def describe_scene(name: str) -> str:
     """
 
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World:
-    """Set a scene up.
+    """Make the world of a scene.
 
     Parameters
     ----------
     name : str
         One of `names()`.
     n : int, optional
-        Number of particles; as many as suit the scene unless given. Sizes follow. The
-        beads that walls are strung of, and the pegs of `galton`, come in addition, and
-        first. For `emitters` it is the most drops that there will be.
+        Number of particles; by default a suitable number for the scene. Sizes depend on it.
+        The discs of walls and the pegs of `galton` come in addition, and first. For
+        `emitters` it is the maximum number of drops.
     seed : int, default 0
         The same seed gives the same world on every machine.
 
     Returns
     -------
     World
-        In pixels and seconds, y growing downwards, made for steps of 1/60 s.
+        In pixels and seconds, y grows downwards, for steps of 1/60 s.
 
     Raises
     ------
@@ -2830,7 +2828,7 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
     """
 
 def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float, float, float]:
-    """Say which part of a scene's world to look at.
+    """Return the part of a scene's world to display.
 
     Parameters
     ----------
@@ -2857,7 +2855,7 @@ def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float,
     """
 
 def scene_default_count(name: str) -> int:
-    """Say how many particles suit a scene.
+    """Return the default number of particles of a scene.
 
     Parameters
     ----------
@@ -2867,7 +2865,7 @@ def scene_default_count(name: str) -> int:
     Returns
     -------
     int
-        What `create` takes where no `n` is given.
+        What `create` uses if `n` is omitted.
 
     Raises
     ------
@@ -2882,15 +2880,15 @@ def scene_default_count(name: str) -> int:
     """
 
 def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]:
-    """Say where the drops of the scene `emitters` come from.
+    """Return the sources of the drops in the scene `emitters`.
 
-    A world has nothing that makes particles: whoever steps it adds what is due, and takes
-    the oldest drops away where there would be more than `n`.
+    A world does not emit particles: the caller of `step` adds new drops, and removes the
+    oldest drops if there would be more than `n`.
 
     Parameters
     ----------
     n : int, optional
-        Most drops that there will be, as for `create`.
+        Maximum number of drops, as for `create`.
 
     Returns
     -------
@@ -2911,7 +2909,7 @@ def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]:
     """
 
 def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
-    """Say where things are on the board of the scene `galton`.
+    """Return the geometry of the board in the scene `galton`.
 
     Parameters
     ----------
@@ -2937,29 +2935,29 @@ def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
     """
 
 def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float32]:
-    """String beads in a straight line, for a wall of immovable discs.
+    """Place discs in a straight line, for a wall of static discs.
 
-    They lie so close that what slides along them feels a smooth wall, and nothing gets
-    through between two.
+    They are so close that particles slide along them as along a smooth wall, and none passes
+    between two of them.
 
     Parameters
     ----------
     start, end : tuple of float
-        Centres of the first bead and the last, x and y.
+        Centres of the first and the last disc, x and y.
     radius : float
-        Of each bead; half the thickness of the wall.
+        Radius of each disc; half the thickness of the wall.
 
     Returns
     -------
     ndarray of float32, shape (k, 2)
-        Their centres, from `start` to `end`, at most 0.4 radii apart. One, if the two are
-        the same.
+        Their centres, from `start` to `end`, at most 0.4 radii apart; one centre if `start` and
+        `end` are equal.
 
     Raises
     ------
     ValueError
-        If a number is not finite, `radius` is not above 0, or so thin a wall would have
-        more than a million beads.
+        If a number is not finite, `radius` is not above 0, or the wall would have more than a
+        million discs.
 
     Examples
     --------

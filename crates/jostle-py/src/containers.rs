@@ -12,7 +12,7 @@ use crate::error::refused;
 /// Parameters
 /// ----------
 /// min_x, min_y, max_x, max_y : float
-///     Its sides, in units of length; min below max. Kept as float32.
+///     Its sides, in units of length; min below max. Stored as float32.
 ///
 /// Raises
 /// ------
@@ -92,14 +92,14 @@ impl PyBox {
     }
 }
 
-/// One round wall.
+/// A circular wall.
 ///
 /// Parameters
 /// ----------
 /// center : array_like, shape (2,)
-///     Its centre, in units of length. Kept as float32.
+///     Its centre, in units of length. Stored as float32.
 /// radius : float
-///     Its radius, above 0. Kept as float32.
+///     Its radius, above 0. Stored as float32.
 ///
 /// Raises
 /// ------
@@ -158,13 +158,13 @@ impl PyCircle {
     }
 }
 
-/// A rectangle from (0, 0) whose opposite sides are one: what leaves on the right
-/// comes in on the left.
+/// A periodic rectangle from (0, 0): a particle that leaves on the right enters on the
+/// left.
 ///
 /// Parameters
 /// ----------
 /// width, height : float
-///     Its sides, in units of length, above 0. Kept as float32.
+///     Its sides, in units of length, above 0. Stored as float32.
 ///
 /// Raises
 /// ------

@@ -12,11 +12,11 @@ use crate::arrays::table;
 use crate::error::refused;
 use crate::space::PySpace;
 
-/// What became of the pairs of a space from one update to the next.
+/// Changes of the overlapping pairs of a space between two updates.
 ///
-/// Each part holds ids, the smaller first, and is sorted by first, then by second. Unpacking
-/// gives all three: ``entered, stayed, left = space.update()``. To go without `stayed`, which
-/// takes time for every pair there is, ask for the others by name.
+/// Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
+/// Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
+/// for every pair in the space; to avoid it, read the other attributes by name.
 ///
 /// Examples
 /// --------
@@ -41,7 +41,7 @@ type Pairs = Py<PyArray2<Id>>;
 
 #[pymethods]
 impl PyEvents {
-    /// Pairs that overlap now and did not at the update before: ndarray of int64, shape (m, 2).
+    /// Pairs that overlap now and did not at the previous update: ndarray of int64, shape (m, 2).
     #[getter]
     fn entered<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
         kept(py, &self.entered, || copied(py, &self.events.entered))
@@ -49,8 +49,8 @@ impl PyEvents {
 
     /// Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
     ///
-    /// They are worked out when they are first asked for, which has to be before the next
-    /// update of the space.
+    /// They are computed when they are first read, which must be before the next update of the
+    /// space.
     #[getter]
     fn stayed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
         kept(py, &self.stayed, || {
@@ -63,7 +63,7 @@ impl PyEvents {
         })
     }
 
-    /// Pairs that overlapped at the update before and do not now, be it that a shape was
+    /// Pairs that overlapped at the previous update and do not now, also because a shape was
     /// removed: ndarray of int64, shape (m, 2).
     #[getter]
     fn left<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {

@@ -16,33 +16,33 @@ use crate::shapes::{Rows, Shapes};
 /// Find every pair of overlapping shapes.
 ///
 /// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-/// ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius.
+/// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
 /// Touching is not overlapping.
 ///
 /// Parameters
 /// ----------
 /// centers : array_like, shape (n, 2), optional
-///     Centres, in any unit of length; to be given unless `boxes` is.
+///     Centres, in any unit of length; required unless `boxes` is given.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
-///     Half widths and half heights. Left out, every shape is a circle.
+///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
 ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
-///     What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
-///     read by them, in a list or a tuple. The four numbers are compared as they are:
-///     boxes that share an edge never overlap, while sides that are
-///     ``center ± half_size`` are rounded. With `radii`, the boxes are rounded by them.
+///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+///     are accepted in a list or a tuple. The four numbers are compared without rounding:
+///     boxes that share an edge never overlap, whereas sides computed as
+///     ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
 /// method : {"auto", "brute", "quadtree"}, default "auto"
-///     How the pairs are found, never which: "auto" takes brute force where that
+///     How the pairs are found; the pairs are the same. "auto" uses brute force if it
 ///     is faster.
 /// sort : bool, default False
-///     Whether to sort the pairs by first, then by second shape. Without, their
-///     order says nothing.
+///     Whether to sort the pairs by the first, then by the second shape. If False, their
+///     order is not specified.
 /// max_pairs : int, default 134217728
-///     The most pairs to return; the default is two gibibytes of them.
+///     Maximum number of pairs to return; the default corresponds to 2 GiB.
 /// threads : int, optional
-///     How many threads work, at most one for each core, which is the default. The answer is the
+///     Number of threads, at most one for each core, which is the default. The answer is the
 ///     same for every number.
 ///
 /// Returns
@@ -63,11 +63,11 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Notes
 /// -----
-/// Arithmetic is float32 if every array given is float32, else float64. A plain
-/// number, or a plain pair of half sizes, takes the precision of the arrays
-/// beside it.
+/// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
+/// number, or a plain pair of half sizes, takes the precision of the given
+/// arrays.
 ///
-/// Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
+/// Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
 /// is at most an eighth of the largest number of the type, a box at most twice as wide and
 /// high as that.

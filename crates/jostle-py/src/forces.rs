@@ -14,29 +14,29 @@ use crate::arrays::{
 use crate::error::{refused, type_error, value_error};
 use crate::particles::reals;
 
-/// A pull to a point, or to a particle.
+/// A force towards a point or a particle.
 ///
-/// A particle of the world feels nothing of what it attracts. On a torus the nearest
-/// image of the point pulls.
+/// An attracting particle is not accelerated by those that it attracts. On a torus the
+/// force is towards the nearest image of the point.
 ///
 /// Parameters
 /// ----------
 /// point : array_like, shape (2,), optional
-///     Where to, in units of length; or give `particle`.
+///     The point, in units of length; or give `particle`.
 /// strength : float
-///     Acceleration for each unit of distance ("harmonic"), or G times the mass that
-///     pulls ("inverse_square"). Below 0 it pushes.
+///     Acceleration for each unit of distance ("harmonic"), or G times the attracting
+///     mass ("inverse_square"). If negative, the force is repulsive.
 /// law : {"harmonic", "inverse_square"}, default "harmonic"
 ///     Acceleration is strength times distance, as in the article, or strength over
-///     distance squared; nearer than its own radius a particle is then pulled as by a
-///     ball of that radius.
+///     distance squared. In the second case the force within a particle's own radius is
+///     that inside a homogeneous ball of that radius.
 /// particle : int, optional
-///     Id of the particle that it follows, and with which it goes.
+///     Id of the attracting particle; if it is removed, the attractor is removed.
 ///
 /// Raises
 /// ------
 /// TypeError
-///     If not one of `point` and `particle` is given, or one holds no numbers.
+///     If not exactly one of `point` and `particle` is given, or it does not hold numbers.
 /// ValueError
 ///     If a number is not finite, or there is no such law.
 ///
@@ -45,7 +45,7 @@ use crate::particles::reals;
 /// >>> import jostle
 /// >>> pull = jostle.Attractor((0, 0), 4.0)
 /// >>> world = jostle.World([(3, 0)], [(0, 0)], radii=1.0, forces=[pull])
-/// >>> world.step(0.0078539816, steps=200)  # half a swing, π/2 seconds
+/// >>> world.step(0.0078539816, steps=200)  # half a period, π/2 seconds
 /// >>> world.positions.round(3)
 /// array([[-3.,  0.]], dtype=float32)
 /// >>> jostle.Attractor(particle=0, strength=9.0, law="inverse_square")
@@ -84,7 +84,7 @@ impl PyAttractor {
         Ok(Self(attractor))
     }
 
-    /// Where it pulls to, (x, y); None if it follows a particle.
+    /// The attracting point, (x, y); None if it is a particle.
     #[getter]
     fn point(&self) -> Option<(f64, f64)> {
         match self.0.pole {
@@ -93,7 +93,7 @@ impl PyAttractor {
         }
     }
 
-    /// Acceleration for each unit of distance, or G times the mass that pulls.
+    /// Acceleration for each unit of distance, or G times the attracting mass.
     #[getter]
     fn strength(&self) -> f64 {
         decimal(self.0.strength)
@@ -108,8 +108,8 @@ impl PyAttractor {
         }
     }
 
-    /// Id of the particle that it follows, or None. It changes in a world when particles
-    /// before this one are removed.
+    /// Id of the attracting particle, or None. It changes in a world when particles with smaller
+    /// ids are removed.
     #[getter]
     fn particle(&self) -> Option<u32> {
         match self.0.pole {
@@ -145,22 +145,22 @@ impl PyAttractor {
     }
 }
 
-/// All particles pull each other by their masses.
+/// Gravitation between all particles.
 ///
 /// The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all
-/// others; on a torus everything pulls from its nearest image. Many particles are
-/// summed up by Barnes and Hut's method on a quadtree, to about half a percent with
-/// the default `theta`; few are added one by one. Momentum is kept.
+/// others; on a torus over their nearest images. Many particles are summed by Barnes
+/// and Hut's method on a quadtree, with an error of about half a percent for the default
+/// `theta`; few are summed exactly. Momentum is conserved.
 ///
 /// Parameters
 /// ----------
 /// G : float
-///     The constant of gravitation.
+///     The gravitational constant.
 /// softening : float, default 0.0
-///     A distance below which the pull weakens.
+///     Distance below which the force is reduced, in units of length.
 /// theta : float, default 0.5
-///     A box counts as one body where its diagonal over its distance is less; 0 to 1.
-///     With 0 every pair is added up.
+///     A box is treated as one body if its diagonal divided by its distance is less; 0 to 1.
+///     With 0 every pair is summed.
 ///
 /// Raises
 /// ------
@@ -208,19 +208,19 @@ impl PyGravitation {
         Ok(Self(gravitation))
     }
 
-    /// The constant of gravitation.
+    /// The gravitational constant.
     #[getter(G)]
     fn g(&self) -> f64 {
         decimal(self.0.g)
     }
 
-    /// A distance below which the pull weakens.
+    /// Distance below which the force is reduced, in units of length.
     #[getter]
     fn softening(&self) -> f64 {
         decimal(self.0.softening)
     }
 
-    /// Diagonal over distance below which a box counts as one body.
+    /// Diagonal divided by distance below which a box is treated as one body.
     #[getter]
     fn theta(&self) -> f64 {
         decimal(self.0.theta)
@@ -240,32 +240,32 @@ impl PyGravitation {
     }
 }
 
-/// Pairs of particles that are tied together.
+/// Springs between pairs of particles.
 ///
-/// Each spring pulls its ends with stiffness times its stretch, and with damping times
-/// the speed at which it gets longer. Stiff ones act in short parts of a sub-step; what
-/// is too stiff even for these is softened. A spring goes with either of its ends.
+/// The force of each spring is stiffness times stretch plus damping times the speed of
+/// lengthening. Stiff springs are integrated in parts of a sub-step; the stiffness is
+/// limited if even these are too long. A spring is removed with either of its ends.
 ///
 /// Parameters
 /// ----------
 /// pairs : array_like of int, shape (m, 2)
-///     Ids of the two ends of each.
+///     Ids of the two ends of each spring.
 /// lengths : array_like, a number or shape (m,)
-///     At rest, in units of length.
+///     Lengths at rest, in units of length.
 /// stiffness : array_like, a number or shape (m,)
-///     Force for each unit of length.
+///     Force for each unit of stretch.
 /// damping : array_like, a number or shape (m,), default 0.0
 ///     Force for each unit of speed.
 /// max_stretch : array_like, a number or shape (m,), optional
-///     A spring that is longer than at rest by more than this, in units of length,
-///     breaks at the end of a step. Left out, none breaks.
+///     Stretch beyond which a spring breaks at the end of a step, in units of length. If
+///     omitted, none breaks.
 ///
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold what it should.
+///     If an argument has the wrong type.
 /// ValueError
-///     If a shape is wrong or a number is out of range; the sentence says which.
+///     If a shape is wrong or a number is out of range; the message says which.
 ///
 /// Examples
 /// --------
@@ -321,7 +321,7 @@ impl PySprings {
     }
 
     /// Ids of the ends: read-only ndarray of int64, shape (m, 2). They change in a world when
-    /// particles before them are removed.
+    /// particles with smaller ids are removed.
     #[getter]
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         Ok(read_only(table(
@@ -336,7 +336,7 @@ impl PySprings {
         read_only(column(py, self.0.0.iter().map(|spring| spring.length).collect()))
     }
 
-    /// Force for each unit of length: ndarray of float32, shape (m,).
+    /// Force for each unit of stretch: ndarray of float32, shape (m,).
     #[getter]
     fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
         read_only(column(py, self.0.0.iter().map(|spring| spring.stiffness).collect()))
@@ -348,8 +348,8 @@ impl PySprings {
         read_only(column(py, self.0.0.iter().map(|spring| spring.damping).collect()))
     }
 
-    /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite where
-    /// it never does.
+    /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
+    /// breaks.
     #[getter]
     fn max_stretch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
         read_only(column(py, self.0.0.iter().map(|spring| spring.max_stretch).collect()))
@@ -370,17 +370,17 @@ impl PySprings {
     }
 }
 
-/// Walls that drive what bounces off them towards a speed.
+/// Walls that heat or cool the particles that bounce off them.
 ///
 /// Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-/// the article's lesson about gases. A world has one at most.
+/// the article's lesson about gases. A world has at most one thermostat.
 ///
 /// Parameters
 /// ----------
 /// speed : float
-///     In units of length a second, at least 0.
+///     In units of length per second, at least 0.
 /// rate : float
-///     The walls' share, 0 to 1; with 1 everything leaves them at `speed`.
+///     Rate of the change, 0 to 1; with 1 particles leave the walls with `speed`.
 ///
 /// Raises
 /// ------
@@ -416,13 +416,13 @@ impl PyThermostat {
         Ok(Self(thermostat))
     }
 
-    /// The speed of the walls.
+    /// The target speed.
     #[getter]
     fn speed(&self) -> f64 {
         decimal(self.0.speed)
     }
 
-    /// Their share in a bounce.
+    /// The rate of the change, 0 to 1.
     #[getter]
     fn rate(&self) -> f64 {
         decimal(self.0.rate)

@@ -20,39 +20,39 @@ use crate::shapes::{Rows, Shapes};
 /// A quadtree over shapes that do not change.
 ///
 /// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-/// ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius. The
-/// tree is built once, around whatever positions it is given; there are no bounds
-/// to choose. Several threads may ask it at the same time.
+/// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0. The
+/// tree is built once, for any positions; there are no bounds to choose. Several threads may
+/// query it at the same time.
 ///
 /// Parameters
 /// ----------
 /// centers : array_like, shape (n, 2), optional
-///     Centres, in any unit of length; to be given unless `boxes` is.
+///     Centres, in any unit of length; required unless `boxes` is given.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
-///     Half widths and half heights. Left out, every shape is a circle.
+///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
 ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
-///     What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
-///     read by them, in a list or a tuple. The four numbers are compared as they are:
-///     boxes that share an edge never overlap, while sides that are
-///     ``center ± half_size`` are rounded. With `radii`, the boxes are rounded by them.
+///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+///     are accepted in a list or a tuple. The four numbers are compared without rounding:
+///     boxes that share an edge never overlap, whereas sides computed as
+///     ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
 /// categories : array_like of int, a number or shape (n,), optional
-///     What each shape is, as a set of 32 bits; 1 where left out.
+///     Categories of each shape, as a set of 32 bits; 1 if omitted.
 /// masks : array_like of int, a number or shape (n,), optional
-///     What each shape may pair with, as a set of 32 bits; all of them where left
-///     out. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
-///     ``categories[j] & masks[i]`` have a bit. A negative integer stands for its low 32
-///     bits, so ``masks=~SHIP`` is every category but SHIP. Of a uint8 or uint16 array ``~``
-///     gives no bits above the 8th or 16th.
+///     Categories each shape may pair with, as a set of 32 bits; all of them if
+///     omitted. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
+///     ``categories[j] & masks[i]`` are not 0. A negative integer stands for its low 32
+///     bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~``
+///     sets no bits above the 8th or 16th.
 /// leaf_capacity : int, default 96
 ///     Shapes that a box may hold before it splits into four.
 /// max_depth : int, default 4096
-///     Subdivisions allowed: 0 keeps everything in one box, 2 allows two. The
-///     default never stops a split.
+///     Maximum number of subdivisions: with 0 there is one box, with 2 there are two levels
+///     below it. The default never prevents a split.
 /// threads : int, optional
-///     How many threads work, at most one for each core, which is the default. Every answer is
+///     Number of threads, at most one for each core, which is the default. Every answer is
 ///     the same for every number.
 ///
 /// Raises
@@ -65,11 +65,11 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Notes
 /// -----
-/// Arithmetic is float32 if every array given is float32, else float64. A plain
-/// number, or a plain pair of half sizes, takes the precision of the arrays
-/// beside it.
+/// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
+/// number, or a plain pair of half sizes, takes the precision of the given
+/// arrays.
 ///
-/// Centres may lie anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
+/// Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
 /// is at most an eighth of the largest number of the type, a box at most twice as wide and
 /// high as that.
@@ -164,16 +164,16 @@ impl PyQuadtree {
     /// Parameters
     /// ----------
     /// other : Quadtree, optional
-    ///     A tree of the same dtype. Left out, the pairs are those within this tree, ``i < j``.
-    ///     This tree given as `other` is treated as any other tree: each pair comes in both
-    ///     orders, and each shape of some size pairs with itself.
+    ///     A tree of the same dtype. If omitted, the pairs are those within this tree, ``i < j``.
+    ///     If `other` is this tree, it is treated as any other tree: each pair comes in both
+    ///     orders, and each shape with an area pairs with itself.
     /// sort : bool, default False
-    ///     Whether to sort the pairs by first, then by second shape. Without, they
-    ///     come in the order of this tree, the same for every number of threads.
+    ///     Whether to sort the pairs by the first, then by the second shape. If False, they
+    ///     come in the order of this tree, which is the same for every number of threads.
     /// max_pairs : int, default 134217728
-    ///     The most pairs to return; the default is two gibibytes of them.
+    ///     Maximum number of pairs to return; the default corresponds to 2 GiB.
     /// mask : int, optional
-    ///     Find only pairs of which both have a category in this set of bits.
+    ///     Find only pairs whose shapes both have a category in this set of bits.
     ///
     /// Returns
     /// -------
@@ -233,26 +233,27 @@ impl PyQuadtree {
     /// Parameters
     /// ----------
     /// max_pairs : int, default 134217728
-    ///     The most pairs to return. Each takes 32 bytes, in float32 20, and about as much
-    ///     while they are searched; nothing is set aside for more than there are.
+    ///     Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
+    ///     much during the search; memory is allocated only for the pairs that are found.
     ///
     /// Returns
     /// -------
     /// Contacts
     ///     pairs : ndarray of int64, shape (m, 2)
-    ///         As :meth:`pairs` gives them, in the order of the tree.
+    ///         As from :meth:`pairs`, in the order of the tree.
     ///     normals : ndarray of the tree's dtype, shape (m, 2)
-    ///         Unit vectors from i to j. Where the boxes inside the shapes overlap, the
-    ///         axis along which the way out is shortest; +x for coincident centres.
+    ///         Unit vectors from i to j. If the cores of the shapes overlap, the axis
+    ///         of least penetration; +x for coincident centres.
     ///     depths : ndarray of the tree's dtype, shape (m,)
-    ///         How far j has to move along the normal until the two only touch.
+    ///         Penetration: the distance that j must move along the normal until the two only
+    ///         touch.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If more than `max_pairs` pairs overlap.
     /// MemoryError
-    ///     If there is no memory for them.
+    ///     If there is no memory for the contacts.
     ///
     /// Examples
     /// --------
@@ -278,17 +279,17 @@ impl PyQuadtree {
     /// Parameters
     /// ----------
     /// rect : array_like, shape (4,) or (k, 4)
-    ///     min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
-    ///     `top`, `right` and `bottom`, as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-    ///     `max_y`, as :class:`jostle.Box`, is read by them, also in a list.
+    ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
+    ///     `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
+    ///     `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending. For many rectangles a `Hits` of all of them. What only
-    ///     touches a rectangle does not overlap it.
+    ///     Row numbers, ascending; for many rectangles a `Hits`. A shape that only touches
+    ///     a rectangle does not overlap it.
     ///
     /// Raises
     /// ------
@@ -298,9 +299,9 @@ impl PyQuadtree {
     ///
     /// Notes
     /// -----
-    /// Every question is read in the tree's dtype and answered as brute force would, in
-    /// that arithmetic. Many questions are answered on all threads of the tree. A shape
-    /// of no category (0) is found only where no mask is given.
+    /// Queries are converted to the tree's dtype; the answer is that of brute force in that
+    /// arithmetic. Many queries in one call use all threads of the tree. A shape without
+    /// categories (0) is found only if no mask is given.
     ///
     /// Examples
     /// --------
@@ -338,8 +339,8 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending. For many discs a `Hits` of all of them. What only
-    ///     touches a disc does not overlap it.
+    ///     Row numbers, ascending; for many discs a `Hits`. A shape that only touches
+    ///     a disc does not overlap it.
     ///
     /// Raises
     /// ------
@@ -367,12 +368,11 @@ impl PyQuadtree {
         }))
     }
 
-    /// Find the shapes that a point is in, or each of many points.
+    /// Find the shapes that contain a point, or each of many points.
     ///
-    /// A point is in a circle, or in a rounded box, up to and with its edge. It is in a
-    /// rectangle as pygame has it: the left and the upper edge are in, the right and the
-    /// lower are not, so tiles side by side share no point. A rectangle without width and
-    /// height is a circle of radius 0.
+    /// A circle or a rounded box contains its edge. A rectangle contains its left and its
+    /// upper edge, but not the right and the lower, as in pygame, so tiles side by side
+    /// share no point. A rectangle of width and height 0 is a circle of radius 0.
     ///
     /// Parameters
     /// ----------
@@ -384,7 +384,7 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending. For many points a `Hits` of all of them.
+    ///     Row numbers, ascending; for many points a `Hits`.
     ///
     /// Raises
     /// ------
@@ -415,20 +415,20 @@ impl PyQuadtree {
     /// Parameters
     /// ----------
     /// vertices : array_like, shape (v, 2) or (k, v, 2)
-    ///     Corners in their order, in either direction of turning.
+    ///     Corners in order, clockwise or counterclockwise.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending. For many polygons a `Hits` of all of them. What only
-    ///     touches a polygon does not overlap it.
+    ///     Row numbers, ascending; for many polygons a `Hits`. A shape that only touches
+    ///     a polygon does not overlap it.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If a polygon has less than three corners, is not convex or has no area, if a
+    ///     If a polygon has fewer than three corners, is not convex or has no area, if a
     ///     coordinate is not finite, or there are more than 134217728 ids.
     ///
     /// Examples
@@ -457,25 +457,25 @@ impl PyQuadtree {
     /// point : array_like, shape (2,) or (n, 2)
     ///     Points.
     /// k : int, default 1
-    ///     How many shapes to find.
+    ///     Number of shapes to find.
     /// max_distance : float, default inf
-    ///     Find nothing farther than this.
+    ///     Ignore shapes farther than this, in units of length.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// Neighbors
-    ///     Unpacks as ``distances, ids``, in this order, as `cKDTree.query` of SciPy
-    ///     (:meth:`raycast` gives the row first).
+    ///     Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
+    ///     (:meth:`raycast` returns the row first).
     ///
     ///     distances : ndarray of the tree's dtype, shape (k,) or (n, k)
-    ///         How far it is to the surface of each shape, nearest first; 0 inside,
-    ///         infinity where there are fewer than k.
+    ///         Distances to the surfaces, nearest first; 0 inside a shape, infinity if
+    ///         fewer than k are found.
     ///     ids : ndarray of int64, shape (k,) or (n, k)
-    ///         Row numbers, of shapes as near the smaller first; -1 where there are
-    ///         fewer than k: leave those out before you index with them. A point that is
-    ///         a shape of the tree has itself for its nearest.
+    ///         Row numbers, the smaller first at equal distances; -1 if fewer than k are
+    ///         found: remove those before you use them as an index. The nearest shape of a
+    ///         point in the tree is that point itself.
     ///
     /// Raises
     /// ------
@@ -513,27 +513,27 @@ impl PyQuadtree {
         })
     }
 
-    /// Find what a ray hits first, or each of many.
+    /// Find the first shape that a ray hits, or each of many rays.
     ///
     /// Parameters
     /// ----------
     /// origin : array_like, shape (2,) or (k, 2)
-    ///     Where each ray begins.
+    ///     Start of each ray.
     /// direction : array_like, shape (2,) or (k, 2)
-    ///     Where each ray goes; the length does not matter. One origin may have many
-    ///     directions, and many origins one.
+    ///     Direction of each ray, of any length except 0. One origin may have many
+    ///     directions, and many origins one direction.
     /// max_distance : float, default inf
-    ///     How far the rays reach, in units of length.
+    ///     Maximum length of the rays, in units of length.
     /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
     ///
     /// Returns
     /// -------
     /// RayHit or RayHits
-    ///     Unpacks as ``row, distance``, in this order (:meth:`nearest` gives distances
-    ///     first). Of shapes at one distance the smaller row; -1 and infinity where nothing is
-    ///     hit, so look at the row before you index with it. The distance is that to the
-    ///     surface, 0 where a ray begins in a shape. Arrays of them for many rays. A ray that
+    ///     Unpacks as ``row, distance``, in this order (:meth:`nearest` returns distances
+    ///     first); for many rays, arrays of both. At equal distances the smaller row; -1 and
+    ///     infinity if nothing is hit, so test the row before you use it as an index. The
+    ///     distance is that to the surface, 0 if a ray starts in a shape. A ray that only
     ///     touches an edge hits it.
     ///
     /// Raises
@@ -564,25 +564,25 @@ impl PyQuadtree {
         self.cast(py, (origin, direction, None), &max_distance, mask)
     }
 
-    /// Find what a disc that is thrown hits first, or each of many.
+    /// Find the first shape that a moving disc hits, or each of many discs.
     ///
     /// Parameters
     /// ----------
     /// origin : array_like, shape (2,) or (k, 2)
-    ///     Where the centre of each disc begins.
+    ///     Start of the centre of each disc.
     /// direction : array_like, shape (2,) or (k, 2)
-    ///     Where it goes; the length does not matter.
+    ///     Direction of the motion, of any length except 0.
     /// radius : array_like, a number or shape (k,)
     ///     Radii of the discs.
     /// max_distance : float, default inf
-    ///     How far the discs fly, in units of length.
+    ///     Maximum distance of the motion, in units of length.
     /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
     ///
     /// Returns
     /// -------
     /// RayHit or RayHits
-    ///     Row number and how far the disc gets, as :meth:`raycast` gives them.
+    ///     Row number and distance of the motion until the hit, as from :meth:`raycast`.
     ///
     /// Raises
     /// ------
@@ -612,24 +612,24 @@ impl PyQuadtree {
         self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
     }
 
-    /// Look at the boxes of the tree.
+    /// Return the boxes of the tree.
     ///
     /// Returns
     /// -------
     /// Nodes
     ///     boxes : ndarray of float64, shape (k, 4)
-    ///         min_x, min_y, max_x, max_y of each box. It holds the centres of its
-    ///         shapes; a shape may reach over its border. Quarters without a shape
-    ///         are left out, and so are subdivisions that would part nothing: shapes at
-    ///         one place are in one box, however many they are.
+    ///         min_x, min_y, max_x, max_y of each box. It contains the centres of its
+    ///         shapes; a shape may extend beyond it. Quarters without shapes
+    ///         are omitted, and so are subdivisions that would separate nothing:
+    ///         coincident shapes are in one box, whatever their number.
     ///     depths : ndarray of int64, shape (k,)
     ///         Subdivisions above each box.
     ///     counts : ndarray of int64, shape (k,)
-    ///         Shapes in each box and all below it.
+    ///         Shapes in each box and its descendants.
     ///     is_leaf : ndarray of bool, shape (k,)
     ///         Whether the box did not split.
     ///
-    ///     Parents stand before their children; the first box is the root. A tree
+    ///     Parents precede their children; the first box is the root. A tree
     ///     without shapes has no boxes.
     ///
     /// Examples
@@ -644,12 +644,12 @@ impl PyQuadtree {
         with_tree!(&self.tree, tree => results::nodes(py, tree))
     }
 
-    /// What the tree looks like and how much work its last answer was.
+    /// Size of the tree and number of tests of the last query.
     ///
     /// A `Stats` of four integers: `nodes` (boxes), `leaves` (boxes that did not
-    /// split), `depth` (subdivisions above the deepest box) and `tests` (how often
-    /// the last question tested a shape, against another or against what was asked
-    /// for; 0 before the first).
+    /// split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
+    /// the last query tested, against another shape or against the query; 0 before
+    /// the first query).
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tests = self.tests.load(Ordering::Relaxed);

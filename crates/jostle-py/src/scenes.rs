@@ -26,7 +26,7 @@ pub fn names() -> Vec<&'static str> {
     SCENES.iter().map(|scene| scene.name).collect()
 }
 
-/// Say what there is to see in a scene.
+/// Describe a scene.
 ///
 /// Parameters
 /// ----------
@@ -53,7 +53,7 @@ pub fn describe(name: &Bound<'_, PyAny>) -> PyResult<&'static str> {
     Ok(scene(name)?.about)
 }
 
-/// Say how many particles suit a scene.
+/// Return the default number of particles of a scene.
 ///
 /// Parameters
 /// ----------
@@ -63,7 +63,7 @@ pub fn describe(name: &Bound<'_, PyAny>) -> PyResult<&'static str> {
 /// Returns
 /// -------
 /// int
-///     What `create` takes where no `n` is given.
+///     What `create` uses if `n` is omitted.
 ///
 /// Raises
 /// ------
@@ -80,23 +80,23 @@ pub fn default_count(name: &Bound<'_, PyAny>) -> PyResult<usize> {
     Ok(scene(name)?.default_count)
 }
 
-/// Set a scene up.
+/// Make the world of a scene.
 ///
 /// Parameters
 /// ----------
 /// name : str
 ///     One of `names()`.
 /// n : int, optional
-///     Number of particles; as many as suit the scene unless given. Sizes follow. The
-///     beads that walls are strung of, and the pegs of `galton`, come in addition, and
-///     first. For `emitters` it is the most drops that there will be.
+///     Number of particles; by default a suitable number for the scene. Sizes depend on it.
+///     The discs of walls and the pegs of `galton` come in addition, and first. For
+///     `emitters` it is the maximum number of drops.
 /// seed : int, default 0
 ///     The same seed gives the same world on every machine.
 ///
 /// Returns
 /// -------
 /// World
-///     In pixels and seconds, y growing downwards, made for steps of 1/60 s.
+///     In pixels and seconds, y grows downwards, for steps of 1/60 s.
 ///
 /// Raises
 /// ------
@@ -127,7 +127,7 @@ pub fn create(
     Ok(PyWorld::of(world.map_err(refused)?))
 }
 
-/// Say which part of a scene's world to look at.
+/// Return the part of a scene's world to display.
 ///
 /// Parameters
 /// ----------
@@ -161,15 +161,15 @@ pub fn view(
     Ok(view.map(decimal).into())
 }
 
-/// Say where the drops of the scene `emitters` come from.
+/// Return the sources of the drops in the scene `emitters`.
 ///
-/// A world has nothing that makes particles: whoever steps it adds what is due, and takes
-/// the oldest drops away where there would be more than `n`.
+/// A world does not emit particles: the caller of `step` adds new drops, and removes the
+/// oldest drops if there would be more than `n`.
 ///
 /// Parameters
 /// ----------
 /// n : int, optional
-///     Most drops that there will be, as for `create`.
+///     Maximum number of drops, as for `create`.
 ///
 /// Returns
 /// -------
@@ -197,7 +197,7 @@ pub fn fountains<'py>(
     nozzles.iter().map(|nozzle| results::nozzle(py, nozzle)).collect()
 }
 
-/// Say where things are on the board of the scene `galton`.
+/// Return the geometry of the board in the scene `galton`.
 ///
 /// Parameters
 /// ----------
@@ -229,29 +229,29 @@ pub fn galton_board<'py>(
     results::galton_board(py, scenes::galton_board(particles(n)?).map_err(refused)?)
 }
 
-/// String beads in a straight line, for a wall of immovable discs.
+/// Place discs in a straight line, for a wall of static discs.
 ///
-/// They lie so close that what slides along them feels a smooth wall, and nothing gets
-/// through between two.
+/// They are so close that particles slide along them as along a smooth wall, and none passes
+/// between two of them.
 ///
 /// Parameters
 /// ----------
 /// start, end : tuple of float
-///     Centres of the first bead and the last, x and y.
+///     Centres of the first and the last disc, x and y.
 /// radius : float
-///     Of each bead; half the thickness of the wall.
+///     Radius of each disc; half the thickness of the wall.
 ///
 /// Returns
 /// -------
 /// ndarray of float32, shape (k, 2)
-///     Their centres, from `start` to `end`, at most 0.4 radii apart. One, if the two are
-///     the same.
+///     Their centres, from `start` to `end`, at most 0.4 radii apart; one centre if `start` and
+///     `end` are equal.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     If a number is not finite, `radius` is not above 0, or so thin a wall would have
-///     more than a million beads.
+///     If a number is not finite, `radius` is not above 0, or the wall would have more than a
+///     million discs.
 ///
 /// Examples
 /// --------

@@ -20,39 +20,39 @@ use crate::queries::{self, Asked, Maybe, without_row};
 use crate::settings;
 use crate::shapes::{Places, Where};
 
-/// A living collection of shapes: they come, move, change and go, and pairs are told as they
-/// form and part.
+/// A collection of shapes that can be added, moved, changed and removed, and of the pairs that
+/// overlap.
 ///
 /// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-/// ``center ± half_size`` or one of `boxes`. Circles have no half size, rectangles no radius.
-/// Each has an id of its own that is never given to another. What changes costs time, what does not costs
-/// next to none: a million still shapes may stand around a thousand that move. Every question
-/// sees every change made before it.
+/// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
+/// Each shape has an id, which is never used again for another shape. The cost depends on the
+/// shapes that change: a million shapes at rest cost almost nothing beside a thousand that move.
+/// Every query includes all previous changes.
 ///
 /// Parameters
 /// ----------
 /// dtype : {"float64", "float32"}, default "float64"
 ///     Precision of all arithmetic. Other numbers are converted.
 /// leaf_capacity : int, default 96
-///     Shapes that a box of a tree may hold before it splits into four. Trees of a few
-///     among many shapes take fewer.
+///     Shapes that a box of a tree may hold before it splits into four. Small trees in a
+///     space with many shapes use a smaller number.
 /// max_depth : int, default 4096
-///     Subdivisions allowed; the default never stops a split.
+///     Maximum number of subdivisions; the default never prevents a split.
 /// threads : int, optional
-///     How many threads work, at most one for each core, which is the default. Every answer
+///     Number of threads, at most one for each core, which is the default. Every answer
 ///     is the same for every number.
 ///
 /// Raises
 /// ------
 /// TypeError
-///     If an argument is not what it should be.
+///     If an argument has the wrong type.
 /// ValueError
 ///     If a setting is out of range.
 ///
 /// Notes
 /// -----
-/// Wherever ids are wanted, one may be given instead of an array, and then one value for each
-/// other argument. A refused call changes nothing.
+/// Where ids are an argument, one id may be given instead of an array; then the other arguments
+/// are one value each. A refused call changes nothing.
 ///
 /// Examples
 /// --------
@@ -111,34 +111,34 @@ impl PySpace {
         Ok(Self { space })
     }
 
-    /// Add shapes, or one.
+    /// Add one shape or many.
     ///
     /// Parameters
     /// ----------
     /// centers : array_like, shape (k, 2) or (2,), optional
-    ///     Centres; to be given unless `boxes` is.
+    ///     Centres; required unless `boxes` is given.
     /// radii : array_like, a number or shape (k,), default 0.0
     ///     Radii.
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-    ///     Half widths and half heights. Left out, the shapes are circles.
+    ///     Half widths and half heights. If omitted, the shapes are circles.
     /// boxes : array_like, shape (k, 4) or (4,), optional
     ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
-    ///     What has the attributes `left`, `top`, `right` and `bottom`, as pygame's Rect, is
-    ///     read by them, also in a list or a tuple. The four numbers are compared as they
-    ///     are: boxes that share an edge never overlap, while sides that are
+    ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+    ///     are accepted, also in a list or a tuple. The four numbers are compared without
+    ///     rounding: boxes that share an edge never overlap, whereas sides computed as
     ///     ``center ± half_size`` are rounded.
     /// categories : array_like of int, a number or shape (k,), default 1
-    ///     What each shape is, as a set of 32 bits.
+    ///     Categories of each shape, as a set of 32 bits.
     /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
-    ///     What each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
-    ///     if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` have a bit.
+    ///     Categories each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
+    ///     if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` are not 0.
     ///     A negative integer stands for its low 32 bits, so ``masks=~SHIP`` is every category
-    ///     but SHIP. Of a uint8 or uint16 array ``~`` gives no bits above the 8th or 16th.
+    ///     except SHIP. For a uint8 or uint16 array, ``~`` sets no bits above the 8th or 16th.
     ///
     /// Returns
     /// -------
     /// ndarray of int64, shape (k,), or int
-    ///     Their ids; one id for one centre or one box. The first are 0, 1, 2, ...
+    ///     Their ids; one id for one centre or one box. Ids start at 0: 0, 1, 2, ...
     ///
     /// Raises
     /// ------
@@ -192,21 +192,21 @@ impl PySpace {
         })
     }
 
-    /// Give shapes other centres, or other boxes.
+    /// Change the centres or the boxes of shapes.
     ///
-    /// What does not move thereby costs as little as if it had not been named.
+    /// Shapes whose values stay the same cost almost nothing.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Which shapes, none of them twice.
+    ///     The shapes, each at most once.
     /// centers : array_like, shape (k, 2), or (2,) for one id, optional
-    ///     Where they are now. A shape that was given as a box, and whose centre changes, is
-    ///     ``center ± half_size`` from now on, with half the size of its box, and compared
-    ///     as such: its sides are rounded. Give `boxes` to keep them exact.
+    ///     The new centres. A shape that was given as a box, and whose centre changes, is stored as
+    ///     ``center ± half_size`` from then on, with half the size of its box, and its sides are
+    ///     rounded. Give `boxes` to keep them exact.
     /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
     ///     In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
-    ///     as in :meth:`add`. This may change the size, too. Radii stay as they are.
+    ///     as in :meth:`add`. The size may change too. Radii stay the same.
     ///
     /// Raises
     /// ------
@@ -214,7 +214,7 @@ impl PySpace {
     ///     If an argument does not hold numbers, or if not exactly one of `centers` and
     ///     `boxes` is given.
     /// ValueError
-    ///     If no shape has an id, or one is named twice, a coordinate is not finite, or a
+    ///     If an id does not exist or is given twice, a coordinate is not finite, or a
     ///     minimum is above its maximum; then nothing moves.
     ///
     /// Examples
@@ -248,25 +248,25 @@ impl PySpace {
         })
     }
 
-    /// Give shapes other radii, half sizes or both.
+    /// Change the radii or the half sizes of shapes, or both.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Which shapes, none of them twice.
+    ///     The shapes, each at most once.
     /// radii : array_like, a number or shape (k,), optional
-    ///     Left out, they stay as they are.
+    ///     If omitted, they stay the same.
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-    ///     Left out, they stay as they are. A shape that was given as a box, and whose size
-    ///     changes, is ``center ± half_size`` from now on; ``move(ids, boxes=...)`` gives it
-    ///     another box.
+    ///     If omitted, they stay the same. A shape that was given as a box, and whose size
+    ///     changes, is stored as ``center ± half_size`` from then on; ``move(ids, boxes=...)``
+    ///     gives it another box.
     ///
     /// Raises
     /// ------
     /// TypeError
     ///     If an argument does not hold numbers.
     /// ValueError
-    ///     If no shape has an id, or one is named twice, or a size is not finite or out of
+    ///     If an id does not exist or is given twice, or a size is not finite or out of
     ///     range; then nothing changes.
     ///
     /// Examples
@@ -294,23 +294,23 @@ impl PySpace {
         })
     }
 
-    /// Give shapes other categories, masks or both.
+    /// Change the categories or the masks of shapes, or both.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Which shapes, none of them twice.
+    ///     The shapes, each at most once.
     /// categories : array_like of int, a number or shape (k,), optional
-    ///     Left out, they stay as they are.
+    ///     If omitted, they stay the same.
     /// masks : array_like of int, a number or shape (k,), optional
-    ///     Left out, they stay as they are.
+    ///     If omitted, they stay the same.
     ///
     /// Raises
     /// ------
     /// TypeError
     ///     If an argument does not hold integers.
     /// ValueError
-    ///     If no shape has an id, or one is named twice, or a set of bits has more than 32;
+    ///     If an id does not exist or is given twice, or a set of bits has more than 32;
     ///     then nothing changes.
     ///
     /// Examples
@@ -318,7 +318,7 @@ impl PySpace {
     /// >>> import jostle
     /// >>> space = jostle.Space()
     /// >>> ids = space.add([(0, 0), (1, 0)], radii=1.0)
-    /// >>> space.set_filter(0, masks=0)  # it pairs with nothing any more
+    /// >>> space.set_filter(0, masks=0)  # it can no longer pair
     /// >>> len(space.pairs())
     /// 0
     #[pyo3(signature = (ids, categories=None, masks=None))]
@@ -337,19 +337,19 @@ impl PySpace {
         })
     }
 
-    /// Remove shapes. Their ids are never given again.
+    /// Remove shapes. Their ids are never used again.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Which shapes, none of them twice.
+    ///     The shapes, each at most once.
     ///
     /// Raises
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
     /// ValueError
-    ///     If no shape has an id or one is named twice; then none is removed.
+    ///     If an id does not exist or is given twice; then none is removed.
     ///
     /// Examples
     /// --------
@@ -366,28 +366,28 @@ impl PySpace {
         })
     }
 
-    /// Tell which pairs have formed and which have parted since the last update.
+    /// Find the pairs that entered and left since the last update.
     ///
-    /// Two states are compared, that of the last update and that of now; the first update
-    /// compares with a space without shapes. What was added and removed in between never
-    /// shows. Only shapes that changed cost time.
+    /// The current state is compared with the state at the last update; the first update
+    /// compares with an empty space. A shape that was both added and removed in between has no
+    /// effect. The cost depends on the shapes that changed.
     ///
     /// Parameters
     /// ----------
     /// max_pairs : int, default 134217728
-    ///     The most overlapping pairs of shapes that changed.
+    ///     Maximum number of overlapping pairs of shapes that changed.
     ///
     /// Returns
     /// -------
     /// Events
     ///     entered, stayed, left : ndarray of int64, shape (m, 2)
-    ///         Pairs of ids, the smaller first, sorted. `left` may name shapes that are
-    ///         removed. `stayed` is worked out when it is asked for.
+    ///         Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
+    ///         shapes. `stayed` is computed when it is first read.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If there are more than `max_pairs`; then the last update stays the last.
+    ///     If there are more than `max_pairs`; then the call has no effect.
     ///
     /// Examples
     /// --------
@@ -419,12 +419,12 @@ impl PySpace {
     /// Parameters
     /// ----------
     /// sort : bool, default False
-    ///     Whether to sort the pairs by first, then by second id. Without, they come in an
-    ///     order that depends on what was called before, and not on the number of threads.
+    ///     Whether to sort the pairs by the first, then by the second id. If False, their order
+    ///     depends on previous calls, but not on the number of threads.
     /// max_pairs : int, default 134217728
-    ///     The most pairs to return; the default is two gibibytes of them.
+    ///     Maximum number of pairs to return; the default corresponds to 2 GiB.
     /// mask : int, optional
-    ///     Find only pairs of which both have a category in this set of bits.
+    ///     Find only pairs whose shapes both have a category in this set of bits.
     ///
     /// Returns
     /// -------
@@ -473,17 +473,17 @@ impl PySpace {
     /// Parameters
     /// ----------
     /// rect : array_like, shape (4,) or (k, 4)
-    ///     min_x, min_y, max_x, max_y; no width and height. What has the attributes `left`,
-    ///     `top`, `right` and `bottom`, as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-    ///     `max_y`, as :class:`jostle.Box`, is read by them, also in a list.
+    ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
+    ///     `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
+    ///     `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending. For many rectangles a `Hits` of all of them. What only
-    ///     touches a rectangle does not overlap it.
+    ///     Ids, ascending; for many rectangles a `Hits`. A shape that only touches
+    ///     a rectangle does not overlap it.
     ///
     /// Raises
     /// ------
@@ -493,8 +493,8 @@ impl PySpace {
     ///
     /// Notes
     /// -----
-    /// Every question is read in the space's dtype and answered as brute force would, in
-    /// that arithmetic. Many questions are answered on all threads of the tree.
+    /// Queries are converted to the space's dtype; the answer is that of brute force in that
+    /// arithmetic. Many queries in one call use all threads of the space.
     ///
     /// Examples
     /// --------
@@ -533,8 +533,8 @@ impl PySpace {
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending. For many discs a `Hits` of all of them. What only
-    ///     touches a disc does not overlap it.
+    ///     Ids, ascending; for many discs a `Hits`. A shape that only touches
+    ///     a disc does not overlap it.
     ///
     /// Raises
     /// ------
@@ -563,12 +563,11 @@ impl PySpace {
         }))
     }
 
-    /// Find the shapes that a point is in, or each of many points.
+    /// Find the shapes that contain a point, or each of many points.
     ///
-    /// A point is in a circle, or in a rounded box, up to and with its edge. It is in a
-    /// rectangle as pygame has it: the left and the upper edge are in, the right and the
-    /// lower are not, so tiles side by side share no point. A rectangle without width and
-    /// height is a circle of radius 0.
+    /// A circle or a rounded box contains its edge. A rectangle contains its left and its
+    /// upper edge, but not the right and the lower, as in pygame, so tiles side by side
+    /// share no point. A rectangle of width and height 0 is a circle of radius 0.
     ///
     /// Parameters
     /// ----------
@@ -580,7 +579,7 @@ impl PySpace {
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending. For many points a `Hits` of all of them.
+    ///     Ids, ascending; for many points a `Hits`.
     ///
     /// Raises
     /// ------
@@ -612,20 +611,20 @@ impl PySpace {
     /// Parameters
     /// ----------
     /// vertices : array_like, shape (v, 2) or (k, v, 2)
-    ///     Corners in their order, in either direction of turning.
+    ///     Corners in order, clockwise or counterclockwise.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending. For many polygons a `Hits` of all of them. What only
-    ///     touches a polygon does not overlap it.
+    ///     Ids, ascending; for many polygons a `Hits`. A shape that only touches
+    ///     a polygon does not overlap it.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If a polygon has less than three corners, is not convex or has no area, if a
+    ///     If a polygon has fewer than three corners, is not convex or has no area, if a
     ///     coordinate is not finite, or there are more than 134217728 ids.
     ///
     /// Examples
@@ -655,24 +654,24 @@ impl PySpace {
     /// point : array_like, shape (2,) or (n, 2)
     ///     Points.
     /// k : int, default 1
-    ///     How many shapes to find.
+    ///     Number of shapes to find.
     /// max_distance : float, default inf
-    ///     Find nothing farther than this.
+    ///     Ignore shapes farther than this, in units of length.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// Neighbors
-    ///     Unpacks as ``distances, ids``, in this order, as `cKDTree.query` of SciPy
-    ///     (:meth:`raycast` gives the id first).
+    ///     Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
+    ///     (:meth:`raycast` returns the id first).
     ///
     ///     distances : ndarray of the space's dtype, shape (k,) or (n, k)
-    ///         How far it is to the surface of each shape, nearest first; 0 inside,
-    ///         infinity where there are fewer than k.
+    ///         Distances to the surfaces, nearest first; 0 inside a shape, infinity if
+    ///         fewer than k are found.
     ///     ids : ndarray of int64, shape (k,) or (n, k)
-    ///         Ids, of shapes as near the smaller first; -1 where there are
-    ///         fewer than k.
+    ///         Ids, the smaller first at equal distances; -1 if fewer than k are
+    ///         found.
     ///
     /// Raises
     /// ------
@@ -706,27 +705,27 @@ impl PySpace {
         }))
     }
 
-    /// Find what a ray hits first, or each of many.
+    /// Find the first shape that a ray hits, or each of many rays.
     ///
     /// Parameters
     /// ----------
     /// origin : array_like, shape (2,) or (k, 2)
-    ///     Where each ray begins.
+    ///     Start of each ray.
     /// direction : array_like, shape (2,) or (k, 2)
-    ///     Where each ray goes; the length does not matter. One origin may have many
-    ///     directions, and many origins one.
+    ///     Direction of each ray, of any length except 0. One origin may have many
+    ///     directions, and many origins one direction.
     /// max_distance : float, default inf
-    ///     How far the rays reach, in units of length.
+    ///     Maximum length of the rays, in units of length.
     /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
     ///
     /// Returns
     /// -------
     /// RayHit or RayHits
-    ///     Unpacks as ``id, distance``, in this order (:meth:`nearest` gives distances first).
-    ///     Of shapes at one distance the smaller id; -1 and infinity where nothing is hit. The
-    ///     distance is that to the surface, 0 where a ray begins in a shape. Arrays of them for
-    ///     many rays. A ray that touches an edge hits it.
+    ///     Unpacks as ``id, distance``, in this order (:meth:`nearest` returns distances first);
+    ///     for many rays, arrays of both. At equal distances the smaller id; -1 and infinity if
+    ///     nothing is hit. The distance is that to the surface, 0 if a ray starts in a shape. A
+    ///     ray that only touches an edge hits it.
     ///
     /// Raises
     /// ------
@@ -757,25 +756,25 @@ impl PySpace {
         self.cast(py, (origin, direction, None), &max_distance, mask)
     }
 
-    /// Find what a disc that is thrown hits first, or each of many.
+    /// Find the first shape that a moving disc hits, or each of many discs.
     ///
     /// Parameters
     /// ----------
     /// origin : array_like, shape (2,) or (k, 2)
-    ///     Where the centre of each disc begins.
+    ///     Start of the centre of each disc.
     /// direction : array_like, shape (2,) or (k, 2)
-    ///     Where it goes; the length does not matter.
+    ///     Direction of the motion, of any length except 0.
     /// radius : array_like, a number or shape (k,)
     ///     Radii of the discs.
     /// max_distance : float, default inf
-    ///     How far the discs fly, in units of length.
+    ///     Maximum distance of the motion, in units of length.
     /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; the others are as air.
+    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
     ///
     /// Returns
     /// -------
     /// RayHit or RayHits
-    ///     Id and how far the disc gets, as :meth:`raycast` gives them.
+    ///     Id and distance of the motion until the hit, as from :meth:`raycast`.
     ///
     /// Raises
     /// ------
@@ -806,12 +805,12 @@ impl PySpace {
         self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
     }
 
-    /// Read centres; ``(min + max) / 2`` of shapes given as boxes.
+    /// Return centres; ``(min + max) / 2`` for shapes given as boxes.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,), optional
-    ///     Which shapes; all of them, in the order of `ids`, where left out.
+    ///     The shapes; if omitted all of them, in the order of `ids`.
     ///
     /// Returns
     /// -------
@@ -821,7 +820,7 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If no shape has an id.
+    ///     If an id does not exist.
     ///
     /// Examples
     /// --------
@@ -835,13 +834,13 @@ impl PySpace {
         with_space!(self, space => read_rows(py, space, ids, |shape| shape.center()))
     }
 
-    /// Read half widths and half heights; 0 for circles, ``(max - min) / 2`` of shapes given as
+    /// Return half widths and half heights; 0 for circles, ``(max - min) / 2`` for shapes given as
     /// boxes.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,), optional
-    ///     Which shapes; all of them where left out.
+    ///     The shapes; if omitted all of them.
     ///
     /// Returns
     /// -------
@@ -851,29 +850,29 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If no shape has an id.
+    ///     If an id does not exist.
     #[pyo3(signature = (ids=None))]
     fn half_sizes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_rows(py, space, ids, |shape| shape.core_half_size()))
     }
 
-    /// Read boxes: the corners of the shapes, their radii left out.
+    /// Return boxes: the sides of the shapes without their radii.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,), optional
-    ///     Which shapes; all of them where left out.
+    ///     The shapes; if omitted all of them.
     ///
     /// Returns
     /// -------
     /// ndarray of the space's dtype, shape (k, 4), or (4,) for one id
     ///     A copy: min_x, min_y, max_x, max_y, as they were given, or ``center ± half_size``;
-    ///     for a circle twice its centre.
+    ///     for a circle its centre as both corners.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If no shape has an id.
+    ///     If an id does not exist.
     ///
     /// Examples
     /// --------
@@ -887,12 +886,12 @@ impl PySpace {
         with_space!(self, space => read_rows(py, space, ids, |shape| shape.core()))
     }
 
-    /// Read radii.
+    /// Return radii.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,), optional
-    ///     Which shapes; all of them where left out.
+    ///     The shapes; if omitted all of them.
     ///
     /// Returns
     /// -------
@@ -902,7 +901,7 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If no shape has an id.
+    ///     If an id does not exist.
     #[pyo3(signature = (ids=None))]
     fn radii<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => match read(py, space, ids, |shape| shape.radius)? {
@@ -911,12 +910,12 @@ impl PySpace {
         })
     }
 
-    /// Read categories.
+    /// Return categories.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,), optional
-    ///     Which shapes; all of them where left out.
+    ///     The shapes; if omitted all of them.
     ///
     /// Returns
     /// -------
@@ -926,18 +925,18 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If no shape has an id.
+    ///     If an id does not exist.
     #[pyo3(signature = (ids=None))]
     fn categories<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.category))
     }
 
-    /// Read masks.
+    /// Return masks.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,), optional
-    ///     Which shapes; all of them where left out.
+    ///     The shapes; if omitted all of them.
     ///
     /// Returns
     /// -------
@@ -947,7 +946,7 @@ impl PySpace {
     /// Raises
     /// ------
     /// ValueError
-    ///     If no shape has an id.
+    ///     If an id does not exist.
     #[pyo3(signature = (ids=None))]
     fn masks<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.mask))

@@ -28,7 +28,7 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// Names of the stages, in the order of [`Stage`].
 const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve", "forces"];
 
-/// Circles that move, collide and bounce off walls.
+/// Particles: discs that move, collide and bounce off walls.
 ///
 /// Particles are rows, in the order of adding; their row numbers are their ids.
 /// Everything is float32; other numbers are converted. The same input gives the
@@ -39,62 +39,62 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 /// positions : array_like, shape (n, 2)
 ///     Centres, in units of length.
 /// velocities : array_like, shape (n, 2)
-///     In units of length a second.
+///     In units of length per second.
 /// radii : array_like, a number or shape (n,)
 ///     In units of length, at least 0.
 /// masses : array_like, a number or shape (n,), optional
-///     Above 0. Left out, density times radius squared, as in the article; so a
-///     particle of radius 0 needs its mass given.
+///     Above 0. If omitted, density times radius squared, as in the article; required for
+///     a particle of radius 0.
 /// densities : array_like, a number or shape (n,), default 1.0
-///     Used where `masses` are left out.
+///     Used if `masses` are omitted.
 /// movable : array_like of bool, one or shape (n,), optional
-///     Whether anything can move the particle. Left out, all are movable. What is
-///     not movable stands still: its velocity becomes 0.
+///     Whether contacts and forces can move the particle. If omitted, all are movable.
+///     A particle that is not movable is static: its velocity becomes 0.
 /// gravity : array_like, shape (2,), default (0.0, 0.0)
-///     Acceleration, in units of length a second squared.
+///     Acceleration, in units of length per second squared.
 /// drag : float, default 0.0
-///     Rate at which speeds die away, per second: dv/dt = -drag v.
+///     Linear damping, per second: dv/dt = -drag v.
 /// restitution : array_like, a number or shape (n,), default 1.0
-///     Share of its speed that a bounce gives back, 0 to 1. A number is the world's,
-///     an array has one for each particle. Two particles bounce with the product of
-///     the world's and both of theirs, one and a wall with that of the world's and
-///     its own.
+///     Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
+///     array has one for each particle. The coefficient of a contact is the product of
+///     the world's and those of both particles; at a wall, of the world's and that of the
+///     particle.
 /// container : Box, Circle, Torus or None, optional
-///     The walls. A particle outside is brought in by the first step.
+///     The walls. The first step moves particles that are outside to the inside.
 /// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
-///     What accelerates particles, apart from gravity and contacts.
+///     Forces beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
-///     What becomes of particles that touch. "merge" makes them one at the end of the
-///     step: area, mass and momentum are summed up at the centre of mass, restitution is
-///     the mean by mass, and the id is the smallest; ids behind the others close up, see
-///     `renumbered`. What is not movable holds those that merge with it, and their
-///     momentum is lost. What would not fit between the walls as one stays apart.
-///     "ignore" lets them pass through each other.
+///     What happens to particles that touch. "merge" merges them at the end of the
+///     step, at their centre of mass: area, mass and momentum are summed, restitution is
+///     the mean weighted by mass, and the id is the smallest; the following ids
+///     decrease, see `renumbered`. If one of the particles is not movable, the merged
+///     particle is not movable either, and momentum is lost. Particles do not merge if the
+///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
-///     How pairs are found, never which.
+///     How pairs are found; the pairs are the same.
 /// threads : int, optional
-///     How many threads work, at most one for each core, which is the default.
+///     Number of threads, at most one for each core, which is the default.
 /// leaf_capacity : int, default 96
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
-///     Subdivisions that the tree may make; the default never stops a split.
+///     Maximum number of subdivisions of the tree; the default never prevents a split.
 /// substeps : int, default 4
-///     Parts of a step in which contacts are solved. Piles rest with the default; a
-///     gas needs one.
+///     Sub-steps of a step, in which contacts are solved. Piles come to rest with the
+///     default; 1 is enough for a gas.
 ///
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold what it should.
+///     If an argument has the wrong type.
 /// ValueError
 ///     If a shape is wrong, a value is out of range, or a particle does not fit
-///     between the walls; the sentence says which.
+///     into the container; the message says which.
 ///
 /// Examples
 /// --------
 /// >>> import jostle
 /// >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
-/// >>> world.step(0.1, steps=20)  # the left disc meets the right one after a second
+/// >>> world.step(0.1, steps=20)  # the left disc hits the right one after a second
 /// >>> world.velocities
 /// array([[0., 0.],
 ///        [1., 0.]], dtype=float32)
@@ -176,12 +176,11 @@ impl PyWorld {
         Ok(Self::of(world.map_err(refused)?))
     }
 
-    /// Let time pass.
+    /// Advance the simulation.
     ///
-    /// Other threads may look at the world meanwhile; they see it between two steps. A step
-    /// is done whole or not at all: when one is refused, or interrupted with Ctrl-C, the
-    /// world is as it was before that step. Of a call with `steps` above 1, the steps before
-    /// it stay.
+    /// Other threads may read the world during the call; they see its state between two steps.
+    /// If a step is refused, or interrupted with Ctrl-C, the world keeps the state before
+    /// that step. In a call with `steps` above 1, the previous steps remain done.
     ///
     /// Parameters
     /// ----------
@@ -193,11 +192,11 @@ impl PyWorld {
     /// Raises
     /// ------
     /// ValueError
-    ///     If `dt` is not finite and above 0, if it would carry a particle too far, if too
-    ///     many particles are in one place, or if a number would become infinite or NaN; the
-    ///     sentence names the particle then.
+    ///     If `dt` is not finite and above 0, if a particle would move too far, if too many
+    ///     particles are in one place, or if a number would become infinite or NaN; then the
+    ///     message names the particle.
     /// KeyboardInterrupt
-    ///     After Ctrl-C, which a long step notices within a fraction of a second.
+    ///     After Ctrl-C, within a fraction of a second also during a long step.
     ///
     /// Examples
     /// --------
@@ -219,14 +218,14 @@ impl PyWorld {
         Ok(())
     }
 
-    /// Add particles behind the others.
+    /// Add particles after the others.
     ///
     /// Parameters
     /// ----------
     /// positions, velocities : array_like, shape (k, 2)
     /// radii : array_like, a number or shape (k,)
     /// masses : array_like, a number or shape (k,), optional
-    ///     Left out, density times radius squared.
+    ///     If omitted, density times radius squared.
     /// densities : array_like, a number or shape (k,), default 1.0
     /// restitutions : array_like, a number or shape (k,), default 1.0
     /// movable : array_like of bool, one or shape (k,), optional
@@ -278,20 +277,20 @@ impl PyWorld {
 
     /// Remove particles, which changes the ids of others.
     ///
-    /// An id is a row number: the rows behind a removed one close up, so an old id may name
+    /// An id is a row number: the rows after a removed one move up, so an old id may belong to
     /// another particle afterwards. `renumbered` gives the new id of each old one. Springs
-    /// and attractors that name a removed particle are removed too; the others follow their
-    /// particles.
+    /// and attractors of a removed particle are removed too; the ids in the others are
+    /// updated.
     ///
     /// Parameters
     /// ----------
     /// ids : array_like of int, shape (k,)
-    ///     Row numbers, none of them twice.
+    ///     Row numbers, each at most once.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If there is no such particle or one is named twice; then none is removed.
+    ///     If an id does not exist or is given twice; then none is removed.
     ///
     /// Examples
     /// --------
@@ -301,7 +300,7 @@ impl PyWorld {
     /// >>> world.positions
     /// array([[0., 0.],
     ///        [9., 0.]], dtype=float32)
-    /// >>> world.renumbered  # the particle 2 is now 1, and 1 is gone
+    /// >>> world.renumbered  # particle 2 is now 1, and 1 is removed
     /// array([ 0, -1,  1])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         let ids = Argument::integers("ids", ids)?.ids()?;
@@ -313,18 +312,18 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// ids : array_like of int, shape (k,)
-    ///     Row numbers, none of them twice.
+    ///     Row numbers, each at most once.
     /// positions, velocities : array_like, shape (k, 2), optional
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
-    ///     A new radius leaves the mass as it is.
+    ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
-    ///     What is left out stays as it is.
+    ///     Omitted columns stay the same.
     ///
     /// Raises
     /// ------
     /// TypeError, ValueError
-    ///     As for a new world, or if there is no such particle or one is named twice;
-    ///     then nothing is changed.
+    ///     As for a new world, or if an id does not exist or is given twice; then nothing
+    ///     is changed.
     ///
     /// Examples
     /// --------
@@ -383,7 +382,7 @@ impl PyWorld {
         })
     }
 
-    /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length a
+    /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
     /// second.
     ///
     /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
@@ -405,7 +404,7 @@ impl PyWorld {
     /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
     ///
     /// To change all, assign an array or one number; to change some, use `set`. Masses stay
-    /// as they are.
+    /// the same.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let radii = self.long(py, |state| state.world.radii())?;
@@ -437,7 +436,7 @@ impl PyWorld {
         })
     }
 
-    /// Restitutions of the particles: ndarray of float32, shape (n,), a read-only copy.
+    /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
@@ -471,7 +470,7 @@ impl PyWorld {
         })
     }
 
-    /// Acceleration of everything movable, (x, y), units of length a second squared.
+    /// Acceleration of all movable particles, (x, y), units of length per second squared.
     #[getter]
     fn gravity(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
         Ok(self.rules(py)?.gravity.map(decimal).into())
@@ -483,7 +482,7 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.gravity = gravity)
     }
 
-    /// Rate at which speeds die away, per second.
+    /// Linear damping, per second.
     #[getter]
     fn drag(&self, py: Python<'_>) -> PyResult<f64> {
         Ok(decimal(self.rules(py)?.drag))
@@ -495,7 +494,7 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.drag = drag)
     }
 
-    /// The world's share of every bounce, 0 to 1; `restitutions` are the particles' own.
+    /// The world's coefficient of restitution, 0 to 1; `restitutions` has those of the particles.
     #[getter]
     fn restitution(&self, py: Python<'_>) -> PyResult<f64> {
         Ok(decimal(self.rules(py)?.restitution))
@@ -519,10 +518,10 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.container = container)
     }
 
-    /// What accelerates particles: a tuple of `Attractor`, `Gravitation`, `Springs` and
-    /// `Thermostat`. Assign any sequence of them. They name particles by id; when one is
-    /// removed, its attractors and springs go with it; when one merges, they are tied to
-    /// what it becomes, and a spring whose ends become one goes.
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
+    /// any sequence of them. They refer to particles by id. If a particle is removed, its
+    /// attractors and springs are removed too. If particles merge, attractors and springs refer
+    /// to the merged particle, and a spring between two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         forces::show(py, self.long(py, |state| state.world.forces().to_vec())?)
@@ -534,7 +533,7 @@ impl PyWorld {
         self.long(py, |state| state.world.set_forces(forces))?.map_err(refused)
     }
 
-    /// What becomes of particles that touch: "bounce", "merge" or "ignore".
+    /// What happens to particles that touch: "bounce", "merge" or "ignore".
     #[getter]
     fn on_touch(&self, py: Python<'_>) -> PyResult<&'static str> {
         Ok(settings::on_touch_name(self.rules(py)?.on_touch))
@@ -549,8 +548,8 @@ impl PyWorld {
     /// New ids after the last call of `step` or `remove`: a read-only ndarray of int64, shape
     /// (n before the call,), or None if that call changed no id.
     ///
-    /// The new id of each old one: ``ids = world.renumbered[ids]`` follows particles.
-    /// Particles that merged share an id; a removed one has -1, so drop those with
+    /// Row i is the new id of the old id i: ``ids = world.renumbered[ids]`` updates ids.
+    /// Particles that merged share an id. A removed particle has -1; drop it with
     /// ``ids = ids[ids >= 0]`` before the next call. Each call of `step` or `remove` replaces
     /// the array: read it after every call that may merge or remove particles.
     #[getter]
@@ -573,7 +572,7 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.method = method)
     }
 
-    /// How many threads work; None for one on each core.
+    /// Number of threads; None for one on each core.
     #[getter]
     fn threads(&self, py: Python<'_>) -> PyResult<Option<usize>> {
         Ok(self.rules(py)?.tree.threads)
@@ -597,7 +596,7 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.tree.leaf_capacity = leaf_capacity)
     }
 
-    /// Subdivisions that the tree may make.
+    /// Maximum number of subdivisions of the tree.
     #[getter]
     fn max_depth(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.rules(py)?.tree.max_depth)
@@ -609,7 +608,7 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.tree.max_depth = max_depth)
     }
 
-    /// Parts of a step in which contacts are solved.
+    /// Sub-steps of a step, in which contacts are solved.
     #[getter]
     fn substeps(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.rules(py)?.substeps)
@@ -622,9 +621,9 @@ impl PyWorld {
     }
 
     /// The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
-    /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), how far they
-    /// overlapped when it ended, negative where they had parted again. Where `on_touch` is
-    /// not "bounce", the pairs that overlap now.
+    /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), the penetration at
+    /// its end, negative for pairs that had separated. If `on_touch` is not "bounce", the
+    /// pairs that overlap now.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let touching = self.long(py, |state| {
@@ -651,23 +650,23 @@ impl PyWorld {
         self.long(py, |state| state.world.kinetic_energy())
     }
 
-    /// Energy of everything movable in the fields of gravity (0 at the origin) and of
-    /// attractors (harmonic 0 at the point, inverse square 0 far away), of springs that
-    /// have not broken (½ stiffness times stretch squared) and of gravitation (0 far
-    /// away), which is summed up as its forces are, by boxes where particles are many.
+    /// Energy of all movable particles in the fields of gravity (0 at the origin) and of
+    /// attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
+    /// springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
+    /// Barnes and Hut's method if there are many particles).
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.potential_energy())
     }
 
-    /// Seconds that have passed.
+    /// Simulated time in seconds.
     #[getter]
     fn time(&self, py: Python<'_>) -> PyResult<f64> {
         Ok(self.state(py)?.world.time())
     }
 
-    /// Milliseconds that each stage of the last step took: a dict of "integrate",
-    /// "build", "pairs", "contacts" and "resolve", and "forces" where there are any.
+    /// Milliseconds of each stage of the last step: a dict of "integrate", "build", "pairs",
+    /// "contacts" and "resolve", and "forces" if there are forces.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (times, forces) = {
@@ -682,20 +681,20 @@ impl PyWorld {
         Ok(profile)
     }
 
-    /// What the search of the last step looked like: a `Stats` of four integers, `nodes`,
-    /// `leaves` and `depth` of the tree, and `tests`, the pairs that were tested.
+    /// The search of the last step: a `Stats` of four integers, `nodes`, `leaves` and
+    /// `depth` of the tree, and `tests`, the number of pairs that were tested.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();
         results::stats(py, stats)
     }
 
-    /// Sum up all particles in 64 bits.
+    /// Return a 64-bit hash of all particles.
     ///
     /// Returns
     /// -------
     /// int
-    ///     The same for the same particles on every machine.
+    ///     The same for the same particles, on every machine.
     ///
     /// Examples
     /// --------
@@ -707,13 +706,13 @@ impl PyWorld {
         self.long(py, |state| state.world.state_hash())
     }
 
-    /// Put all of the world into bytes.
+    /// Return the whole state of the world in bytes.
     ///
     /// Returns
     /// -------
     /// bytes
-    ///     Particles, settings, forces, the time, and what leans on what. They are the same
-    ///     on every machine, and a world that `restore` makes of them goes on to the bit.
+    ///     Particles, settings, forces, the time, and the resting contacts, the same bytes on
+    ///     every machine. A world that `restore` makes from them continues with the same bits.
     ///
     /// Examples
     /// --------
@@ -731,7 +730,7 @@ impl PyWorld {
         })
     }
 
-    /// Make a world of the bytes of `snapshot`.
+    /// Make a world from the bytes of `snapshot`.
     ///
     /// Parameters
     /// ----------
@@ -744,9 +743,9 @@ impl PyWorld {
     /// Raises
     /// ------
     /// TypeError
-    ///     If `data` are no bytes.
+    ///     If `data` is not bytes.
     /// ValueError
-    ///     If they are not from `snapshot`, or cut off or damaged since.
+    ///     If they are not from `snapshot`, or are truncated or damaged.
     ///
     /// Examples
     /// --------
@@ -775,13 +774,13 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// path : str or os.PathLike
-    ///     A file that is there is replaced, once the new one is whole; it keeps its
-    ///     permissions. A symbolic link stays, and the file that it leads to is replaced.
+    ///     An existing file is replaced when the new one is complete; it keeps its
+    ///     permissions. If the path is a symbolic link, its target is replaced.
     ///
     /// Raises
     /// ------
     /// OSError
-    ///     If the file cannot be written; then an old one is left as it was.
+    ///     If the file cannot be written; then an existing one is unchanged.
     ///
     /// Examples
     /// --------
@@ -810,7 +809,7 @@ impl PyWorld {
     /// OSError
     ///     If the file cannot be read.
     /// ValueError
-    ///     If there is no world in it, or it is cut off or damaged; the sentence names the
+    ///     If it does not contain a world, or is truncated or damaged; the message names the
     ///     file.
     ///
     /// Examples

@@ -26,24 +26,24 @@ type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>
 /// Parameters
 /// ----------
 /// left, right : list
-///     Sprites. None for `right` asks for the pairs i < j within `left`.
+///     Sprites. With None for `right`, the pairs i < j within `left`.
 /// rule : {"rect", "rects", "circle", "mask", "within"}
 ///     "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
-///     "rects" is "rect" for lists of rectangles instead of sprites. No pair of "mask" and
-///     "within" is sure: "mask" finds masks that may overlap, "within" rectangles that
-///     collide or are at most `scale` apart along each axis.
+///     "rects" is "rect" for lists of rectangles instead of sprites. "mask" and "within" give
+///     candidate pairs, none of them sure: "mask" masks that may overlap, "within" rectangles
+///     that collide or are at most `scale` apart along each axis.
 /// scale : float
-///     Factor for rectangles or radii, 1.0 leaves them as they are; of "within" the gap.
+///     Factor for rectangles or radii, 1.0 for their own size; for "within" the largest gap.
 /// types : tuple of type
 ///     `pygame.Rect` and `pygame.FRect`.
 /// radius_of : callable, optional
-///     Is asked for the radius of a sprite that has none.
+///     Called for the radius of a sprite that has none.
 ///
 /// Returns
 /// -------
 /// tuple of ndarray of uint32, shape (m, 2), and ndarray of bool, shape (m,), or None
-///     Rows of `left` and of `right`, sorted, and whether each pair is sure; None where
-///     all are. None altogether where only pygame itself can tell.
+///     Rows of `left` and of `right`, sorted, and whether each pair is sure, or None if
+///     all are. None alone if only pygame can decide.
 #[pyfunction]
 #[pyo3(signature = (left, right, rule, scale, types, radius_of=None))]
 pub fn sprite_pairs<'py>(
@@ -114,7 +114,7 @@ fn unless_an_exception<R>(py: Python<'_>, read: PyResult<Option<R>>) -> PyResult
 /// Returns
 /// -------
 /// ndarray of float64, shape (n, 4)
-///     x, y, width and height as they are; None where a rect is something of its own.
+///     x, y, width and height; None if a rect is of another type.
 #[pyfunction]
 pub fn sprite_sides<'py>(
     py: Python<'py>,
@@ -126,19 +126,19 @@ pub fn sprite_sides<'py>(
     table(py, rects.iter().map(rules::Rect::sides).collect()).map(Some)
 }
 
-/// Put together what belongs to each first row of some sorted pairs.
+/// Group the second rows of sorted pairs by their first rows.
 ///
 /// Parameters
 /// ----------
 /// pairs : ndarray of uint32, shape (m, 2)
 ///     Sorted by first.
 /// keys, values : list
-///     What the first and the second rows stand for.
+///     The objects of the first and of the second rows.
 ///
 /// Returns
 /// -------
 /// dict of key to list of value
-///     What `groupcollide` answers for these pairs.
+///     The result of `groupcollide` for these pairs.
 #[pyfunction]
 pub fn sprite_dict<'py>(
     py: Python<'py>,
