@@ -265,7 +265,7 @@ WRONG_TYPES = [
     ({"centers": np.zeros((2, 2), "M8[s]")}, "centers must hold real numbers, not datetime64[s]"),
     ({"radii": None}, "radii must hold real numbers, not NoneType"),
     ({"radii": True}, "radii must hold real numbers, not bool"),
-    ({"radii": {1, 2}}, "radii must be a list or an array, in which things have a place, not set"),
+    ({"radii": {1, 2}}, "radii must be an ordered list or array, not set"),
     ({"half_sizes": "wide"}, "half_sizes must hold real numbers, not str"),
     ({"half_sizes": np.ones((2, 2), bool)}, "half_sizes must hold real numbers, not bool"),
     ({"method": 3}, "method must be 'auto', 'brute' or 'quadtree', not int"),

@@ -122,7 +122,7 @@ def test_a_signal_handler_may_use_jostle_and_raise_what_it_likes() -> None:
         for timer in timers:
             timer.join()
         signal.signal(signal.SIGUSR1, handler)
-    busy = "this space is at work: a signal handler cannot use it before the call that it has"
+    busy = "this space is in use: a signal handler cannot use it before the call that it has"
     assert [str(text)[: len(busy)] for text in seen[::2]] == [busy, busy]
     assert seen[1::2] == [[[0, 1]], [[0, 1]]]
     assert len(space) == len(POINTS)

@@ -212,7 +212,7 @@ def test_a_handler_that_uses_the_world_during_a_step_is_told_why_it_cannot() -> 
     signal.signal(signal.SIGINT, lambda *_: world.time)
     timer = threading.Timer(0.1, _thread.interrupt_main)
     timer.start()
-    with pytest.raises(RuntimeError, match="this world is at work: a signal handler cannot use"):
+    with pytest.raises(RuntimeError, match="this world is in use: a signal handler cannot use"):
         world.step(dt)
     timer.join()
     assert world.snapshot() == before

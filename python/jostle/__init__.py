@@ -1,19 +1,19 @@
-"""Find every pair of overlapping shapes, and let particles collide.
+"""Find every pair of overlapping shapes, and simulate particles that collide.
 
 `find_pairs`
     All overlapping pairs of some circles, rectangles or rounded boxes, once.
 `Quadtree`
-    The same for shapes that are asked about more than once.
+    The same, and further queries, for shapes that do not change.
 `Space`
-    Shapes that come, move and go under ids, and the `Events` of their pairs.
+    Shapes with ids that are added, moved and removed, and the `Events` of their pairs.
 `World`
-    Particles that move, collide and bounce off a `Box`, a `Circle` or the seams of
-    a `Torus`; `jostle.scenes` has some ready. `Attractor`, `Gravitation`, `Springs`
-    and `Thermostat` are the forces that it may have.
+    Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
+    `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs` and
+    `Thermostat` are its forces.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
-    What some of these answer.
+    The results of queries.
 `article`
-    The two programs of 2015 that it began with, in plain Python, faults and all.
+    The two programs of the article of 2015, in plain Python, with their faults.
 """
 
 from jostle import article, scenes

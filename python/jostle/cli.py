@@ -236,7 +236,7 @@ def bench(
     ] = 2,
     csv: Annotated[Path | None, typer.Option(help="A new file for the figures.")] = None,
 ) -> None:
-    """Race jostle against the libraries that are installed, on this machine."""
+    """Compare jostle with the libraries that are installed, on this machine."""
     from jostle.bench import command
 
     _check("n", n, RACED)
@@ -310,7 +310,7 @@ def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> N
     except OSError as error:
         _refuse(f"the film could not be written: {str(error).splitlines()[0]}")
     except KeyboardInterrupt:
-        console.print(f"Stopped. What was filmed so far, if anything, is in {out}.")
+        console.print(f"Stopped. The film so far, if any, is in {out}.")
         raise
     console.print(report(simulation, film, settings))
     console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
@@ -403,7 +403,7 @@ def _refuse(sentence: str) -> NoReturn:
 def main() -> None:
     """Run the command; a mistake in its arguments becomes one sentence and exit code 2."""
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):  # what it has no letter for becomes "?"
+        if isinstance(stream, io.TextIOWrapper):  # characters that it cannot encode become "?"
             stream.reconfigure(errors="replace")
     with interrupt.handled():
         code = _exit_code()
@@ -411,7 +411,7 @@ def main() -> None:
 
 
 def command() -> None:
-    """Run `main` as a process; after Ctrl-C it ends even where threads are still at work."""
+    """Run `main` as a process; after Ctrl-C it ends without waiting for threads."""
     try:
         main()
     except SystemExit as end:
@@ -421,8 +421,7 @@ def command() -> None:
 
 
 def _exit_code() -> int:
-    # The base class of every complaint about arguments; which package holds it depends on
-    # typer's version.
+    # The base class of all errors of arguments; its package depends on typer's version.
     complaint: type[Exception] = typer.BadParameter.__mro__[2]
     try:
         code = app(standalone_mode=False)

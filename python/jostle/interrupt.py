@@ -1,8 +1,8 @@
-"""What Ctrl-C does to the command: it ends with exit code 130 and without a traceback.
+"""Handling of Ctrl-C: the command ends with exit code 130 and without a traceback.
 
-While there is nothing to finish, Ctrl-C ends the process at once. Within `raised` it raises
-KeyboardInterrupt, so that files and threads are closed, and a second Ctrl-C ends the process.
-Within `held`, where an exception would leave a library in a broken state, it waits for the end of
+By default, Ctrl-C ends the process at once. Within `raised` it raises KeyboardInterrupt, so that
+files and threads are closed, and a second Ctrl-C ends the process. Within `held`, where an
+exception would leave a library in an invalid state, KeyboardInterrupt is delayed until the end of
 the block. A process that was started with Ctrl-C ignored (`nohup`, a background job) ignores it.
 """
 
@@ -17,12 +17,12 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import NoReturn
 
-CODE = 130  # of a process that Ctrl-C has ended, as shells have it
+CODE = 130  # exit code after Ctrl-C, by the convention of shells
 
 
 @dataclass
 class _State:
-    """Of the process; only its main thread uses it."""
+    """State of the process; only the main thread uses it."""
 
     pressed: bool = False
     raises: bool = False
@@ -34,12 +34,12 @@ _state = _State()
 
 @contextlib.contextmanager
 def handled() -> Iterator[None]:
-    """Handle Ctrl-C, unless it is ignored or this is no main thread."""
+    """Handle Ctrl-C, unless it is ignored or this is not the main thread."""
     global _state
     _state = _State()
     before, hook = signal.getsignal(signal.SIGINT), sys.unraisablehook
     if before is not signal.SIG_IGN:
-        with contextlib.suppress(ValueError):  # of a thread that is not the main one
+        with contextlib.suppress(ValueError):  # in a thread that is not the main one
             signal.signal(signal.SIGINT, _press)
     sys.unraisablehook = _unraisable
     try:
@@ -52,7 +52,7 @@ def handled() -> Iterator[None]:
 
 @contextlib.contextmanager
 def raised() -> Iterator[None]:
-    """Raise KeyboardInterrupt on Ctrl-C within this block: it has something to finish."""
+    """Raise KeyboardInterrupt on Ctrl-C within this block."""
     _state.raises = True
     try:
         yield
@@ -63,7 +63,7 @@ def raised() -> Iterator[None]:
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """Raise it behind this block."""
+    """Delay KeyboardInterrupt until the end of this block."""
     _state.held += 1
     try:
         yield
@@ -73,13 +73,13 @@ def held() -> Iterator[None]:
 
 
 def check() -> None:
-    """Raise KeyboardInterrupt if Ctrl-C was pressed, for loops: some libraries swallow it."""
+    """Raise KeyboardInterrupt if Ctrl-C was pressed. For loops, as some libraries suppress it."""
     if _state.pressed and not _state.held:
         raise KeyboardInterrupt
 
 
 def leave() -> NoReturn:
-    """End the process, whatever its threads are doing."""
+    """End the process without waiting for its threads."""
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):
             if stream.isatty():
@@ -97,6 +97,6 @@ def _press(number: int, frame: FrameType | None) -> None:
 
 
 def _unraisable(what: sys.UnraisableHookArgs) -> None:
-    """Print nothing where a finaliser has swallowed KeyboardInterrupt; `check` raises it again."""
+    """Print nothing if a finaliser suppresses KeyboardInterrupt; `check` raises it again."""
     if what.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(what)

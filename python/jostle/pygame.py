@@ -3,7 +3,7 @@
 `groupcollide`, `spritecollide`, `spritecollideany`
     As in `pygame.sprite`, on the same groups, with the same answers in the same order.
 `prefilter`
-    Makes a `collided` of your own fast: it is called only for sprites that are near.
+    Calls a `collided` of your own only for sprites that are near each other.
 `selfcollide`
     The pairs within one group, each once.
 `collide_rect_objects`, `collide_rect_lists`
@@ -13,7 +13,7 @@
 `collide_rect`, `collide_rect_ratio`, `collide_circle`, `collide_circle_ratio`, `collide_mask`
     pygame's own, for `collided`.
 
-There is no index to keep: each call reads the rects as they are. Needs pygame-ce.
+There is no index to update: each call reads the current rects. Requires pygame-ce.
 """
 
 from __future__ import annotations
@@ -65,13 +65,13 @@ __all__ = [
 Rule: TypeAlias = Literal["rect", "circle", "mask", "within"]
 _Point: TypeAlias = tuple[float, float] | pygame.Vector2
 
-if TYPE_CHECKING:  # a group of pygame says what it holds to type checkers alone
+if TYPE_CHECKING:  # pygame's group is generic only for type checkers
     _AnyGroup = pygame.sprite.Group[Any]
 else:
     _AnyGroup = pygame.sprite.Group
 
 _TYPES = (pygame.Rect, pygame.FRect)
-# They take any collection of sprites; their annotations speak of groups alone.
+# They accept any collection of sprites, but their annotations only groups.
 _their_groupcollide: Callable[..., dict[Any, list[Any]]] = pygame.sprite.groupcollide
 _their_spritecollide: Callable[..., list[Any]] = pygame.sprite.spritecollide
 _their_spritecollideany: Callable[..., Any] = pygame.sprite.spritecollideany
@@ -92,13 +92,13 @@ def groupcollide(
     Parameters
     ----------
     groupa, groupb : pygame.sprite.Group, or another collection of sprites
-        They may share sprites, or be the same.
+        They may share sprites, or be the same group.
     dokilla, dokillb : bool
         Whether to kill the sprites of either group that collide.
     collided : callable, optional
-        What colliding means, as in pygame; the rects overlap if left out. pygame's own
+        Tests a pair, as in pygame; if omitted, rects that overlap collide. pygame's own
         `collide_*` are computed without calling them, except `collide_mask`, which is
-        called where two masks may overlap. A function of your own is called for every
+        called if two masks may overlap. A function of your own is called for every
         pair, as in pygame, and takes as long; `prefilter` makes it faster.
     broad_phase : bool, default True
         False calls pygame's own function.
@@ -106,19 +106,19 @@ def groupcollide(
     Returns
     -------
     dict of sprite to list of sprite
-        The sprites of `groupa` that collide and what they collide with, both in the
-        order of their groups.
+        The sprites of `groupa` that collide, each with the sprites that it collides with,
+        both in the order of their groups.
 
     See Also
     --------
-    prefilter : Say how far a function of your own looks.
+    prefilter : Limit the pairs for which a function of your own is called.
     selfcollide : The pairs within one group.
 
     Notes
     -----
-    As in pygame, what `dokillb` has killed collides with nothing after it, and
+    As in pygame, a sprite killed by `dokillb` does not collide with later sprites, and
     `collide_circle` stores a `radius` in sprites that have none. Each `rect` and `radius`
-    is read once. With a `kill` of your own, the search begins anew after each kill,
+    is read once. With a `kill` of your own, the search starts again after each kill,
     because sprites may have moved.
 
     Examples
@@ -161,9 +161,9 @@ def spritecollide(
     sprite : pygame.sprite.Sprite
         It may be in the group itself.
     group : pygame.sprite.Group, or another collection of sprites
-        Where to look.
+        The sprites to test.
     dokill : bool
-        Whether to kill what collides.
+        Whether to kill the sprites that collide.
     collided : callable, optional
         As for `groupcollide`.
     broad_phase : bool, default True
@@ -176,8 +176,8 @@ def spritecollide(
 
     Notes
     -----
-    One sprite against a group is as quick in pygame where rects are compared, so pygame
-    does that itself. Ask for many at once with `groupcollide`.
+    For rects, one sprite against a group is as fast in pygame, so pygame's own function is
+    called. For many sprites use `groupcollide`.
 
     Examples
     --------
@@ -220,7 +220,7 @@ def spritecollideany(
     sprite : pygame.sprite.Sprite
         It may be in the group itself.
     group : pygame.sprite.Group, or another collection of sprites
-        Where to look.
+        The sprites to test.
     collided : callable, optional
         As for `groupcollide`.
     broad_phase : bool, default True
@@ -233,8 +233,8 @@ def spritecollideany(
 
     Notes
     -----
-    pygame's own function stops at the first and is the fastest. Only a `prefilter` is
-    computed here.
+    pygame's own function stops at the first hit and is the fastest, so it is called except
+    for a `prefilter`.
 
     Examples
     --------
@@ -263,7 +263,7 @@ def selfcollide(
     Parameters
     ----------
     group : pygame.sprite.Group, or another collection of sprites
-        Where to look.
+        The sprites to test.
     collided : callable, optional
         As for `groupcollide`; its first argument is the sprite that comes first in the
         group.
@@ -302,7 +302,7 @@ def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:
     Parameters
     ----------
     collided : callable
-        Takes two sprites, returns whether they collide. It must not move, add or remove
+        Takes two sprites and returns whether they collide. It must not move, add or remove
         sprites.
     reach : float, default 0.0
         Largest gap between two rects, along x and along y, at which `collided` may
@@ -313,9 +313,9 @@ def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:
     Prefilter
         A callable for the argument `collided` of the functions of this module and of
         `pygame.sprite`. A pair is passed to your function if its rects overlap as in
-        `Rect.colliderect`, or if the gap is at most `reach` on both axes. The edge
-        belongs to it: rects that only touch have a gap of 0. All other pairs do not
-        collide.
+        `Rect.colliderect`, or if the gap is at most `reach` on both axes. A gap of
+        exactly `reach` is included; rects that only touch have a gap of 0. All other pairs
+        do not collide.
 
     Raises
     ------
@@ -326,8 +326,8 @@ def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:
 
     Notes
     -----
-    The gap along x is that from the `right` of one rect to the `left` of the other;
-    rects without area have one too. Without `prefilter` a function is called for every
+    The gap along x is the distance from the `right` of one rect to the `left` of the other;
+    this includes rects without area. Without `prefilter` a function is called for every
     pair, which takes as long as in pygame.
 
     Examples
@@ -359,16 +359,16 @@ def collide_rect_objects(
     Parameters
     ----------
     rects : iterable of pygame.Rect or pygame.FRect
-        What to ask for.
+        The rects to test.
     objects : iterable
-        Rects, or whatever has one as its attribute `rect`.
+        Rects, or objects with an attribute `rect`.
     key : callable, optional
-        Gives the rect of an object; is called once for each.
+        Returns the rect of an object; it is called once for each.
 
     Returns
     -------
     list of list
-        For each rect what ``rect.collideobjectsall(objects, key=key)`` answers.
+        For each rect the result of ``rect.collideobjectsall(objects, key=key)``.
 
     Examples
     --------
@@ -395,19 +395,19 @@ def _collide_each(asked: list[Any], things: list[Any], taken: list[Any]) -> list
 
 
 def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list[int]]:
-    """Find for each of many rects which of some others it overlaps.
+    """Find for each of many rects the indices of the others that it overlaps.
 
     Parameters
     ----------
     rects : iterable of pygame.Rect or pygame.FRect
-        What to ask for.
+        The rects to test.
     others : iterable
-        Rects, or whatever has one as its attribute `rect`.
+        Rects, or objects with an attribute `rect`.
 
     Returns
     -------
     list of list of int
-        For each rect what ``rect.collidelistall(others)`` answers: indices, ascending.
+        For each rect the result of ``rect.collidelistall(others)``: indices, ascending.
 
     Examples
     --------
@@ -424,8 +424,8 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
 class Snapshot:
     """The sprites of a `Group` with their rects as they were at one moment.
 
-    `Group.snapshot` makes it. Its queries read no rect again, so many single queries are
-    fast; what moves, joins or leaves the group later does not change the answers.
+    `Group.snapshot` makes it. Its queries do not read the rects again, so many single queries
+    are fast. Later changes of the sprites or of the group do not change the answers.
 
     Examples
     --------
@@ -453,7 +453,7 @@ class Snapshot:
 
     @cached_property
     def _rects(self) -> list[Any]:
-        """Copies of the rects. An FRect of whole numbers collides as that Rect does."""
+        """Copies of the rects. A Rect of the same whole numbers may replace an FRect."""
         fits_int = (self._sides >= -(2.0**31)) & (self._sides < 2.0**31)
         whole = (self._sides == np.trunc(self._sides)) & fits_int
         kinds = [pygame.Rect if fits else pygame.FRect for fits in whole.all(axis=1).tolist()]
@@ -465,7 +465,7 @@ class Snapshot:
         Parameters
         ----------
         rect : pygame.Rect, pygame.FRect or what an FRect can be made of, or many of them
-            Where to look.
+            The sprites to test.
 
         Returns
         -------
@@ -480,11 +480,11 @@ class Snapshot:
         Parameters
         ----------
         point : array_like, shape (2,) or (n, 2)
-            Where to measure from.
+            The points.
         k : int, default 1
-            How many to find.
+            Number of sprites to find.
         max_distance : float, default inf
-            Find nothing farther than this, in units of length.
+            Ignore sprites farther than this, in units of length.
 
         Returns
         -------
@@ -515,14 +515,14 @@ class Snapshot:
         Parameters
         ----------
         origin, direction : array_like, shape (2,) or (n, 2)
-            Where each ray begins and where it goes.
+            Start and direction of each ray.
         max_distance : float, default inf
-            How far the rays go, in units of length.
+            Maximum length of the rays, in units of length.
 
         Returns
         -------
         tuple of sprite and float, or of list of sprite and ndarray of float64, shape (n,)
-            What is hit and how far it is; None and infinity where nothing is hit.
+            The sprite that is hit and its distance; None and infinity if nothing is hit.
         """
         hit = self._tree.raycast(origin, direction, max_distance=max_distance)
         if isinstance(hit, RayHit):
@@ -531,14 +531,14 @@ class Snapshot:
 
 
 class Group(_AnyGroup):
-    """A group with queries, always for the rects as they are now.
+    """A group with queries, always for the current rects.
 
-    It does whatever `pygame.sprite.Group` does. Each query takes one rect, point or ray
-    and answers it, or takes many and answers all of them.
+    It has all methods of `pygame.sprite.Group`. Each query takes one rect, point or ray and
+    returns one answer, or takes many and returns all answers.
 
-    Each query reads all rects, about 0.13 µs a sprite, and compares them with the last
-    ones; a tree is built only if one has changed. Many queries are therefore fastest in
-    one call, or by `snapshot`, which reads the rects once.
+    Each query reads all rects, about 0.13 µs for each sprite, and compares them with the
+    previous ones; a tree is built only if one has changed. Many queries are therefore
+    fastest in one call, or with `snapshot`, which reads the rects once.
 
     Parameters
     ----------
@@ -578,8 +578,8 @@ class Group(_AnyGroup):
         Returns
         -------
         Snapshot
-            With `query_rect`, `nearest` and `raycast` for the rects as they are now. It
-            does not change when sprites move: make a new one in each frame.
+            With `query_rect`, `nearest` and `raycast` for the current rects. It does not
+            change when sprites move: make a new one in each frame.
 
         Raises
         ------
@@ -612,19 +612,19 @@ class Group(_AnyGroup):
         Parameters
         ----------
         rect : pygame.Rect, pygame.FRect or what an FRect can be made of, or many of them
-            Where to look. Many are a list or tuple of rects, or of x, y, width and
+            The rects to test. Many are a list or tuple of rects, or of x, y, width and
             height, or an array of shape (n, 4).
 
         Returns
         -------
         list of sprite, or list of list of sprite
-            In the order of the group; for many rects a list for each. Touching is not
-            overlapping, and a rect without area overlaps nothing.
+            In the order of the group; for many rects one list for each. Rects that only
+            touch do not overlap, and a rect without area overlaps nothing.
 
         Raises
         ------
         TypeError
-            If `rect` is neither a rect nor many.
+            If `rect` is neither a rect nor a list, tuple or array of rects.
 
         Examples
         --------
@@ -645,17 +645,17 @@ class Group(_AnyGroup):
         Parameters
         ----------
         point : array_like, shape (2,) or (n, 2)
-            Where to measure from.
+            The points.
         k : int, default 1
-            How many to find.
+            Number of sprites to find.
         max_distance : float, default inf
-            Find nothing farther than this, in units of length.
+            Ignore sprites farther than this, in units of length.
 
         Returns
         -------
         list of sprite, or list of list of sprite
-            At most k, the nearest first, of two as near the first in the group; for many
-            points a list for each. Inside a rect the distance is 0.
+            At most k, the nearest first, at equal distances in the order of the group; for
+            many points one list for each. Inside a rect the distance is 0.
 
         Raises
         ------
@@ -692,16 +692,16 @@ class Group(_AnyGroup):
         Parameters
         ----------
         origin, direction : array_like, shape (2,) or (n, 2)
-            Where each ray begins and where it goes; a direction may have any length but
-            0. One origin may have many directions, and many origins one.
+            Start and direction of each ray; a direction may have any length except 0. One
+            origin may have many directions, and many origins one direction.
         max_distance : float, default inf
-            How far the rays go, in units of length.
+            Maximum length of the rays, in units of length.
 
         Returns
         -------
         tuple of sprite and float, or of list of sprite and ndarray of float64, shape (n,)
-            The sprite and how far its rect is along the ray; None and infinity where the
-            ray hits nothing.
+            The first sprite that is hit, and the distance to its rect along the ray; None and
+            infinity if nothing is hit.
 
         Raises
         ------
@@ -733,20 +733,20 @@ def _query_rect(rect: Any, sprites: list[Any], rects: list[Any]) -> list[Any]:
 
 
 def _is_many(rect: Any) -> bool:
-    """Whether it is a list, tuple or array of rects, and not one rect in whatever form."""
+    """Return whether it is a list, tuple or array of rects, not one rect."""
     if isinstance(rect, np.ndarray):
         return rect.ndim == 2
     return isinstance(rect, (list, tuple)) and all(map(_is_like_a_rect, rect))
 
 
 def _is_like_a_rect(thing: Any) -> bool:
-    """Whether it is a rect, has one, or may be x, y, width and height."""
+    """Return whether it is a rect, has one, or may be x, y, width and height."""
     four = isinstance(thing, Sized) and len(thing) == 4
     return four or isinstance(thing, _TYPES) or hasattr(thing, "rect")
 
 
 def _as_rect(name: str, rect: Any) -> Any:
-    """Return a rect, the rect of a sprite, or an FRect of what one can be made of."""
+    """Return a rect, the rect of a sprite, or an FRect made from the argument."""
     if isinstance(rect, _TYPES):
         return rect
     if isinstance(own := getattr(rect, "rect", None), _TYPES):
@@ -768,7 +768,7 @@ def _sides(sprites: list[Any]) -> NDArray[np.float64]:
 
 
 def _four(name: str, rect: Any) -> tuple[float, float, float, float]:
-    """Return x, y, width and height as a rect of one's own class states them."""
+    """Return x, y, width and height of a rect of any class."""
     if not isinstance(rect, _TYPES):
         rect = _as_rect(name, rect)
     return rect.x, rect.y, rect.w, rect.h
@@ -784,11 +784,11 @@ def _tree_of(sprites: list[Any], sides: NDArray[np.float64]) -> Quadtree:
     return Quadtree(sides[:, :2] + half_sizes, half_sizes=np.abs(half_sizes))
 
 
-# ---- what meets, and what is killed --------------------------------------------------------------
+# ---- collisions and kills ------------------------------------------------------------------------
 
 
 def _met(left: list[Any], groupb: Collection[Any], collided: Collided | None) -> dict[Any, Any]:
-    """Do `groupcollide` where nothing is killed on the way."""
+    """Do `groupcollide` without `dokillb`."""
     right = list(groupb)
     near = _near(left, right, collided) if left and right else None
     if near is None:
@@ -801,7 +801,7 @@ def _met(left: list[Any], groupb: Collection[Any], collided: Collided | None) ->
 def _met_and_killed(
     left: list[Any], groupb: Collection[Any], collided: Collided | None
 ) -> dict[Any, list[Any]]:
-    """Do `groupcollide` with `dokillb`: one sprite of `left` after the other."""
+    """Do `groupcollide` with `dokillb`: one sprite of `left` after another."""
     found: dict[Any, list[Any]] = {}
     done = 0
     while done < len(left):
@@ -826,10 +826,10 @@ def _kill_along(
     groupb: Collection[Any],
     found: dict[Any, list[Any]],
 ) -> int:
-    """Kill what meets, and return how many of `left` had their turn.
+    """Kill the sprites that collide, and return how many of `left` were handled.
 
-    Ends early where nothing is left to meet, and where code of somebody else has run, after
-    which nobody knows where the sprites are.
+    Ends early if no sprite is left to collide with, and after a call of the user's code, which
+    may have moved sprites.
     """
     alive = groupb.has_internal if isinstance(groupb, AbstractGroup) else None
     ask = near.collided
@@ -855,7 +855,7 @@ def _kill_along(
 
 
 def _is_pygames_kill(sprite: Any) -> bool:
-    """Whether killing it runs no code but pygame's."""
+    """Return whether killing it runs only pygame's code."""
     own = getattr(sprite.kill, "__func__", None)
     return own is Sprite.kill and all(
         _is_pygames(group.remove_internal) for group in Sprite.groups(sprite)
@@ -863,7 +863,7 @@ def _is_pygames_kill(sprite: Any) -> bool:
 
 
 def _is_pygames_iteration(group: Collection[Any]) -> bool:
-    """Whether a group holds what its members are, or is no group and stays as it is."""
+    """Return whether iteration over a group is pygame's own, or it is not a group."""
     return not isinstance(group, AbstractGroup) or (
         _is_pygames(group.__iter__) and _is_pygames(group.sprites)
     )
@@ -873,11 +873,11 @@ def _is_pygames(method: Any) -> bool:
     return getattr(method, "__module__", None) == "pygame.sprite"
 
 
-# ---- who is near whom ----------------------------------------------------------------------------
+# ---- candidate pairs -----------------------------------------------------------------------------
 
 
 def _near(left: list[Any], right: list[Any] | None, collided: Collided | None) -> Near | None:
-    """Find the pairs that collide or have to be tested; None where only pygame can tell."""
+    """Find the pairs that collide or have to be tested; None if only pygame can decide."""
     rule = _rule_of(collided)
     if rule is None:
         return None
@@ -890,7 +890,7 @@ def _near(left: list[Any], right: list[Any] | None, collided: Collided | None) -
 
 
 def _rule_of(collided: Collided | None) -> tuple[Rule, float] | None:
-    """Return the rule and its number for what can be computed here, None for the rest."""
+    """Return the rule and its number, None for functions that cannot be computed here."""
     if isinstance(collided, Prefilter):
         return "within", collided.reach
     if collided is None or collided is collide_rect:
@@ -907,18 +907,18 @@ def _rule_of(collided: Collided | None) -> tuple[Rule, float] | None:
 
 
 def _is_plain(ratio: Any) -> bool:
-    """Whether Rust computes with a ratio as Python does."""
+    """Return whether Rust computes with a ratio as Python does."""
     return type(ratio) in (int, float) and abs(ratio) <= _LARGEST_RATIO
 
 
 def _pairs_of_rects(asked: list[Any], things: list[Any]) -> NDArray[np.uint32] | None:
-    """Find which rects overlap which things; None where only pygame can tell."""
+    """Find the overlaps of rects and things; None if only pygame can decide."""
     if not all(isinstance(rect, _TYPES) for rect in asked):
         return None
     rects = []
     for thing in things:
         rect = thing if isinstance(thing, _TYPES) else getattr(thing, "rect", None)
-        # pygame takes what it can from a sequence before it looks for a `rect`.
+        # pygame reads a sequence as a rect before it reads the attribute `rect`.
         if not isinstance(rect, _TYPES) or (rect is not thing and hasattr(thing, "__getitem__")):
             return None
         rects.append(rect)

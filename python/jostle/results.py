@@ -1,4 +1,4 @@
-"""Answers made of several arrays or numbers."""
+"""Results that consist of several arrays or numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = [
 
 
 class Contacts(NamedTuple):
-    """Pairs that overlap, and how.
+    """Pairs that overlap, with normals and depths.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Contacts(NamedTuple):
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors from i to j.
     depths : ndarray of float32 or float64, shape (m,)
-        How far the two overlap along the normal, in units of length.
+        Penetration along the normal, in units of length.
     """
 
     pairs: NDArray[np.int64]
@@ -39,15 +39,15 @@ class Contacts(NamedTuple):
 
 
 class Hits(NamedTuple):
-    """Ids for each of many questions, one list behind the other.
+    """Ids for each of many queries, concatenated.
 
-    The ids of question q are ``ids[offsets[q]:offsets[q + 1]]``, ascending;
-    ``np.diff(offsets)`` counts them, `lists` parts them.
+    The ids of query q are ``ids[offsets[q]:offsets[q + 1]]``, ascending;
+    ``np.diff(offsets)`` counts them, `lists` splits them.
 
     Attributes
     ----------
     offsets : ndarray of int64, shape (k + 1,)
-        Where the ids of each question begin; the last is the number of all.
+        Index of the first id of each query; the last is the total number of ids.
     ids : ndarray of int64, shape (m,)
         Ids of shapes.
     """
@@ -56,12 +56,12 @@ class Hits(NamedTuple):
     ids: NDArray[np.int64]
 
     def lists(self) -> list[NDArray[np.int64]]:
-        """Part the ids by question.
+        """Split the ids by query.
 
         Returns
         -------
         list of ndarray of int64
-            The ids of each question, ascending; views of `ids`.
+            The ids of each query, ascending; views of `ids`.
 
         Examples
         --------
@@ -76,16 +76,16 @@ class Hits(NamedTuple):
 class Neighbors(NamedTuple):
     """The shapes nearest to a point, or to each of many.
 
-    It unpacks as ``distances, ids``, as what `cKDTree.query` of SciPy returns. A `RayHit` has the
-    id first.
+    It unpacks as ``distances, ids``, like the result of SciPy's `cKDTree.query`. A `RayHit` has
+    the id first.
 
     Attributes
     ----------
     distances : ndarray of float32 or float64, shape (k,) or (points, k)
-        How far it is to each shape, nearest first; 0 inside, infinity where there are
-        fewer than k.
+        Distance to each shape, nearest first; 0 inside, infinity if fewer than k are
+        found.
     ids : ndarray of int64, shape (k,) or (points, k)
-        Ids of the shapes; -1 where there are fewer than k.
+        Ids of the shapes; -1 if fewer than k are found.
     """
 
     distances: NDArray[np.floating[Any]]
@@ -93,7 +93,7 @@ class Neighbors(NamedTuple):
 
 
 class RayHit(NamedTuple):
-    """What a ray hits first.
+    """The first shape that a ray hits.
 
     It unpacks as ``id, distance``. `Neighbors` have the distances first.
 
@@ -102,7 +102,7 @@ class RayHit(NamedTuple):
     id : int
         Id of the shape; -1 if nothing is hit.
     distance : float
-        How far it is to its surface, in units of length; infinity if nothing is hit.
+        Distance to its surface, in units of length; infinity if nothing is hit.
     """
 
     id: int
@@ -110,7 +110,7 @@ class RayHit(NamedTuple):
 
 
 class RayHits(NamedTuple):
-    """What each of many rays hits first.
+    """The first shape that each of many rays hits.
 
     It unpacks as ``ids, distances``. `Neighbors` have the distances first.
 
@@ -119,7 +119,7 @@ class RayHits(NamedTuple):
     ids : ndarray of int64, shape (k,)
         Ids of the shapes; -1 where nothing is hit.
     distances : ndarray of float32 or float64, shape (k,)
-        How far it is to their surfaces; infinity where nothing is hit.
+        Distances to their surfaces; infinity where nothing is hit.
     """
 
     ids: NDArray[np.int64]
@@ -136,7 +136,7 @@ class Nodes(NamedTuple):
     depths : ndarray of int64, shape (k,)
         Subdivisions above each box.
     counts : ndarray of int64, shape (k,)
-        Shapes in each box and all below it.
+        Shapes in each box and its descendants.
     is_leaf : ndarray of bool, shape (k,)
         Whether the box did not split.
     """
@@ -148,7 +148,7 @@ class Nodes(NamedTuple):
 
 
 class Stats(NamedTuple):
-    """What a quadtree looks like and how much work its last answer was.
+    """Size of a quadtree and number of tests of its last query.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class Stats(NamedTuple):
     depth : int
         Subdivisions above the deepest box.
     tests : int
-        Pairs of shapes that were tested.
+        Shapes or pairs of shapes that were tested.
     """
 
     nodes: int
@@ -169,19 +169,19 @@ class Stats(NamedTuple):
 
 
 class GaltonBoard(NamedTuple):
-    """Where things are on the board of the scene `galton`. y grows downwards.
+    """Geometry of the board in the scene `galton`; y grows downwards.
 
     Attributes
     ----------
     rows : int
         Rows of pegs. A ball that turns right at k of them ends in bin k, counted from 0 on the
-        left; k is binomial: `rows` throws of a fair coin.
+        left; k has a binomial distribution of `rows` trials with probability 1/2.
     bin_edges : ndarray of float32, shape (rows + 2,)
         Edges of the bins along x, ascending.
     bin_top : float
-        Where the bins are open.
+        y of the open top of the bins.
     floor : float
-        Where they end.
+        y of the bottom of the bins.
     ball_radius : float
         Radius of the balls.
     """
@@ -194,24 +194,24 @@ class GaltonBoard(NamedTuple):
 
 
 class Nozzle(NamedTuple):
-    """Where drops come from in the scene `emitters`.
+    """A source of drops in the scene `emitters`.
 
     Attributes
     ----------
     position : tuple of float
-        Their centre as they come out, x and y.
+        Centre of the source, x and y.
     velocity : tuple of float
-        Their velocity, in pixels a second.
+        Velocity of the drops, in pixels per second.
     width : float
-        They come out anywhere on a line of this length across the velocity.
+        Drops start at random on a line of this length, perpendicular to the velocity.
     spread : float
-        Most that is added to it by chance, in any direction, in pixels a second.
+        Maximum random addition to the velocity, in any direction, in pixels per second.
     radii : tuple of float
-        The smallest radius and the largest.
+        The smallest and the largest radius.
     density : float
-        Mass over the radius squared.
+        Mass divided by the squared radius.
     drops_per_second : float
-        How many come out in a second.
+        Number of drops per second.
     """
 
     position: tuple[float, float]

@@ -1,7 +1,7 @@
-"""Seeded scenes by name, the same for tests, benchmarks and the simulator.
+"""Named scenes from a seed, the same for tests, benchmarks and the simulator.
 
 Lengths are pixels, times seconds, y grows downwards; a step is 1/60 s. Every scene
-takes any number of particles, and its size follows.
+takes any number of particles, and its size depends on it.
 """
 
 from jostle._core import create_scene as create

@@ -1,4 +1,4 @@
-"""What `jostle.pygame` keeps between finding pairs of sprites and answering; knows no pygame."""
+"""Data of `jostle.pygame` between the search for pairs and the answer; independent of pygame."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Prefilter:
     Attributes
     ----------
     collided : callable
-        What is called for the pairs that are left.
+        Called for sprites whose rects are near.
     reach : float
         Largest gap between two rects, along x and along y, in units of length.
     """
@@ -45,32 +45,32 @@ class Prefilter:
         return f"prefilter({self.collided!r}, reach={self.reach!r})"
 
     def __call__(self, left: Any, right: Any) -> object:
-        """Return False where the rects are not near, otherwise what `collided` returns."""
+        """Return False if the rects are not near, otherwise the result of `collided`."""
         a, b = left.rect, right.rect
         gap = max(_gap(a.left, a.right, b.left, b.right), _gap(a.top, a.bottom, b.top, b.bottom))
         return (gap <= self.reach or a.colliderect(b)) and self.collided(left, right)
 
 
 def _gap(a: float, a_end: float, b: float, b_end: float) -> float:
-    """Return the gap between two intervals whose ends come in any order."""
+    """Return the gap between two intervals with ends in any order."""
     return max(min(a, a_end) - max(b, b_end), min(b, b_end) - max(a, a_end))
 
 
 class Radii:
-    """Radii of sprites that had none, to be stored in them when pygame would."""
+    """Radii of sprites without one, to be stored in them as pygame does."""
 
     def __init__(self) -> None:
         self._made: dict[int, tuple[Any, float]] = {}
 
     def __call__(self, sprite: Any) -> float:
-        """Return the radius that pygame makes of a rect."""
+        """Return the radius that pygame computes from a rect."""
         rect = sprite.rect
         radius: float = 0.5 * ((rect.width**2 + rect.height**2) ** 0.5)
         self._made[id(sprite)] = (sprite, radius)
         return radius
 
     def store(self, sprites: Iterable[Any]) -> None:
-        """Give these sprites their radius."""
+        """Store the radii in these sprites."""
         if not self._made:
             return
         for sprite in sprites:
@@ -86,11 +86,11 @@ class Near(NamedTuple):
     pairs : ndarray of uint32, shape (m, 2)
         Rows of the left and of the right sprites.
     sure : ndarray of bool, shape (m,), or None
-        Whether each pair collides without a call; None where all do.
+        Whether each pair collides without a call; None if all do.
     collided : callable or None
-        Called for the others.
+        Called for the other pairs.
     radii : Radii
-        Radii that were computed on the way.
+        Radii that were computed during the search.
     """
 
     pairs: NDArray[np.uint32]
@@ -99,7 +99,7 @@ class Near(NamedTuple):
     radii: Radii
 
     def decided(self, left: Sequence[Any], right: Sequence[Any]) -> NDArray[np.uint32]:
-        """Return the pairs that collide; calls `collided` where that is not sure."""
+        """Return the pairs that collide; call `collided` for pairs that are not sure."""
         if self.sure is None or self.collided is None:
             return self.pairs
         collide = self.sure.copy()
@@ -109,7 +109,7 @@ class Near(NamedTuple):
         return self.pairs[collide]
 
     def by_left(self) -> Iterator[tuple[int, Iterator[tuple[int, int, bool]]]]:
-        """Yield each row of the left with its (row, other row, whether that is sure)."""
+        """Yield each left row with its triples (row, other row, whether the pair is sure)."""
         rows = self.pairs.tolist()
         sure = [True] * len(rows) if self.sure is None else self.sure.tolist()
         triples = ((i, j, is_sure) for (i, j), is_sure in zip(rows, sure, strict=True))

@@ -1,10 +1,10 @@
-"""Starts the command `jostle`.
+"""Start the command `jostle`.
 
-Importing it takes a moment, and Ctrl-C during an import would print a traceback. So this package
-stands outside `jostle` and imports nothing before Ctrl-C ends the process quietly.
+Importing `jostle` takes time, and Ctrl-C during an import would print a traceback. So this package
+is outside `jostle` and handles Ctrl-C before it imports anything else.
 """
 
-# The module `signal` imports much, and Ctrl-C could come meanwhile.
+# The module `signal` imports many others, and Ctrl-C may come during that time.
 import _signal as signal  # type: ignore[import-not-found]
 import os
 

@@ -105,11 +105,7 @@ impl<'py> Argument<'py> {
     fn new(name: &'static str, value: &Bound<'py, PyAny>, kind: Kind) -> PyResult<Self> {
         let was_array = value.cast::<PyUntypedArray>().is_ok();
         if value.is_instance_of::<PySet>() || value.is_instance_of::<PyFrozenSet>() {
-            return Err(type_error(
-                name,
-                "a list or an array, in which things have a place",
-                value,
-            ));
+            return Err(type_error(name, "an ordered list or array", value));
         }
         refuse_masked(name, value)?;
         let array = as_array(name, value)?;

@@ -1,4 +1,4 @@
-//! Long calls: they run without the interpreter, and end early where a signal handler raises.
+//! Long calls: they release the GIL, and end early if a signal handler raises.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
@@ -10,22 +10,22 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-/// How long a call runs before it lets signal handlers run.
+/// Time between two runs of the signal handlers.
 const POLL_EVERY: Duration = Duration::from_millis(50);
 
 /// For a thread without signal handlers: longer than any call.
 const NEVER: Duration = Duration::from_secs(86_400);
 
 thread_local! {
-    /// When the present call of this thread runs the signal handlers next; nobody has asked
-    /// yet where it is none.
+    /// When the current call of this thread runs the signal handlers next; none before the
+    /// first poll.
     static NEXT: Cell<Option<Instant>> = const { Cell::new(None) };
-    /// What a signal handler has raised during the present call of this thread.
+    /// The exception of a signal handler during the current call of this thread.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Does `work` while other Python threads run. What a signal handler raises meanwhile stops
-/// the work and is the error; a panic, which is a fault of jostle, becomes a RuntimeError.
+/// Does `work` without the GIL. An exception of a signal handler stops the work and is
+/// returned; a panic becomes a RuntimeError.
 pub fn detached<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     let outer = NEXT.take();
     let done = py.detach(|| catch_unwind(AssertUnwindSafe(|| interrupt::watch(poll, work))));
@@ -36,7 +36,7 @@ pub fn detached<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyR
     }
 }
 
-/// As [`detached`] for work that has to reach its end.
+/// As [`detached`], for work that must not be interrupted.
 pub fn detached_to_the_end<R: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> R + Send,
@@ -75,11 +75,11 @@ fn runs_signal_handlers(py: Python<'_>) -> PyResult<bool> {
     own.bind(py).call0()?.eq(main.bind(py).call0()?.getattr("ident")?)
 }
 
-/// What a panic becomes.
+/// The exception for a panic.
 pub fn fault(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
     PyRuntimeError::new_err(format!(
-        "jostle has failed ({text}); this is a fault of jostle, please report it"
+        "internal error of jostle ({text}); please report it"
     ))
 }

@@ -1,4 +1,4 @@
-//! What one thread at a time works on: a lock that says so where it could never be had.
+//! A lock that returns an error instead of waiting if it could never be acquired.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,14 +14,14 @@ use pyo3::sync::MutexExt;
 /// A value that one thread at a time uses.
 pub struct Shared<T> {
     value: Mutex<T>,
-    /// Who uses it; 0 for nobody.
+    /// The thread that uses it; 0 if none does.
     user: AtomicU64,
-    /// What it is, and how to get another one, for errors.
+    /// For errors: what the value is, and how to get another one.
     noun: &'static str,
     remedy: &'static str,
 }
 
-/// The present thread of the present process, never 0.
+/// A number for the current thread of the current process, never 0.
 fn present() -> u64 {
     static THREADS: AtomicU64 = AtomicU64::new(1);
     thread_local! {
@@ -30,12 +30,12 @@ fn present() -> u64 {
     (forks() as u64) << 48 | THREAD.with(|thread| *thread)
 }
 
-/// In which process a user was.
+/// The process of a user.
 fn era(user: u64) -> u64 {
     user >> 48
 }
 
-/// Turns that a forked process waits for a thread that may not be there, of a millisecond.
+/// How many milliseconds a forked process waits for a thread that may not exist in it.
 const PATIENCE: u32 = 100;
 
 impl<T> Shared<T> {
@@ -44,13 +44,13 @@ impl<T> Shared<T> {
         Self { value: Mutex::new(value), user: AtomicU64::new(0), noun, remedy }
     }
 
-    /// Waits for the value. The interpreter must be free for other threads.
+    /// Waits for the value. The caller must have released the GIL.
     pub fn lock(&self) -> PyResult<Guard<'_, T>> {
         let value = self.try_lock()?.map_or_else(|| self.value.lock().ok(), Some);
         value.map(|value| self.used(value)).ok_or_else(|| self.broken())
     }
 
-    /// Waits for the value, for a glance.
+    /// Waits for the value with the GIL held, for short use.
     pub fn lock_attached(&self, py: Python<'_>) -> PyResult<Guard<'_, T>> {
         let value = self.try_lock()?.map_or_else(|| self.value.lock_py_attached(py).ok(), Some);
         value.map(|value| self.used(value)).ok_or_else(|| self.broken())
@@ -61,7 +61,8 @@ impl<T> Shared<T> {
         Guard { value, user: &self.user }
     }
 
-    /// None where a thread has it that will be done. Refuses to wait for any other.
+    /// None if a thread of this process uses the value. Returns an error if the value is used
+    /// by a call that this one interrupted, or by a thread that does not exist here.
     fn try_lock(&self) -> PyResult<Option<MutexGuard<'_, T>>> {
         for _ in 0..PATIENCE {
             match self.value.try_lock() {
@@ -76,7 +77,7 @@ impl<T> Shared<T> {
             if forks() == 0 || user != 0 && era(user) == era(present()) {
                 return Ok(None);
             }
-            // Either it has just been taken, or by a thread that did not come along.
+            // Either a thread has just locked it, or a thread of the parent process had.
             thread::sleep(Duration::from_millis(1));
         }
         Err(self.left_behind())
@@ -84,7 +85,7 @@ impl<T> Shared<T> {
 
     fn busy(&self) -> PyErr {
         PyRuntimeError::new_err(format!(
-            "this {} is at work: a signal handler cannot use it before the call that it has \
+            "this {} is in use: a signal handler cannot use it before the call that it has \
              interrupted ends",
             self.noun
         ))
@@ -106,7 +107,7 @@ impl<T> Shared<T> {
     }
 }
 
-/// The value, as long as the present thread uses it.
+/// The locked value.
 pub struct Guard<'a, T> {
     value: MutexGuard<'a, T>,
     user: &'a AtomicU64,

@@ -1,5 +1,5 @@
-//! Refuses arrays of `numpy.ma` with masked elements: a copy of their numbers would take in
-//! what the mask leaves out.
+//! Refuses arrays of `numpy.ma` with masked elements: a copy of their numbers would include
+//! the masked ones.
 
 use numpy::PyUntypedArray;
 use pyo3::exceptions::PyValueError;
@@ -26,7 +26,7 @@ pub fn refuse_masked(name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
     }
 }
 
-/// A list of numbers is not searched: arrays are looked for only where the first item is one.
+/// Lists of numbers are not searched: only lists whose first item is an array.
 fn refuse_masked_rows<'py>(
     name: &str,
     items: impl Iterator<Item = Bound<'py, PyAny>>,

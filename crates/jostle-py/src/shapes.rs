@@ -60,10 +60,10 @@ impl<'py> Where<'py> {
                  which are min_x, min_y, max_x, max_y"
             }
             (Some(_), _, Some(_)) => {
-                "centers and boxes are both given; boxes say where shapes are, so leave out centers"
+                "centers and boxes are both given; boxes take the place of centers, so leave out centers"
             }
             (None, Some(_), Some(_)) => {
-                "half_sizes and boxes are both given; boxes say how large shapes are, so leave out \
+                "half_sizes and boxes are both given; boxes take the place of half_sizes, so leave out \
                  half_sizes"
             }
         };

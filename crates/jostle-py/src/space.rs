@@ -972,7 +972,7 @@ impl PySpace {
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
         if !id.is_instance_of::<PyString>() && id.len().is_ok() {
-            let rule = "one id; np.isin(ids, space.ids) asks about many";
+            let rule = "one id; np.isin(ids, space.ids) tests many";
             return Err(type_error("the left side of `in`", rule, id));
         }
         let number = if id.is_instance_of::<PyBool>() { None } else { id.extract::<Id>().ok() };

@@ -119,7 +119,7 @@ impl fmt::Display for Error {
                  speeds"
             ),
             Self::TooManyIds { most } => {
-                write!(f, "the answer has more than {most} ids; ask for fewer regions at a time")
+                write!(f, "the answer has more than {most} ids; query fewer regions in one call")
             }
             Self::TooManyPairs { max_pairs } => write!(
                 f,

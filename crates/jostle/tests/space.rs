@@ -381,8 +381,8 @@ impl<T: Scalar> Trial<T> {
             assert!(error.starts_with(&format!("{argument}[{row}] is ")), "{error}");
         }
         ids.push(ids[row]);
-        let error = self.space.remove(&ids).expect_err("it is named twice").to_string();
-        assert!(error.ends_with("it is named twice"), "{error}");
+        let error = self.space.remove(&ids).expect_err("it is given twice").to_string();
+        assert!(error.ends_with("it is given twice"), "{error}");
     }
 
     fn check(&self) {

@@ -379,7 +379,7 @@ impl<T: Scalar> Layers<T> {
             return Err(format!("{} are said to be fresh", self.fresh_len));
         }
         seen += self.fresh_len;
-        if seen == slots.len() { Ok(()) } else { Err(format!("{seen} of all shapes have a home")) }
+        if seen == slots.len() { Ok(()) } else { Err(format!("layers hold {seen} shapes")) }
     }
 }
 

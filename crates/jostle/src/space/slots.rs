@@ -122,7 +122,7 @@ impl<T: Scalar> Slots<T> {
         memory::reserve(&mut self.free, more)
     }
 
-    /// The slots of `ids`. Refuses ids that no shape has, and ids named twice.
+    /// The slots of `ids`. Refuses ids that no shape has, and ids given twice.
     pub(super) fn find(&mut self, ids: &[Id]) -> Result<Vec<u32>> {
         if self.call == u32::MAX {
             self.named.fill(0);
@@ -135,7 +135,7 @@ impl<T: Scalar> Slots<T> {
                 return Err(Error::at("ids", index, id, self.why_unknown(id)));
             };
             if std::mem::replace(&mut self.named[slot as usize], self.call) == self.call {
-                return Err(Error::at("ids", index, id, "it is named twice"));
+                return Err(Error::at("ids", index, id, "it is given twice"));
             }
             slots.push(slot);
         }

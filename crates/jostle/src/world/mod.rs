@@ -296,7 +296,7 @@ impl World {
         Ok(())
     }
 
-    /// Refuses rows that no particle has, and rows named twice.
+    /// Refuses rows that no particle has, and rows given twice.
     pub fn check_rows(&self, rows: &[u32]) -> Result<()> {
         let mut seen = vec![false; self.len()];
         for (index, &row) in rows.iter().enumerate() {
@@ -305,7 +305,7 @@ impl World {
                     let rule = format!("there are {} particles, so it must be below", self.len());
                     return Err(Error::at("ids", index, row, &rule));
                 }
-                Some(true) => return Err(Error::at("ids", index, row, "it is named twice")),
+                Some(true) => return Err(Error::at("ids", index, row, "it is given twice")),
                 Some(seen) => *seen = true,
             }
         }
