@@ -131,7 +131,7 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
         ("window = 3", "line 1: window is 3; it must be a table, [window]"),
         ("window.size = 3", "line 1: size is 3; it must be [width, height]"),
-        ("[shown]\ntrees = true", "line 2: trees is not something to show; did you mean tree?"),
+        ("[shown]\ntrees = true", "line 2: trees is not an entry of [shown]; did you mean tree?"),
         ("[shown]\ntree = true", "line 2: tree is true; it must be one of off, outline,"),
         ('[shown]\nlabels = "yes"', "line 2: labels is 'yes'; it must be true or false"),
         ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),

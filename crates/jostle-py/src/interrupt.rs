@@ -79,7 +79,5 @@ fn runs_signal_handlers(py: Python<'_>) -> PyResult<bool> {
 pub fn fault(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
-    PyRuntimeError::new_err(format!(
-        "internal error of jostle ({text}); please report it"
-    ))
+    PyRuntimeError::new_err(format!("internal error of jostle ({text}); please report it"))
 }

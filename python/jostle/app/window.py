@@ -236,7 +236,7 @@ class Window:
         if not self._lively and self._since_panels < PANELS_EVERY:
             self.gui.again()
             return
-        with interrupt.held():  # ImGui does not survive a frame that is broken off
+        with interrupt.held():  # an interrupted frame leaves ImGui in an invalid state
             self.gui.begin(self._since_panels, self.screen.size, self.screen.scale)
             for build in self.builders:
                 build(self.session, self.gui)

@@ -102,6 +102,6 @@ class Pulls:
 
 
 def _within_reach(point: Point) -> Point:
-    """Return the nearest point that a world can have: a camera may look farther."""
+    """Return the nearest point within the limits of a world; the camera may be beyond them."""
     x, y = (min(max(side, -FARTHEST), FARTHEST) for side in point)
     return x, y

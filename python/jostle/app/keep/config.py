@@ -1,7 +1,7 @@
 """A scene described in a TOML file, for `jostle run --config`; docs/files.md lists its entries.
 
-Entries that are unknown or wrong are refused by name and line. Reading and finding a line take time
-in proportion to the length of the file.
+Entries that are unknown or wrong are refused with name and line. Reading a file and finding a line
+take time proportional to its length.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ from jostle.app.simulate.settings import (
 )
 
 LARGEST, SMALLEST = 16_384, 64  # pixels
-DEEPEST = 100  # brackets within each other
+DEEPEST = 100  # nested brackets
 LONGEST = 1_000  # characters of a key or a number
 
-# What the article's programs have no choice of.
+# Settings that are fixed in the article's programs.
 OUR_RULES = (
     *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
     *("threads", "on_touch"),
@@ -60,7 +60,7 @@ ENTRIES = Fields(
     {
         **SETTINGS.rules,
         "window": Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", complete=False),
-        "shown": Fields(SHOWN_RULES, "something to show", "a table, [shown]", complete=False),
+        "shown": Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", complete=False),
     },
     SETTINGS.what,
     complete=False,
@@ -68,12 +68,12 @@ ENTRIES = Fields(
 
 
 class ConfigError(ValueError):
-    """What is wrong with a file, in a sentence with its name and the line."""
+    """An error in a file; the message contains its name and the line."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """What a file says; what it does not say is left out or None."""
+    """The entries of a file; missing ones are omitted or None."""
 
     settings: Settings = field(default_factory=Settings)
     given: frozenset[str] = frozenset()  # the settings that the file names
@@ -88,7 +88,7 @@ class Config:
 
 
 def read_config(path: Path) -> Config:
-    """Return what a file says; a ConfigError or an OSError says why it cannot be taken."""
+    """Return the entries of a file; raise a ConfigError or an OSError if it is wrong."""
     try:
         text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
@@ -108,7 +108,7 @@ def read_config(path: Path) -> Config:
 
 
 def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
-    """Yield what is wrong, each with its key."""
+    """Yield the key and the message of each error."""
     for key, why in refusals(entries, ENTRIES):
         name = next(part for part in reversed(key) if isinstance(part, str))
         yield key, f"{shorten(name)} {why}"
@@ -127,8 +127,8 @@ def _switch(name: str, value: Any) -> Any:
 
 # ---- TOML ----------------------------------------------------------------------------------------
 
-# What a line is found by: strings and comments, which hide the rest, brackets, = and separators. A
-# string that does not end goes to the end of the text or of the line, so no text is read twice.
+# Tokens for finding a line: strings and comments, whose contents are skipped, brackets, = and
+# separators. An open string extends to the end of the text or of the line, so no text is read twice.
 _TOKEN = re.compile(
     r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
     r"|'''.*?(?:'{3,5}|\Z)"
@@ -142,7 +142,7 @@ _BARE = re.compile(r"\s*([\w-]+(?:\.[\w-]+)*)\s*")
 
 
 def _parsed(name: str, text: str) -> dict[str, Any]:
-    """Return the entries of a TOML text; a ConfigError says where it cannot be read."""
+    """Return the entries of a TOML text; raise a ConfigError with the line of an error."""
     if wrong := _too_much(text):
         line, why = wrong
         raise ConfigError(f"{name}, line {line}: {why}")
@@ -155,10 +155,10 @@ def _parsed(name: str, text: str) -> dict[str, Any]:
 
 
 def _too_much(text: str) -> tuple[int, str] | None:
-    """Return the line and the reason where a text is beyond what TOML's reader can take.
+    """Return the line and the reason if a text is beyond the limits of TOML's reader.
 
-    It calls itself for each bracket, takes time with the square of a key's parts, and Python reads
-    no whole number of thousands of digits.
+    It recurses for each bracket, its time is quadratic in the number of parts of a key, and Python
+    does not read integers of thousands of digits.
     """
     word, end = 0, 0  # characters outside strings since the last separator
     for token, line, depth in _tokens(text):
@@ -173,7 +173,7 @@ def _too_much(text: str) -> tuple[int, str] | None:
 
 
 def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
-    """Yield each token with its line, from 1, and the number of brackets open behind it."""
+    """Yield each token with its line, from 1, and the number of open brackets after it."""
     line, depth = 1, 0
     for token in _TOKEN.finditer(text + "\n"):
         mark = token[0]
@@ -183,9 +183,9 @@ def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
 
 
 def line_of(text: str, key: Key) -> int:
-    """Return the line, from 1, that sets a key of a TOML text, or the nearest table around it."""
+    """Return the line, from 1, that sets a key of a TOML text, or its nearest outer table."""
     table: Key = ()
-    numbers: dict[Key, int] = {}  # of the last table in each array of tables
+    numbers: dict[Key, int] = {}  # number of the last table in each array of tables
     most, found = 0, 1
     for line, words in _heads(text):
         if words.startswith("[["):
@@ -205,7 +205,7 @@ def line_of(text: str, key: Key) -> int:
 
 
 def _heads(text: str) -> Iterator[tuple[int, str]]:
-    """Yield what stands before each =, and each table in brackets, with its line."""
+    """Yield the text before each =, and each table in brackets, with its line."""
     begin, told = 0, False
     for token, line, depth in _tokens(text):
         mark = token[0]
@@ -230,7 +230,7 @@ def _names(words: str) -> tuple[str, ...]:
 
 
 def _numbered(names: Iterable[str], numbers: Mapping[Key, int]) -> Key:
-    """Return a key with the number of the last table behind each array of tables in it."""
+    """Return a key with the number of the last table after each array of tables in it."""
     key: Key = ()
     for name in names:
         key = (*key, name)
@@ -240,13 +240,13 @@ def _numbered(names: Iterable[str], numbers: Mapping[Key, int]) -> Key:
 
 
 def _shared(one: Key, other: Key) -> int:
-    """Return how many parts two keys have in common from the left."""
+    """Return the number of leading parts that two keys share."""
     pairs = zip(one, other, strict=False)
     return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
 
 
 def _syntax(name: str, text: str, complaint: str) -> str:
-    """Return the reader's complaint with the line before it, as all others have it."""
+    """Return the reader's message with the line before it, as in other messages."""
     reason, _, place = complaint.partition(" (at ")
     reason = reason[:1].lower() + reason[1:]
     line = place.removeprefix("line ").split(",")[0]

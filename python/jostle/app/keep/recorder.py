@@ -42,7 +42,7 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close the film; after an exception without a word, and without an empty file."""
+        """Close the film; after an exception, ignore errors and remove an empty file."""
         try:
             self._encoder.close()
         except OSError:

@@ -1,4 +1,4 @@
-"""A scene in a file, `.jostle`: state, settings, where the camera looks and what is shown."""
+"""A scene in a file, `.jostle`: state, settings, camera and overlays."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from jostle.app.simulate.start import resume
 
 SUFFIX = ".jostle"
 KIND = "scene"
-PASSING = ("help", "panels")  # switches that belong to the window, not to the scene
+PASSING = ("help", "panels")  # switches of the window, which are not saved
 
-TINY, HUGE = 1e-30, 1e30  # pixels a world unit, and world units
+TINY, HUGE = 1e-30, 1e30  # limits of pixels per world unit, and of world units
 
 CAMERA = Fields(
     {
@@ -38,7 +38,7 @@ SHOWN = Fields(
         else TRUTH
         for switch in fields(Shown)
     },
-    "something to show",
+    "a switch",
     complete=False,
 )
 FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
@@ -46,14 +46,14 @@ FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
 
 @dataclass(frozen=True)
 class SavedScene:
-    """What a file brings back."""
+    """The contents of a file."""
 
     simulation: Simulation
     camera: Mapping[str, Any]
     shown: Mapping[str, Any]
 
     def look(self, camera: Camera) -> None:
-        """Let a camera look where the saved one did, at whatever size its screen has."""
+        """Aim a camera as the saved one was, for the size of its own screen."""
         (x, y), (width, height) = self.camera["center"], self.camera["size"]
         scale = self.camera["scale"] * min(camera.size[0] / width, camera.size[1] / height)
         camera.look_at(self.simulation.view)
@@ -61,7 +61,7 @@ class SavedScene:
             camera.aim((float(x), float(y)), float(scale))
 
     def show(self, shown: Shown) -> None:
-        """Set the switches; those that the file does not know stay as they are."""
+        """Set the switches; those that are not in the file stay the same."""
         for field in fields(shown):
             if field.name in self.shown and field.name not in PASSING:
                 now = getattr(shown, field.name)
@@ -69,7 +69,7 @@ class SavedScene:
 
 
 def scene_bytes(simulation: Simulation, camera: Camera, shown: Shown) -> bytes:
-    """Return what the file of a scene holds."""
+    """Return the contents of a scene file."""
     facts = {
         "settings": asdict(simulation.settings),
         "camera": {
@@ -84,7 +84,7 @@ def scene_bytes(simulation: Simulation, camera: Camera, shown: Shown) -> bytes:
 
 
 def read_scene(path: Path) -> SavedScene:
-    """Return the scene of a file; a ValueError says in a sentence why it has none."""
+    """Return the scene of a file; raise a ValueError if it does not contain one."""
     data = path.read_bytes()
     if not is_of(KIND, data):
         raise ValueError(f"{path.name} is not a scene of this version of jostle.")
@@ -96,7 +96,7 @@ def read_scene(path: Path) -> SavedScene:
             raise ValueError(why)
         simulation = resume(settings, bytes_of(arrays, "state"))
         if simulation.settings != settings:
-            raise ValueError("settings are not those of its state")
+            raise ValueError("the settings differ from those of its state")
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
     return SavedScene(simulation, facts["camera"], facts["shown"])

@@ -39,11 +39,11 @@ from jostle.app.simulate.simulation import (
 )
 from jostle.app.simulate.world_simulation import WorldSimulation
 
-FRAMES_A_SECOND = 30  # the article counts in frames; this is how fast its window showed them
-GRAVITY = 0.5  # pixels a frame, each frame
+FRAMES_A_SECOND = 30  # the rate of the article's window; the article counts in frames
+GRAVITY = 0.5  # pixels per frame, added in each frame
 DEFAULT_N = 500
 WINDOW = (800, 500)  # pixels
-NUMBERS = ("x", "y", "speed", "angle")  # of a particle, in full precision
+NUMBERS = ("x", "y", "speed", "angle")  # columns of a particle in full precision
 LARGEST = 1e9  # radius in pixels, and density: masses stay below 1e30, as in a world
 MOST_PIXELS = 10**9  # of a side of the display
 
@@ -63,8 +63,8 @@ FACTS = Fields(
 class ArticleSimulation:
     """A scene under the article's rules, faults included.
 
-    The scene `article` is the article's own program. Any other lends its particles: their places,
-    velocities and sizes, on whole pixels, inside a plain rectangle.
+    The scene `article` is the article's own program. Other scenes provide the positions, velocities
+    and sizes of their particles, on whole pixels, in a rectangle.
 
     Parameters
     ----------
@@ -194,15 +194,15 @@ class ArticleSimulation:
         self._milliseconds = (time.perf_counter() - start) * 1e3
 
     def _try_frame(self) -> str:
-        """Make one frame; return what is wrong with it, or nothing."""
+        """Make one frame; return a description of an error, or None."""
         failed = ""
         try:
             for pull in self._pulls:
                 self._feel(pull)
             self.program.frame()
-        except (ValueError, OverflowError) as error:  # of a number that is infinite by now
+        except (ValueError, OverflowError) as error:  # from an infinite number
             failed = str(error)
-        self.program.release()  # `drag` holds for one frame
+        self.program.release()  # `drag` applies to one frame
         for row, p in enumerate(self.program.particles):
             if not (abs(p.x) <= FARTHEST and abs(p.y) <= FARTHEST and abs(p.speed) <= FARTHEST):
                 state = f"at ({p.x:.4g}, {p.y:.4g}) with speed {p.speed:.4g}"
@@ -330,7 +330,7 @@ class ArticleSimulation:
         return pack("article", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        """Restore a state from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("article", state)
         require(facts, FACTS)
         settings, method = settings_of(facts["settings"]), facts["method"]
@@ -355,7 +355,7 @@ class ArticleSimulation:
 
 
 def _particles_of(arrays: Arrays) -> list[article.Particle]:
-    """Return the particles of a saved state; a ValueError says which number cannot be."""
+    """Return the particles of a saved state; raise a ValueError with a wrong number."""
     n = _rows(arrays, "numbers")
     numbers = column(arrays, "numbers", "<f8", (n, len(NUMBERS)))
     sizes = column(arrays, "sizes", "<i8", (n, 6))

@@ -1,4 +1,4 @@
-"""What must hold of a saved state whatever wrote it: a checksum only says that nothing was lost."""
+"""Checks of saved states. A checksum finds damage, but not wrong values."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from jostle.app.simulate.simulation import Pull, Rect, Tags
 
 Arrays = Mapping[str, NDArray[Any]]
 
-COUNT = whole(0, 2**62)  # of tags, of steps: more than there will ever be
-STRONGEST = 1e6  # 1/s², of an attraction; a person places at most 40
+COUNT = whole(0, 2**62)  # of tags or steps; never reached
+STRONGEST = 1e6  # 1/s², of an attraction; the user interface allows at most 40
 VIEW = rect()
 PULLS = Many(
     Fields(
@@ -53,7 +53,7 @@ def particles_of(arrays: Arrays, n: int, next_tag: int) -> tuple[Tags, NDArray[n
 
 
 def column(arrays: Arrays, name: str, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return an array, which must have a type and a shape."""
+    """Return an array, after a check of its type and shape."""
     if name not in arrays:
         raise ValueError(f"{name} is missing")
     array = arrays[name]
@@ -71,7 +71,7 @@ def bytes_of(arrays: Arrays, name: str) -> bytes:
 
 
 def within(name: str, array: NDArray[Any], low: float, high: float) -> None:
-    """Raise a ValueError that names the first number of an array that is not between two others."""
+    """Raise a ValueError with the first number of an array that is outside the limits."""
     wrong = np.argwhere(~((array >= low) & (array <= high)))
     if len(wrong):
         at = tuple(wrong[0].tolist())

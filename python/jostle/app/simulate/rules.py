@@ -1,7 +1,7 @@
-"""What values a setting or a file may have, and the sentence that refuses the others.
+"""Rules for the values of settings and files, and the error messages for other values.
 
 A rule is a `Rule` for one value, `Fields` for named values, or `Many` for a list. `refusals`
-compares values with a rule, whatever they were read from: the command line, TOML or a scene file.
+compares values with a rule, whether they come from the command line, TOML or a scene file.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from typing import Any
 
 FARTHEST = 1e18  # the largest coordinate, velocity and force of the library
 SMALLEST = 1e-6  # the shortest side of a view, as a share of its coordinates
-LONGEST = 60  # characters of a value that a sentence shows
+LONGEST = 60  # characters of a value in a message
 
 Key = tuple[str | int, ...]  # names of fields, and numbers within lists
 
 
 @dataclass(frozen=True)
 class Rule:
-    """What a value must be, in words and as a test."""
+    """A condition for a value, in words and as a test."""
 
     words: str
     fits: Callable[[Any], bool]
@@ -33,13 +33,13 @@ class Fields:
     Parameters
     ----------
     rules
-        One for each name.
+        A rule for each name.
     what
-        What an unknown name is not: "a setting".
+        Description of a known name, for errors: "a setting".
     words
-        What the table must be, for a value that is none.
+        Description of the table, for errors.
     complete
-        Whether every name must be there.
+        Whether every name is required.
     """
 
     rules: Mapping[str, AnyRule]
@@ -50,7 +50,7 @@ class Fields:
 
 @dataclass(frozen=True)
 class Many:
-    """A list of at most so many values under one rule."""
+    """A list of at most `most` values with one rule."""
 
     rule: AnyRule
     words: str = "a list"
@@ -66,13 +66,13 @@ def check(name: str, value: object, rule: Rule) -> str | None:
 
 
 def require(value: object, rule: AnyRule) -> None:
-    """Raise a ValueError that names the first field that its rule refuses, and the value."""
+    """Raise a ValueError with the first field that breaks its rule, and its value."""
     for key, why in refusals(value, rule):
         raise ValueError(f"{_dotted(key)} {why}".lstrip())
 
 
 def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Iterator[tuple[Key, str]]:
-    """Yield each field that its rule refuses: its key, and what to say behind its name."""
+    """Yield each field that breaks its rule: its key, and the message after its name."""
     if isinstance(rule, Rule):
         if not rule.fits(value):
             yield key, _must_be(value, rule.words)
@@ -102,7 +102,7 @@ def _in_list(value: Any, rule: Many, key: Key) -> Iterator[tuple[Key, str]]:
 
 
 def unknown(name: str, what: str, known: Iterable[str]) -> str:
-    """Return why a name is refused, with the known one that is most like it."""
+    """Return why a name is refused, with the most similar known name."""
     return f"{shorten(name)} {_unknown(name, what, known)}"
 
 
@@ -118,31 +118,31 @@ def _must_be(value: object, words: str) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as a sentence shows it: in one line that is not too long."""
+    """Return a value for a message: one line of limited length."""
     if isinstance(value, bool):
         return str(value).lower()
     try:
         return shorten(repr(value))
-    except ValueError:  # Python writes no whole number of more than 4,300 digits
+    except ValueError:  # Python does not convert integers of more than 4,300 digits
         return "a number of thousands of digits"
     except RecursionError:
-        return "a list within a list, hundreds deep"
+        return "a deeply nested list"
 
 
 def shorten(text: str) -> str:
-    """Return a text without line breaks and, if it is long, without its end."""
+    """Return a text without line breaks, truncated if it is long."""
     text = text if text.isprintable() else repr(text)
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 def _dotted(key: Key) -> str:
-    """Return a key as people write it: settings.particles[0].count."""
+    """Return a key in the form settings.particles[0].count."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{shorten(part)}" for part in key)
     return "".join(parts).removeprefix(".")
 
 
 def real(low: float = -FARTHEST, high: float = FARTHEST) -> Rule:
-    """Return the rule of a number between two others."""
+    """Return the rule of a number between two limits."""
     return Rule(
         f"a number from {low:g} to {high:g}",
         lambda value: _is_number(value) and low <= value <= high,
@@ -150,7 +150,7 @@ def real(low: float = -FARTHEST, high: float = FARTHEST) -> Rule:
 
 
 def whole(low: int, high: int) -> Rule:
-    """Return the rule of an integer between two others."""
+    """Return the rule of an integer between two limits."""
     return Rule(
         f"a whole number from {low:,} to {high:,}",
         lambda value: isinstance(value, int) and _is_number(value) and low <= value <= high,
@@ -177,12 +177,12 @@ def each(rule: Rule, *names: str) -> Rule:
 
 
 def or_none(rule: Rule) -> Rule:
-    """Return the rule of a value that may be left open."""
+    """Return the rule of a value that may be None."""
     return Rule(rule.words, lambda value: value is None or rule.fits(value))
 
 
 def range_of(low: float, high: float = FARTHEST) -> Rule:
-    """Return the rule of one number, or of two from the smallest to the largest."""
+    """Return the rule of one number, or of a pair of the smallest and the largest."""
     one, two = real(low, high), each(real(low, high), "smallest", "largest")
     return Rule(
         f"{one.words}, or two [smallest, largest] in this order",
@@ -205,5 +205,5 @@ def rect(farthest: float = FARTHEST, *, least: float = SMALLEST) -> Rule:
 
 
 def _is_number(value: object) -> bool:
-    """Tell whether it is a number; any comparison with an infinite one or a NaN is left to it."""
+    """Return whether it is a number; the caller refuses infinity and NaN by comparison."""
     return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,4 +1,4 @@
-"""What to simulate: the settings that the command, a file and the sliders have in common."""
+"""Settings of a simulation, for the command, files and the sliders."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class Group:
-    """Particles that a file adds to a scene, scattered by chance over a region."""
+    """Particles that a file adds to a scene, at random positions in a region."""
 
     count: int = 1
     region: tuple[float, float, float, float] | None = None  # the whole view, if None
     radius: Range = (5.0, 5.0)
     density: Range = (1.0, 1.0)
-    velocity: tuple[float, float] = (0.0, 0.0)  # world units a second
+    velocity: tuple[float, float] = (0.0, 0.0)  # world units per second
     speed: Range = (0.0, 0.0)  # in any direction, added to the velocity
     movable: bool = True
 
 
 @dataclass
 class Settings:
-    """A scene and how it runs; None leaves a choice to the scene or the library."""
+    """A scene and its settings; None means the default of the scene or of the library."""
 
     scene: str = "mixed"
     n: int | None = None
@@ -58,18 +58,18 @@ class Settings:
     max_depth: int | None = None
     world_size: float = 1.0  # the container's sides, as a multiple of the scene's own
     container: Literal["box", "circle", "torus", "none"] | None = None
-    gravity: tuple[float, float] | None = None  # world units a second squared
+    gravity: tuple[float, float] | None = None  # world units per second squared
     drag: float | None = None  # 1/s
     restitution: float | None = None
     substeps: int | None = None
     threads: int | None = None
     on_touch: OnTouch | None = None
-    time_scale: float = 1.0  # simulated seconds a second
-    particles: tuple[Group, ...] = ()  # beside those of the scene
+    time_scale: float = 1.0  # simulated seconds per second
+    particles: tuple[Group, ...] = ()  # in addition to those of the scene
 
     @property
     def by_article(self) -> bool:
-        """Whether the article's rules hold."""
+        """Whether the article's rules apply."""
         return self.method.startswith("article-")
 
 
@@ -81,7 +81,7 @@ SEED = whole(0, 2**63 - 1)
 STEPS = whole(1, 2**31 - 1)
 THREADS = whole(1, 1_024)
 
-# Of a scene: a file, the command and the sliders set them.
+# Rules for the settings of a scene, for files, the command and the sliders.
 RULES: dict[str, Rule] = {
     "scene": TEXT,
     "n": or_none(PARTICLES),
@@ -119,7 +119,7 @@ SETTINGS = Fields({**RULES, "particles": GROUPS}, "a setting", complete=False)
 
 
 def settings_of(facts: Mapping[str, Any]) -> Settings:
-    """Return settings from their fields, as JSON and TOML give them; a ValueError says why not."""
+    """Return settings from their fields, as read from JSON or TOML; raise a ValueError if one is wrong."""
     require(facts, SETTINGS)
     groups = tuple(map(_group_of, facts.get("particles", ())))
     return Settings(**{**_tidy(facts), "particles": groups})
@@ -132,7 +132,7 @@ def unknown_scene(name: str) -> str | None:
 
 
 def _group_of(facts: Mapping[str, Any]) -> Group:
-    """Return a group from its fields; one number for a range stands for both of its ends."""
+    """Return a group from its fields; one number for a range is both of its ends."""
     plain = _tidy(facts)
     for name in ("radius", "density", "speed"):
         if isinstance(plain.get(name), int | float):
@@ -141,7 +141,7 @@ def _group_of(facts: Mapping[str, Any]) -> Group:
 
 
 def _tidy(facts: Mapping[str, Any]) -> dict[str, Any]:
-    """Return lists as tuples of real numbers, and everything else as it is."""
+    """Return lists as tuples of real numbers, and other values unchanged."""
     return {
         name: tuple(map(float, value)) if isinstance(value, list | tuple) else value
         for name, value in facts.items()

@@ -191,7 +191,7 @@ class WorldSimulation:
         movable: ArrayLike = True,
     ) -> Tags:
         """Add particles; return their tags."""
-        with np.errstate(over="ignore"):  # the world refuses what is infinite
+        with np.errstate(over="ignore"):  # the world refuses infinite values
             places = np.asarray(positions, np.float32).reshape(-1, 2)
         self.world.add(
             places,
@@ -275,7 +275,7 @@ class WorldSimulation:
         ).save()  # fmt: skip
 
     def load(self, state: bytes) -> None:
-        """Go back to a state; a ValueError says what is wrong with other bytes."""
+        """Restore a state from bytes; raise a ValueError if they are wrong."""
         new = WorldState.load(state)
         self.settings, self.view, self._home = new.settings, new.view, new.home
         self.world, self._columns = new.world, new.columns

@@ -1,4 +1,4 @@
-"""The state of a world in bytes, with all that the app knows beside it."""
+"""The state of a world in bytes, with the additional data of the app."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settin
 from jostle.app.simulate.simulation import Rect
 from jostle.app.simulate.walls import Home
 
-# A scene may be scaled by up to 100, and its view then still has to be a view.
+# A scene may be scaled by up to 100; its view must then still be within the limits.
 HOME_RECT = rect(FARTHEST / 1_000)
 HOME = Fields(
     {"view": HOME_RECT, "rect": HOME_RECT, "kind": one_of(*CONTAINERS), "n": or_none(PARTICLES)},
@@ -64,7 +64,7 @@ FACTS = Fields(
 
 @dataclass
 class WorldState:
-    """Everything that a simulation of a world goes on from."""
+    """The data from which a simulation of a world continues."""
 
     settings: Settings
     view: Rect
@@ -91,7 +91,7 @@ class WorldState:
 
     @classmethod
     def load(cls, state: bytes) -> WorldState:
-        """Return it from bytes; a ValueError says what is wrong with others."""
+        """Return it from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("world", state)
         require(facts, FACTS)
         world = jostle.World.restore(bytes_of(arrays, "world"))
@@ -114,7 +114,7 @@ class WorldState:
 
 
 def _emitters(state: Any, home: Home, settings: Settings) -> Emitters | None:
-    """Return the nozzles of the number that the scene began with, in their state."""
+    """Return the nozzles for the scene's initial number of particles, in their state."""
     if (state is None) != (settings.scene != "emitters"):
         raise ValueError(f"emitters is {shown(state)} in the scene {shown(settings.scene)}")
     if state is None:
