@@ -13,8 +13,8 @@ use crate::simd::LANES;
 /// kernel may read a whole block from any row.
 ///
 /// Columns that would say the same for every row are left empty: half sizes
-/// where all are circles or boxes, upper corners where all are given by their
-/// centres, filters where everything pairs with everything.
+/// if all are circles or boxes, upper corners if all are given by their
+/// centres, filters if all shapes may pair.
 #[derive(Clone, Debug, Default)]
 pub struct Columns<T> {
     len: usize,
@@ -22,15 +22,15 @@ pub struct Columns<T> {
     pub x: Vec<T>,
     /// `min` of the shapes, y: the centres, unless there are boxes.
     pub y: Vec<T>,
-    /// `max` of the shapes, x; empty where all are given by their centres.
+    /// `max` of the shapes, x; empty if all are given by their centres.
     pub max_x: Vec<T>,
-    /// `max` of the shapes, y; empty where all are given by their centres.
+    /// `max` of the shapes, y; empty if all are given by their centres.
     pub max_y: Vec<T>,
     /// Radii.
     pub radius: Vec<T>,
-    /// Half widths; empty where every shape is a circle or a box.
+    /// Half widths; empty if every shape is a circle or a box.
     pub half_x: Vec<T>,
-    /// Half heights; empty where every shape is a circle or a box.
+    /// Half heights; empty if every shape is a circle or a box.
     pub half_y: Vec<T>,
     /// Categories; empty where everything pairs with everything.
     pub category: Vec<u32>,
@@ -56,7 +56,7 @@ impl<T: Scalar> Columns<T> {
         self.fill(shapes, rows.len(), threads, |place| rows[place] as usize)
     }
 
-    /// Forgets all shapes and keeps their memory.
+    /// Removes all shapes and keeps the capacity.
     pub fn clear(&mut self) {
         self.len = 0;
         let numbers =

@@ -201,7 +201,7 @@ impl Contacts {
         starts
     }
 
-    /// Exchanges the lists with those of `other`; the resting impulses to start from stay.
+    /// Swaps the lists with those of `other`, except the impulses for warm starting.
     pub fn exchange(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.list, &mut other.list);
         std::mem::swap(&mut self.order, &mut other.order);
@@ -264,8 +264,8 @@ impl Contacts {
         parallel::for_chunks(threads, &mut self.list, |_, chunk| chunk.iter_mut().for_each(&act));
     }
 
-    /// Keeps the resting impulses for the next step, easy to find by place. Returns the
-    /// first contact whose impulse is not finite, if there is one.
+    /// Stores the resting impulses by place, for warm starting in the next step. Returns the
+    /// first contact whose impulse is not finite, if any.
     pub fn remember(&mut self, places: usize) -> Option<&Contact> {
         let Self { list, order, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();

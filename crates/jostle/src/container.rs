@@ -227,9 +227,9 @@ impl Container {
     }
 }
 
-/// By how much a position is brought closer to the centre in each turn until it is inside.
-/// A few tiny steps are enough nearly always. Where float32 is coarse, far from the origin,
-/// the step doubles up to a half, so that there are at most about 60 turns.
+/// Relative step by which a position is moved towards the centre until it is inside. A few
+/// tiny steps are nearly always enough. Far from the origin, where float32 is coarse, the step
+/// doubles up to a half, so that there are at most about 60 iterations.
 fn shrink(turn: u32) -> f64 {
     const TINY_TURNS: u32 = 8;
     let doublings = turn.saturating_sub(TINY_TURNS).min(23);

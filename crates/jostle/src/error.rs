@@ -1,8 +1,8 @@
-//! What can go wrong with a call, said in one sentence.
+//! The errors of calls, each with a message of one sentence.
 
 use std::fmt;
 
-/// A refused argument, an answer that would not fit, or a call that was stopped.
+/// A wrong argument, an answer that does not fit into memory, or an interrupted call.
 ///
 /// The sentence names the argument, the index and the value, so that a caller
 /// with a million rows can find the one that is wrong.
@@ -10,9 +10,9 @@ use std::fmt;
 pub enum Error {
     /// The caller asked for a stop; see [`watch`](crate::interrupt::watch).
     Interrupted,
-    /// The system has no memory for something.
+    /// An allocation failed.
     NoMemory {
-        /// How large it would have been.
+        /// Size of the allocation in bytes.
         bytes: usize,
     },
     /// One value breaks the rule of its argument.
@@ -40,13 +40,13 @@ pub enum Error {
         /// The limit that was passed.
         most: usize,
     },
-    /// A step would give a particle a number that no world can hold.
+    /// A step would give a particle an infinite number or NaN.
     NotFinite {
-        /// The column, as the caller spells it.
+        /// Name of the column for the caller.
         argument: &'static str,
         /// Row of the particle.
         index: usize,
-        /// What the step would have written, printed.
+        /// The new value as text.
         value: String,
     },
     /// Questions have more answers than memory is set aside for.

@@ -3,7 +3,7 @@
 //! A shape is a rounded box: every point within `radius` of its core, an
 //! axis-aligned box. The core is given as `center ± half_size`, or as `min` and
 //! `max`. One formula says whether two shapes overlap, in the arithmetic of the
-//! caller's type; cores given as `min` and `max` are compared exactly. A [`Cover`] stands for a set of shapes and
+//! caller's type; cores given as `min` and `max` are compared exactly. A [`Cover`] bounds a set of shapes and
 //! answers with *the same formula*: rounding is monotone, so a cover that does
 //! not overlap proves that none of its shapes does, without any tolerance.
 
@@ -24,7 +24,7 @@ pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     /// The largest half size: sums of four stay finite, so that the formula never subtracts
     /// infinity from infinity.
     const MAX_SIZE: Self;
-    /// The smallest radius but 0, and the largest: the square of a sum of two neither
+    /// The smallest radius above 0, and the largest: the square of a sum of two neither
     /// overflows nor loses digits.
     const RADII: [Self; 2];
     /// The distance from 1 to the next larger number.
@@ -139,14 +139,14 @@ pub fn length<T: Scalar>(x: T, y: T) -> T {
     (x * x + y * y).sqrt() * back
 }
 
-/// Whether √(x² + y²) ≤ radius, for two numbers that are not negative. The squares decide where
-/// the radius is one that a shape may have; nothing is within 0 but 0.
+/// Whether √(x² + y²) ≤ radius, for two numbers that are not negative. The squares are compared
+/// if the radius is valid for a shape; with radius 0 both numbers must be 0.
 #[inline(always)]
 pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
     if radius == T::ZERO { x.most(y) == T::ZERO } else { x * x + y * y <= radius * radius }
 }
 
-/// The middle of `min` and `max`, rounded once. It never lies outside of them.
+/// The middle of `min` and `max`, rounded once, and always between them.
 #[inline(always)]
 pub fn middle<T: Scalar>(min: T, max: T) -> T {
     let half = T::from_f64(0.5);
@@ -154,8 +154,8 @@ pub fn middle<T: Scalar>(min: T, max: T) -> T {
     if sum.is_finite() { sum * half } else { min * half + max * half }
 }
 
-/// How far `b` lies above `a` or below it, whichever is more, along one axis; negative
-/// where they overlap. Each is `[min, max]`.
+/// The gap between two intervals `[min, max]` along one axis; negative if they
+/// overlap.
 #[inline(always)]
 pub fn gap<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
     (b[0] - a[1]).most(a[0] - b[1])
@@ -184,10 +184,10 @@ pub struct Shape<T> {
     pub min: [T; 2],
     /// Upper corner, world units; the centre, unless the shape is given as a box.
     pub max: [T; 2],
-    /// Half width and half height around these; 0 for a circle and for what is given as
+    /// Half width and half height around these; 0 for a circle and for a shape given as
     /// a box.
     pub half_size: [T; 2],
-    /// How far the shape reaches beyond its core.
+    /// Distance by which the shape extends beyond its core.
     pub radius: T,
     /// What it is, a bit set.
     pub category: u32,
@@ -232,8 +232,8 @@ impl<T: Scalar> Shape<T> {
     }
 }
 
-/// A set of shapes seen from outside: where their centres or boxes lie, how large
-/// half sizes and radii get at most, and every filter bit that any of them has.
+/// Bounds of a set of shapes: of their centres or boxes, the largest half size and
+/// radius, and every filter bit that any of them has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover<T> {
     /// Lower corner of the bounding box of every `min`.

@@ -1,8 +1,8 @@
-//! Stopping a long call before its end, where its caller asks for that.
+//! Interruption of long calls.
 //!
-//! [`watch`] runs some work and calls the caller's `poll` now and then, on the caller's
-//! thread alone. Once `poll` says so, everything that works for this call, on whatever
-//! thread, ends early with [`Error::Interrupted`]. Without a watch nothing is polled.
+//! [`watch`] runs some work and calls the caller's `poll` from time to time, only on the
+//! caller's thread. When `poll` returns true, all tasks of this call, on all threads, end
+//! early with [`Error::Interrupted`]. Without a watch nothing is polled.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 
-/// Says whether to stop.
+/// Returns whether to stop.
 pub type Poll = fn() -> bool;
 
-/// What the present thread works for.
+/// The call for which the current thread works.
 struct Watch {
     stop: Stop,
-    /// Only on the thread that called [`watch`], and not while it is being called.
+    /// Only on the thread that called [`watch`], and none during the poll itself.
     poll: Option<Poll>,
 }
 
@@ -24,24 +24,24 @@ thread_local! {
     static CURRENT: RefCell<Option<Watch>> = const { RefCell::new(None) };
 }
 
-/// Runs `work`; `poll` is called now and then, and stops it by returning true.
+/// Runs `work`; `poll` is called from time to time, and interrupts it by returning true.
 pub fn watch<R>(poll: Poll, work: impl FnOnce() -> R) -> R {
     let stop = Stop(Some(Arc::default()));
     with(Watch { stop, poll: Some(poll) }, work)
 }
 
-/// Runs `work` for the call that `stop` belongs to, on another thread than the caller's.
+/// Runs `work` as a task of the call of `stop`, on another thread than the caller's.
 pub(crate) fn under<R>(stop: Stop, work: impl FnOnce() -> R) -> R {
     with(Watch { stop, poll: None }, work)
 }
 
-/// Runs `work` to its end, even if the call in which it stands is to stop.
+/// Runs `work` to its end, even if the current call is interrupted.
 pub fn unwatched<R>(work: impl FnOnce() -> R) -> R {
     under(Stop::default(), work)
 }
 
 fn with<R>(watch: Watch, work: impl FnOnce() -> R) -> R {
-    /// Puts back what the thread worked for before, also after a panic.
+    /// Restores the previous watch of the thread, also after a panic.
     struct Before(Option<Watch>);
     impl Drop for Before {
         fn drop(&mut self) {
@@ -52,41 +52,41 @@ fn with<R>(watch: Watch, work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Refuses to go on if the present call is to stop. For loops with few and long rounds;
-/// a [`Pulse`] is for the others.
+/// Returns an error if the current call is to stop. For loops with few long iterations;
+/// other loops use a [`Pulse`].
 pub fn check() -> Result<()> {
     Stop::current().check()
 }
 
-/// Tells all threads that work for a call whether it is to stop.
+/// A flag for all threads of a call: whether it is to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Option<Arc<AtomicBool>>);
 
 impl Stop {
-    /// That of the call for which the present thread works; it never stops without a watch.
-    /// Tasks on other threads have to be given a copy.
+    /// The flag of the current thread's call; without a watch it is never set. Tasks on other
+    /// threads need a copy.
     pub fn current() -> Self {
         CURRENT
             .with_borrow(|watch| watch.as_ref().map(|watch| watch.stop.clone()).unwrap_or_default())
     }
 
-    /// Whether anybody could ask for a stop.
+    /// Whether there is a watch.
     pub fn is_watched(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Whether a poll has said so already.
+    /// Whether a poll has returned true.
     fn is_known(&self) -> bool {
         self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Whether to stop. Polls where the present thread is the caller's.
+    /// Whether to stop. Polls if the current thread is the caller's.
     pub fn is_set(&self) -> bool {
         let Some(flag) = &self.0 else { return false };
         if flag.load(Ordering::Relaxed) {
             return true;
         }
-        // Taken out meanwhile: what `poll` calls may be watched in its turn.
+        // Removed during the poll, because `poll` itself may use a watch.
         let poll = CURRENT.with_borrow_mut(|watch| {
             let own = watch.as_mut()?;
             let same = own.stop.0.as_ref().is_some_and(|own| Arc::ptr_eq(own, flag));
@@ -105,17 +105,17 @@ impl Stop {
         stopped
     }
 
-    /// Refuses to go on if the call is to stop.
+    /// Returns an error if the call is to stop.
     pub fn check(&self) -> Result<()> {
         if self.is_set() { Err(Error::Interrupted) } else { Ok(()) }
     }
 }
 
-/// Work between two looks at a [`Stop`], in numbers read: tens of microseconds to some
+/// Work between two checks of a [`Stop`], in numbers read: tens of microseconds to a few
 /// milliseconds.
 const ENOUGH: usize = 1 << 18;
 
-/// Counts the work of one task and looks at its [`Stop`] every so often.
+/// Counts the work of one task and checks its [`Stop`] at regular intervals.
 #[derive(Clone, Debug)]
 pub struct Pulse {
     stop: Stop,
@@ -124,7 +124,7 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// For a task of the call that `stop` belongs to.
+    /// For a task of the call of `stop`.
     pub fn of(stop: &Stop) -> Self {
         Self { stop: stop.clone(), left: ENOUGH, stopped: stop.is_known() }
     }
@@ -134,7 +134,7 @@ impl Pulse {
         Self::of(&Stop::current())
     }
 
-    /// Notes that about so many numbers are read; returns whether to stop.
+    /// Adds `work`, about the numbers that are read; returns whether to stop.
     #[inline(always)]
     pub fn stops(&mut self, work: usize) -> bool {
         if self.left > work {

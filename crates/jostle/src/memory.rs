@@ -1,10 +1,10 @@
-//! Large allocations that may fail: each becomes [`Error::NoMemory`] with its size.
+//! Large allocations; a failure is an [`Error::NoMemory`] with the size.
 
 use std::collections::TryReserveError;
 
 use crate::error::{Error, Result};
 
-/// Makes sure that `more` values fit behind those of `values`.
+/// Reserves capacity for `more` values after those of `values`.
 #[inline(always)]
 pub fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
     if values.capacity() - values.len() >= more { Ok(()) } else { grow(values, more) }
@@ -21,7 +21,7 @@ pub fn no_memory<V>(_: &TryReserveError, len: usize) -> Error {
     Error::NoMemory { bytes: len.saturating_mul(size_of::<V>()) }
 }
 
-/// An empty vector with room for exactly `len` values.
+/// An empty vector with capacity for exactly `len` values.
 pub fn with_room<V>(len: usize) -> Result<Vec<V>> {
     let mut values = Vec::new();
     values.try_reserve_exact(len).map_err(|error| no_memory::<V>(&error, len))?;
@@ -35,10 +35,10 @@ pub fn filled<V: Clone>(len: usize, value: V) -> Result<Vec<V>> {
     Ok(values)
 }
 
-/// `len` default values. Where these are zeros, the system provides them when they are first
-/// used, by whichever thread uses them.
+/// `len` default values. If these are zeros, the system provides the pages when a thread first
+/// uses them.
 pub fn zeroed<V: Clone + Default>(len: usize) -> Result<Vec<V>> {
-    // `vec!` aborts where there is no memory, so the same amount is asked for before.
+    // `vec!` aborts if there is no memory, so the same amount is allocated and freed before.
     drop(with_room::<V>(len)?);
     Ok(vec![V::default(); len])
 }

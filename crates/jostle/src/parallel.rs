@@ -154,13 +154,13 @@ pub fn is_parallel(threads: Option<usize>) -> bool {
 /// The threads that work on a call.
 #[cfg(feature = "parallel")]
 enum Team {
-    /// Those among which the present thread is one already.
+    /// The pool of which the current thread is a member.
     Present,
-    /// Others; the present thread waits for them.
+    /// Another pool; the current thread waits for it.
     Others(Arc<rayon::ThreadPool>),
 }
 
-/// The contents of a lock, which no other thread wants.
+/// The contents of a lock without contention.
 #[cfg(feature = "parallel")]
 fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
@@ -175,8 +175,8 @@ impl Team {
         self.run(|| (0..count).into_par_iter().with_max_len(longest).for_each(task));
     }
 
-    /// `threads` threads, at most one for each core. None where the present thread is to work
-    /// alone: because one thread is enough, or because the system starts no others.
+    /// `threads` threads, at most one for each core. None if the current thread works alone:
+    /// because one thread is enough, or because the system cannot start others.
     fn of(threads: Option<usize>) -> Option<Self> {
         if threads == Some(1) {
             return None;
@@ -207,11 +207,11 @@ impl Team {
     }
 }
 
-/// How long a caller waits for its answer before it polls.
+/// Time for which a caller waits between two polls.
 #[cfg(feature = "parallel")]
 const POLL_EVERY: Duration = Duration::from_millis(20);
 
-/// What other threads work out for a waiting one, and whether they are done.
+/// The result of other threads for a waiting one, and whether it is ready.
 #[cfg(feature = "parallel")]
 struct Answer<R> {
     value: Mutex<(Option<R>, bool)>,
@@ -231,7 +231,7 @@ impl<R> Answer<R> {
         self.value.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until it is done; polls meanwhile.
+    /// Waits for the result and polls at the same time.
     fn wait(&self, stop: &Stop) {
         loop {
             let waited = self.changed.wait_timeout_while(self.lock(), POLL_EVERY, |now| !now.1);
@@ -243,7 +243,7 @@ impl<R> Answer<R> {
     }
 }
 
-/// Tells that an answer is done, also after a panic.
+/// Marks the result as ready, also after a panic.
 #[cfg(feature = "parallel")]
 struct Done<'a, R>(&'a Answer<R>);
 
@@ -255,20 +255,20 @@ impl<R> Drop for Done<'_, R> {
     }
 }
 
-/// Most pools that are kept, for different numbers of threads.
+/// Maximum number of pools that are kept, for different numbers of threads.
 #[cfg(feature = "parallel")]
 const MOST_POOLS: usize = 3;
 
-/// Calls that work on one thread after the system has refused to start others.
+/// Number of calls on one thread after the system failed to start others.
 #[cfg(feature = "parallel")]
 const PATIENCE: usize = 1000;
 
-/// The pools used last, latest first. They are kept: starting threads costs more than a
-/// small call.
+/// The most recently used pools, the latest first. They are kept because starting threads costs
+/// more than a small call.
 #[cfg(feature = "parallel")]
 struct Pools {
     kept: Vec<Arc<rayon::ThreadPool>>,
-    /// Cores that this process may use; 0 as long as nobody has asked.
+    /// Cores that this process may use; 0 if not known yet.
     cores: usize,
     /// Calls until the next attempt to start threads.
     refused: usize,
@@ -303,16 +303,16 @@ impl Pools {
     }
 }
 
-/// How often the process was forked from one in which this library was loaded.
+/// Number of forks since this library was loaded.
 static FORKS: AtomicUsize = AtomicUsize::new(0);
 
-/// Number of forks between the process that loaded this library and the present one.
+/// Number of forks between the process that loaded this library and the current one.
 pub fn forks() -> usize {
     FORKS.load(Ordering::Relaxed)
 }
 
-/// The pools of one process. A forked one begins with an era of its own: the threads of the
-/// former have not come along, and one of them may have held its lock.
+/// The pools of one process. A forked process begins with new pools: the threads of its parent
+/// do not exist in it, and one of them may have held the lock.
 #[cfg(feature = "parallel")]
 struct Era {
     pools: Mutex<Pools>,
@@ -338,7 +338,7 @@ impl Era {
 }
 
 /// Forgets all threads. To be called in a process that was forked from one in which
-/// they ran, before it starts any: they did not come along.
+/// they ran, before it starts any: they do not exist in it.
 pub fn abandon_threads() {
     FORKS.fetch_add(1, Ordering::Relaxed);
     #[cfg(feature = "parallel")]

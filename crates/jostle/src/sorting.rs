@@ -1,15 +1,15 @@
-//! Sorting in place that can be stopped: long lists are parted byte by byte, most
-//! significant first, until the parts are short.
+//! Sorting in place that can be interrupted: long lists are partitioned byte by byte (radix
+//! sort, most significant byte first) until the parts are short.
 
 use crate::error::Result;
 use crate::interrupt::Pulse;
 
-/// Up to this many items are sorted by comparing: a few milliseconds.
+/// Up to this many items are sorted by comparison, which takes a few milliseconds.
 const SHORT: usize = 1 << 16;
 
-/// Items whose order is that of their bytes.
+/// Items in the order of their bytes.
 pub trait Bytes: Copy + Ord {
-    /// How many bytes there are.
+    /// Number of bytes.
     const COUNT: usize;
     /// One of them, the most significant first.
     fn byte(&self, at: usize) -> u8;
@@ -29,7 +29,7 @@ impl Bytes for i64 {
 
     #[inline(always)]
     fn byte(&self, at: usize) -> u8 {
-        // With the sign turned around, the negative ones come first.
+        // With the sign bit flipped, negative numbers come first.
         ((self ^ i64::MIN) >> (56 - 8 * at)) as u8
     }
 }
@@ -43,7 +43,7 @@ impl<V: Bytes> Bytes for [V; 2] {
     }
 }
 
-/// Sorts `items`. Stopped early, they are in some order.
+/// Sorts `items`. After an interruption their order is unspecified.
 pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
     let mut open = vec![(items, 0)];
     while let Some((items, at)) = open.pop() {
@@ -65,7 +65,7 @@ pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
     Ok(())
 }
 
-/// Parts items by one byte, in place; returns where the items with each value end.
+/// Partitions items by one byte, in place; returns the end of each value's items.
 fn part<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<[usize; 256]> {
     let mut counts = [0; 256];
     for some in items.chunks(SHORT) {

@@ -157,7 +157,7 @@ fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
     let settings =
         Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
     let tie = |a: usize, b: usize| -> Ordering { bodies.masses[a].total_cmp(&bodies.masses[b]) };
-    // The caller is in the middle of a step, from which there is no way back.
+    // The caller is in the middle of a step, which cannot be undone.
     let built = interrupt::unwatched(|| tree.rebuild(shapes, settings, &tie));
     built.expect("there is memory for the tree of gravitation");
     all.clear();

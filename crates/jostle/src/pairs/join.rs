@@ -12,7 +12,7 @@ use crate::simd::{Simd, Work};
 /// Work is cut into about this many tasks when several threads share it.
 const TASKS: usize = 256;
 
-/// About as many numbers are read for a task, beside those of its shapes.
+/// Approximate number of values read for a task, in addition to its shapes.
 const TASK_WORK: usize = 16;
 
 /// Two trees to be walked together; `itself` where they are the same tree and

@@ -151,8 +151,8 @@ struct Loaded<B> {
     half: [B; 2],
 }
 
-/// What the cores of the shapes are, as a parameter of the functions below, so that each
-/// kind is spared what it does not need: all are points.
+/// Kinds of cores, as a parameter of the functions below, so that each kind is computed only
+/// as far as necessary. Here: all cores are points.
 const POINTS: u8 = 0;
 
 /// All are given by their centres, some with half sizes.
@@ -354,8 +354,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         self.overlap::<CORE>(dx, dy, reach)
     }
 
-    /// How far the cores are apart along an axis; if they are points only the square
-    /// means something.
+    /// Gap between the cores along an axis; for points only its square is
+    /// meaningful.
     #[inline(always)]
     fn apart<const CORE: u8>(
         &self,
@@ -374,8 +374,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         simd.sub(gap, simd.add(simd.splat(half), half_others))
     }
 
-    /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. Of points
-    /// the signs of the distances do not matter.
+    /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. For points
+    /// the signs of the distances have no effect.
     #[inline(always)]
     fn overlap<const CORE: u8>(&self, dx: S::Block, dy: S::Block, reach: S::Block) -> u32 {
         let simd = self.simd;

@@ -34,7 +34,7 @@ const BRUTE_FORCE_LIMIT: usize = 192;
 /// AVX2; it is the same for all, or the order of the pairs would depend on the machine.
 const CIRCLES_LIMIT: usize = 384;
 
-/// Shapes that brute force tests one against before it looks whether to go on.
+/// Shapes that brute force tests against one shape between two checks for an interruption.
 const ALONG: usize = 1 << 14;
 
 /// By brute force, fewer shapes than this are not worth waking other threads for.
@@ -145,7 +145,7 @@ fn has_category<T: Scalar>(tree: &Quadtree<T>, place: u32, mask: u32) -> bool {
     tree.columns().shape(place as usize).category & mask != 0
 }
 
-/// About as many numbers are read for a contact.
+/// Approximate number of values read for a contact.
 const CONTACT_WORK: usize = 16;
 
 /// The pairs of [`within`] with the geometry of their overlap.
@@ -241,7 +241,7 @@ pub fn brute_between<T: Scalar>(
     budget.collect(Some(1), vec![part])
 }
 
-/// For pairs of places: nothing is left to do.
+/// For pairs of places, which are returned unchanged.
 fn as_they_are(_: &mut Vec<[u32; 2]>, _: Range<usize>) {}
 
 /// Every one of `rows` against all others, or all behind it where both sides are the same.

@@ -16,13 +16,13 @@ const PORTION: usize = 1 << 16;
 /// Two places.
 type Pair = [u32; 2];
 
-/// Pairs that are copied at a time.
+/// Pairs per copy.
 const COPIED: usize = 1 << 18;
 
-/// Pairs are finished in portions of this size, while they are in the nearest cache.
+/// Pairs are converted in portions of this size, which fit into the first-level cache.
 const UNFINISHED: usize = 1 << 10;
 
-/// Turns new pairs of places, the last ones of a vector, into what is returned; may drop some
+/// Converts new pairs of places, the last ones of a vector, into results; may remove some
 /// with [`keep`].
 ///
 /// It is called for many pairs at a time, so the kernels do not depend on its type and are
@@ -45,11 +45,11 @@ pub(super) fn keep(
     pairs.truncate(end);
 }
 
-/// How many pairs all tasks together may still find, and whether they are to go on.
+/// The number of pairs that all tasks together may still find, and whether to stop.
 pub(super) struct Budget {
     max_pairs: usize,
     count: AtomicUsize,
-    /// A task has failed, so the others need not go on.
+    /// A task has failed, so the others stop.
     failed: AtomicBool,
     stop: Stop,
 }
@@ -110,13 +110,13 @@ pub(super) struct Output<'a> {
     budget: &'a Budget,
     reported: usize,
     pulse: Pulse,
-    /// Why there is no point in going on.
+    /// The reason to stop.
     over: Option<Over>,
 }
 
 /// Why a task ends early.
 enum Over {
-    /// There are more pairs than wanted, or another task has failed.
+    /// There are more pairs than allowed, or another task has failed.
     Enough,
     Failed(Error),
 }
@@ -158,7 +158,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Finishes the new pairs, and reports them where they are many.
+    /// Converts the new pairs, and counts them if there are many.
     #[cold]
     fn finish(&mut self) {
         let new = self.finished..self.pairs.len();
@@ -169,7 +169,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Makes room for more pairs; returns whether there is some.
+    /// Reserves memory for more pairs; returns whether that succeeded.
     #[cold]
     fn grow(&mut self, more: usize) -> bool {
         memory::reserve(&mut self.pairs, more).map_err(|error| self.fail(error)).is_ok()
@@ -190,7 +190,7 @@ impl<'a> Output<'a> {
         self.over = Some(Over::Failed(error));
     }
 
-    /// Whether there is no point in going on, now that about `work` numbers have been read.
+    /// Whether to stop, after about `work` more numbers have been read.
     #[inline(always)]
     pub(super) fn is_over(&mut self, work: usize) -> bool {
         if self.pulse.stops(work) && self.over.is_none() {

@@ -22,7 +22,7 @@ pub struct TreeBox {
     pub is_leaf: bool,
 }
 
-/// About as many numbers are read for a cell.
+/// Approximate number of values read for a cell.
 const CELL_WORK: usize = 8;
 
 impl<T: Scalar> Quadtree<T> {

@@ -128,7 +128,7 @@ def _switch(name: str, value: Any) -> Any:
 # ---- TOML ----------------------------------------------------------------------------------------
 
 # Tokens for finding a line: strings and comments, whose contents are skipped, brackets, = and
-# separators. An open string extends to the end of the text or of the line, so no text is read twice.
+# separators. An open string extends to the end of the text or line, so no text is read twice.
 _TOKEN = re.compile(
     r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
     r"|'''.*?(?:'{3,5}|\Z)"

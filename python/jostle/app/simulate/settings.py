@@ -119,7 +119,7 @@ SETTINGS = Fields({**RULES, "particles": GROUPS}, "a setting", complete=False)
 
 
 def settings_of(facts: Mapping[str, Any]) -> Settings:
-    """Return settings from their fields, as read from JSON or TOML; raise a ValueError if one is wrong."""
+    """Return settings from fields of JSON or TOML; raise a ValueError if one is wrong."""
     require(facts, SETTINGS)
     groups = tuple(map(_group_of, facts.get("particles", ())))
     return Settings(**{**_tidy(facts), "particles": groups})
