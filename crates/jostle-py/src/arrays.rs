@@ -1,7 +1,7 @@
 //! Arrays and numbers between Python and Rust; nothing else converts them.
 //!
 //! In: whatever `numpy.asarray` understands, of any layout and byte order, is
-//! checked and copied, so that nobody can change it once other threads run. The shape is
+//! checked and copied, so that other threads cannot change it during the call. The shape is
 //! checked before the copy; a copy that does not fit into memory is a MemoryError.
 //! Out: vectors become arrays without a copy.
 
@@ -45,11 +45,11 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
     }
 }
 
-/// What categories and masks hold.
+/// Values of categories and masks.
 const BIT_SET_RULE: &str = "a set of 32 bits: between 0 and 4294967295, or a negative integer from \
                             -4294967296 as ~bits gives it";
 
-/// What row numbers hold.
+/// Values of row numbers.
 const ROW_RULE: &str = "between 0 and 4294967295";
 
 /// What an array argument may hold.
@@ -81,7 +81,7 @@ impl Kind {
 /// An argument as NumPy sees it, its type checked.
 pub struct Argument<'py> {
     name: &'static str,
-    /// Never of a subclass, whose methods could answer anything.
+    /// Never a subclass, whose methods could return anything.
     array: Bound<'py, PyUntypedArray>,
     was_array: bool,
 }
@@ -120,8 +120,8 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// Refuses what does not hold the numbers that are wanted. An array without elements
-    /// holds nothing wrong, whatever its type.
+    /// Refuses an array of another kind of numbers. An array without elements may have any
+    /// dtype.
     fn check_type(&self, kind: Kind, value: &Bound<'py, PyAny>) -> PyResult<()> {
         let (name, found) = (self.name, self.array.dtype());
         if self.array.len() == 0 || kind.allows(found.kind()) {
@@ -344,7 +344,7 @@ impl<'py> Argument<'py> {
         self.unsigned(|number| number.try_into().ok(), ROW_RULE)
     }
 
-    /// What `narrow` makes of each integer; the `rule` names those of which it makes nothing.
+    /// The result of `narrow` for each integer; `rule` describes the integers that it accepts.
     fn unsigned(&self, narrow: fn(i128) -> Option<u32>, rule: &str) -> PyResult<Vec<u32>> {
         if self.array.dtype().is_equiv_to(&dtype::<u32>(self.array.py())) {
             return self.copied();
@@ -432,7 +432,7 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// What other code changed while it was read is not used.
+    /// An array that other code changed during the copy is not used.
     fn changed(&self) -> PyErr {
         PyValueError::new_err(format!("{} changed its shape while it was read", self.name))
     }
@@ -458,7 +458,7 @@ pub struct PointLists<T> {
     pub many: Option<(usize, usize)>,
 }
 
-/// The nearest number of a type that may have fewer digits. Only 0 becomes 0, so that a size
+/// The nearest number of a type with fewer digits. Only 0 is rounded to 0, so that a size
 /// that is too small is refused.
 fn rounded<T: Scalar>(value: f64) -> T {
     let near = T::from_f64(value);
@@ -472,7 +472,7 @@ fn low_bits(bits: i128) -> Option<u32> {
     (-(1 << 32)..1 << 32).contains(&bits).then_some(bits as u32)
 }
 
-/// There is no memory for a copy of an argument, or for what is made of it.
+/// The error if there is no memory for a copy of an argument.
 fn no_memory(name: &str, len: usize, size: usize) -> PyErr {
     let bytes = len.saturating_mul(size);
     PyMemoryError::new_err(format!("{name}: there is no memory for {bytes} bytes"))
@@ -598,8 +598,8 @@ pub fn matrix<V: Element>(
     Ok(matrix.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
 }
 
-/// Ids and pairs of ids as they are given out, in 64 bits with a sign, so that a difference of two
-/// is right; needs no Python.
+/// Ids and pairs of ids for the caller, as signed 64-bit integers, so that differences are
+/// right; does not need the GIL.
 pub fn long<I: Widen>(ids: &[I]) -> jostle::Result<Vec<I::Long>> {
     let mut long = memory::with_room(ids.len())?;
     let mut pulse = Pulse::current();
@@ -637,8 +637,8 @@ impl Widen for [u32; 2] {
     }
 }
 
-/// The same array, which NumPy now refuses to write: it is a copy, and nobody would see what
-/// is written there.
+/// The same array, made read-only: it is a copy, and writing into it would have no effect on the
+/// world.
 pub fn read_only<V: Element, D: numpy::ndarray::Dimension>(
     array: Bound<'_, numpy::PyArray<V, D>>,
 ) -> Bound<'_, numpy::PyArray<V, D>> {

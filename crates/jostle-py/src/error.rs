@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 pub fn refused(error: Error) -> PyErr {
     match error {
         Error::NoMemory { .. } => PyMemoryError::new_err(error.to_string()),
-        // What a signal handler has raised is raised before.
+        // An exception of a signal handler was raised before.
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
         _ => PyValueError::new_err(error.to_string()),
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
-/// Symbolic links that are followed one after the other, as Linux does.
+/// Maximum number of symbolic links to follow, as in Linux.
 const MOST_LINKS: usize = 40;
 
 /// Reads a file.
@@ -15,8 +15,8 @@ pub fn read(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
     py.detach(|| fs::read(path)).map_err(|error| os_error(py, &error, path))
 }
 
-/// Replaces the contents of a file, or leaves it as it was. A symbolic link is followed, and
-/// permissions stay as they are.
+/// Replaces the contents of a file, or leaves it unchanged. A symbolic link is followed, and
+/// permissions are kept.
 pub fn replace(py: Python<'_>, path: &Path, bytes: &[u8]) -> PyResult<()> {
     let done = py.detach(|| {
         let target = follow_links(path)?;
@@ -39,7 +39,7 @@ pub fn replace(py: Python<'_>, path: &Path, bytes: &[u8]) -> PyResult<()> {
     done.map_err(|error| os_error(py, &error, path))
 }
 
-/// What a path leads to, which need not be there.
+/// The target of a path, which need not exist.
 fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -62,7 +62,7 @@ fn replace_whole(target: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> io:
     drop(file);
     let renamed = written.and_then(|()| fs::rename(&temporary, target));
     if renamed.is_err() {
-        // What went wrong first is what the caller wants to hear of.
+        // The first error is returned.
         let _ = fs::remove_file(&temporary);
     }
     renamed

@@ -18,7 +18,7 @@ pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 /// An argument that may be left out or None.
 pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
 
-/// What a search finds, or why it refuses; Python's error where it could not begin.
+/// The result of a search; a Python error if it could not start.
 pub type Answer<R> = PyResult<jostle::Result<R>>;
 
 /// The categories that a question is about; None stands for all, and for what has none.
@@ -45,7 +45,7 @@ pub fn without_row(error: Error) -> Error {
     }
 }
 
-/// Makes regions, searches them, and gives the ids back: of `many`, or of one.
+/// Makes regions, searches them, and returns the ids of `many`, or of one.
 fn region<'py, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
     many: bool,
@@ -66,7 +66,7 @@ fn region<'py, R: Send, I: Send + Into<i64>>(
     }
 }
 
-/// Whether an argument is about many questions, and its values row after row.
+/// Whether an argument has many queries, and its values row by row.
 fn rows_of<V>(asked: &Each<V>) -> (bool, &[V]) {
     match asked {
         Each::One(one) => (false, std::slice::from_ref(one)),
@@ -161,7 +161,7 @@ pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let PointLists { points, many } = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
     let Some((polygons, corners)) = many else {
-        // The row that its error names is a corner, and not the number of a question.
+        // The row in the error is a corner, not the index of a query.
         let polygon = Polygon::new(&points).map_err(refused)?;
         let answer = || PyResult::Ok(ask(&[polygon])?.and_then(results::with_long_ids));
         return Ok(column(py, detached(py, answer)??.map_err(refused)?.ids).into_any());

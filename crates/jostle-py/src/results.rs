@@ -46,7 +46,7 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
 }
 
-/// The same with ids as they are given out; needs no Python.
+/// The same with ids for the caller; does not need the GIL.
 pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;
     if size_of::<I>() == size_of::<i64>() {

@@ -26,7 +26,7 @@ pub struct Rows<T> {
     filters: Option<[Each<u32>; 2]>,
 }
 
-/// Where shapes are, a row each.
+/// The positions of shapes, one row each.
 pub enum Places<T> {
     /// Their centres.
     Centers(Vec<[T; 2]>),
@@ -34,15 +34,15 @@ pub enum Places<T> {
     Boxes(Vec<[T; 4]>),
 }
 
-/// The argument that says where shapes are: their centres, or boxes, which say how large
-/// they are too.
+/// The argument for the positions of shapes: their centres, or boxes, which include their
+/// sizes.
 pub enum Where<'py> {
     Centers(Argument<'py>),
     Boxes(Argument<'py>),
 }
 
 impl<'py> Where<'py> {
-    /// The one of the two that is given. Refuses both, and neither.
+    /// The argument that is given. Refuses both, and neither.
     pub fn read(
         centers: Maybe<'_, 'py>,
         half_sizes: Maybe<'_, 'py>,
@@ -130,7 +130,7 @@ impl<'py> Where<'py> {
 }
 
 impl<T: Scalar> Places<T> {
-    /// The core's shapes; needs no Python.
+    /// The core's shapes; does not need the GIL.
     pub fn shapes(
         self,
         radii: Each<T>,
@@ -204,7 +204,7 @@ impl<T: Scalar + Element> Rows<T> {
         })
     }
 
-    /// The core's shapes; needs no Python.
+    /// The core's shapes; does not need the GIL.
     pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
         self.places.shapes(self.radii, self.half_sizes, self.filters)
     }

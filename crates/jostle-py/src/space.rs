@@ -1076,7 +1076,7 @@ struct Draft<T> {
 }
 
 impl<T: Scalar> Draft<T> {
-    /// The core's shapes; needs no Python.
+    /// The core's shapes; does not need the GIL.
     fn shapes(self, places: Places<T>) -> jostle::Result<Shapes<T>> {
         let radii = self.radii.unwrap_or(Each::One(T::ZERO));
         let filters = match self.filters {

@@ -3,9 +3,9 @@
 //! A shape is a rounded box: every point within `radius` of its core, an
 //! axis-aligned box. The core is given as `center ± half_size`, or as `min` and
 //! `max`. One formula says whether two shapes overlap, in the arithmetic of the
-//! caller's type; cores given as `min` and `max` are compared exactly. A [`Cover`] bounds a set of shapes and
-//! answers with *the same formula*: rounding is monotone, so a cover that does
-//! not overlap proves that none of its shapes does, without any tolerance.
+//! caller's type; cores given as `min` and `max` are compared exactly. A [`Cover`]
+//! bounds a set of shapes and is tested with *the same formula*. Rounding is monotone,
+//! so if a cover does not overlap, none of its shapes does; no tolerance is needed.
 
 use std::cmp::Ordering;
 use std::fmt::{Debug, Display, LowerExp};

@@ -1,6 +1,6 @@
-//! What hangs together: sets that are joined pair by pair.
+//! Islands: sets that are joined pair by pair (disjoint-set union).
 
-/// Which set each of the numbers below a length belongs to.
+/// The set of each of the numbers below a length.
 #[derive(Debug, Default)]
 pub struct Groups(Vec<u32>);
 

@@ -96,10 +96,10 @@ pub struct Shapes<T> {
     pub centers: Vec<[T; 2]>,
     /// Radii.
     pub radii: Each<T>,
-    /// Half widths and half heights; none where every shape is a circle or a box.
+    /// Half widths and half heights; none if every shape is a circle or a box.
     pub half_sizes: Option<Each<[T; 2]>>,
-    /// Min x, min y, max x, max y of every shape; none where all are given by their centres.
-    /// The centre of a box is its [`middle`], and says only where it comes in a tree's order.
+    /// Min x, min y, max x, max y of every shape; none if all are given by their centres.
+    /// The centre of a box is its [`middle`], used only for its place in the tree.
     pub boxes: Option<Vec<[T; 4]>>,
     /// Categories and masks; none where everything pairs with everything.
     pub filters: Option<[Each<u32>; 2]>,
@@ -136,8 +136,8 @@ impl<T: Scalar> Shapes<T> {
         Ok(shapes)
     }
 
-    /// Boxes from `[min_x, min_y, max_x, max_y]` each, rounded where there are radii, with
-    /// categories and masks. Refuses what no tree can hold.
+    /// Boxes from `[min_x, min_y, max_x, max_y]` each, rounded if there are radii, with
+    /// categories and masks. Refuses invalid values.
     pub fn from_boxes(
         boxes: Vec<[T; 4]>,
         radii: Each<T>,
@@ -150,7 +150,7 @@ impl<T: Scalar> Shapes<T> {
         Ok(shapes)
     }
 
-    /// Checks all but where the shapes are.
+    /// Checks everything except the positions.
     fn validate(&self, rows: &'static str) -> Result<()> {
         let len = self.len();
         if len > MOST_ROWS {
@@ -207,7 +207,7 @@ pub fn middle_of<T: Scalar>(&[min_x, min_y, max_x, max_y]: &[T; 4]) -> [T; 2] {
     [middle(min_x, max_x), middle(min_y, max_y)]
 }
 
-/// Refuses a rectangle that is not finite, or upside down.
+/// Refuses a rectangle that is not finite, or has a minimum above its maximum.
 pub fn check_rects<T: Scalar>(argument: &'static str, rows: &[[T; 4]]) -> Result<()> {
     let finite = |row: &[T; 4]| row.iter().all(|v| v.is_finite());
     let good = |row: &[T; 4]| finite(row) && row[0] <= row[2] && row[1] <= row[3];
@@ -220,7 +220,7 @@ pub fn check_rects<T: Scalar>(argument: &'static str, rows: &[[T; 4]]) -> Result
     Err(Error::at(argument, index, tuple(&rows[index]), rule))
 }
 
-/// Refuses boxes that are no rectangles, or larger than half sizes may make a shape.
+/// Refuses boxes that are not valid rectangles, or are larger than half sizes allow.
 pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Result<()> {
     check_rects(argument, boxes)?;
     let half = T::from_f64(0.5);
@@ -232,7 +232,7 @@ pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Resul
     Err(Error::at(argument, index, tuple(&boxes[index]), &rule))
 }
 
-/// Numbers as Python writes a tuple of them.
+/// Numbers in the form of a Python tuple.
 pub(crate) fn tuple<T: Scalar>(values: &[T]) -> String {
     let number = |v: &T| {
         let size = v.abs().to_f64();
@@ -245,7 +245,7 @@ pub(crate) fn tuple<T: Scalar>(values: &[T]) -> String {
 /// Refuses a pair of coordinates that is not finite.
 pub fn check_finite<T: Scalar>(argument: &'static str, centers: &[[T; 2]]) -> Result<()> {
     let finite = |v: &T| v.is_finite();
-    // Without an early end the compiler looks at many numbers at once.
+    // Without an early end the compiler can vectorise the loop.
     if centers.as_flattened().iter().fold(true, |all, v| all & finite(v)) {
         return Ok(());
     }
@@ -275,7 +275,7 @@ fn check_half_sizes<T: Scalar>(argument: &'static str, sizes: &[T]) -> Result<()
     check_each(argument, "a half size", sizes, fits, &rule)
 }
 
-/// Refuses the first size that does not fit: by the `rule`, if it is a size at all.
+/// Refuses the first size that is not finite, negative or against the `rule`.
 fn check_each<T: Scalar>(
     argument: &'static str,
     noun: &str,
@@ -283,7 +283,7 @@ fn check_each<T: Scalar>(
     fits: impl Fn(&T) -> bool,
     rule: &str,
 ) -> Result<()> {
-    // Without an early end the compiler looks at many numbers at once.
+    // Without an early end the compiler can vectorise the loop.
     if sizes.iter().fold(true, |all, size| all & fits(size)) {
         return Ok(());
     }
@@ -295,7 +295,7 @@ fn check_each<T: Scalar>(
     Err(Error::at(argument, index, size, &format!("{noun} must be finite and at least 0")))
 }
 
-/// Refuses half sizes that no tree can hold.
+/// Refuses invalid half sizes.
 pub fn check_each_half_size<T: Scalar>(half_sizes: &Each<[T; 2]>) -> Result<()> {
     half_sizes.check(|sizes| {
         let fits = |v: T| (v >= T::ZERO) & (v <= T::MAX_SIZE);

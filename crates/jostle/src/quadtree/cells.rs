@@ -1,4 +1,4 @@
-//! The boxes of the tree as a caller sees them. Finding pairs does without.
+//! The boxes of the tree for the caller. Finding pairs does not need them.
 
 use super::{Node, Quadtree};
 use crate::error::Result;
@@ -9,14 +9,14 @@ use crate::memory;
 /// A box: min x, min y, max x, max y.
 type Cell = [f64; 4];
 
-/// A box of the tree as a caller sees it.
+/// A box of the tree for the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeBox {
     /// min x, min y, max x, max y.
     pub bounds: Cell,
     /// Subdivisions above it.
     pub depth: usize,
-    /// Shapes in it and in all boxes below it.
+    /// Shapes in it and in its descendants.
     pub count: usize,
     /// Whether there is no box below it.
     pub is_leaf: bool,
@@ -26,8 +26,8 @@ pub struct TreeBox {
 const CELL_WORK: usize = 8;
 
 impl<T: Scalar> Quadtree<T> {
-    /// The boxes, parents before children. Nodes that share out shapes at one place among them
-    /// have the same box; it is listed once, as a leaf.
+    /// The boxes, parents before children. Nodes that split coincident shapes have the same box;
+    /// it is listed once, as a leaf.
     pub fn boxes(&self) -> Result<Vec<TreeBox>> {
         let cells = self.cells()?;
         let hidden = self.hidden_nodes()?;
@@ -59,7 +59,7 @@ impl<T: Scalar> Quadtree<T> {
         Ok(hidden)
     }
 
-    /// The nodes whose boxes a caller sees, and whether each is a leaf for them.
+    /// The nodes whose boxes are listed, and whether each is listed as a leaf.
     fn seen_nodes(&self, hidden: &[bool]) -> impl Iterator<Item = (usize, bool)> {
         let seen = (0..self.nodes.len()).filter(|&index| !hidden[index]);
         seen.map(|index| {
@@ -68,8 +68,8 @@ impl<T: Scalar> Quadtree<T> {
         })
     }
 
-    /// Whether a node split although its grid does not tell its shapes apart: its children
-    /// have its cell.
+    /// Whether a node split although its shapes have the same key: its children have its
+    /// cell.
     fn is_one_place(&self, node: &Node) -> bool {
         let child = self.nodes[node.children()].first();
         child.is_some_and(|child| (child.grid, child.level) == (node.grid, node.level))

@@ -1,11 +1,11 @@
-//! How far neighbouring questions go down a tree together.
+//! The common part of the search of neighbouring queries.
 
 use super::window::Window;
 use crate::geometry::Scalar;
 use crate::quadtree::Quadtree;
 use crate::simd::{LANES, Simd, block};
 
-/// Questions side by side that go down the tree together.
+/// Number of neighbouring queries that share the first part of their search.
 pub(super) const GROUP: usize = 16;
 
 /// Nodes at which they part at the latest.

@@ -33,14 +33,14 @@ impl Side {
     }
 }
 
-/// A power of two above `value`, at most twice as large where that is a normal number.
+/// A power of two above `value`, at most twice as large if that is a normal number.
 fn power_of_two_above(value: f64) -> f64 {
     2.0 * f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
 }
 
 impl<T: Scalar> Polygon<T> {
-    /// The polygon with these corners, in either direction of turning. Refuses what is
-    /// not convex; the refusal names the corner.
+    /// The polygon with these corners, clockwise or counterclockwise. Refuses a polygon
+    /// that is not convex, with the index of the corner.
     pub fn new(vertices: &[[T; 2]]) -> Result<Self> {
         let refuse = |index: usize, rule: &str| {
             Err(Error::at("vertices", index, tuple(&vertices[index]), rule))

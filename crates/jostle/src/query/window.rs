@@ -1,4 +1,4 @@
-//! What a region is seen as from afar: by nodes, and by whole blocks of shapes.
+//! The bounds of a region, for tests against nodes and blocks of shapes.
 
 use crate::columns::Columns;
 use crate::geometry::{Cover, Scalar, Shape, gap};
@@ -13,7 +13,7 @@ pub struct Window<T> {
 }
 
 impl<T: Scalar> Window<T> {
-    /// How far the core of a shape lies outside along each axis; negative inside.
+    /// Gap between the core of a shape and the window along each axis; negative inside.
     #[inline(always)]
     pub(super) fn gap(&self, shape: &Shape<T>) -> [T; 2] {
         let along = |axis: usize| {

@@ -2,11 +2,11 @@
 //!
 //! The bounces of a sub-step are found in rounds, and a crowd of fast particles
 //! can have more of them than there are rounds. So before anything moves, the
-//! straight line from each fast pair's first offset to its last is looked at: if
-//! it cuts through the contact, both ways are shortened to where it enters. Ways
-//! only ever get shorter, and standing still is always allowed, so this ends. A long row of
-//! particles could need as many passes as it has members: after a number of passes, all of
-//! the row stops.
+//! straight line from each fast pair's first offset to its last is tested: if it cuts
+//! through the contact, both displacements are truncated where it enters. Displacements
+//! only get shorter, and 0 is always allowed, so this ends. A long row of particles could
+//! need as many passes as it has members: after `MOST_PASSES` passes, the whole row
+//! stops.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -17,7 +17,7 @@ use crate::motion::{Motion, Motions};
 /// Passes that shorten to the point of touching; later ones stop at the start.
 const GENTLE_PASSES: usize = 8;
 
-/// Passes at most. What is then still being shortened stops, with all that is fast beside it.
+/// Maximum number of passes. Islands that are still being shortened then stop.
 const MOST_PASSES: usize = 64;
 
 /// How deep a line may cut, as a share of the sum of radii: a rounded bounce is
@@ -57,8 +57,8 @@ pub fn guard(contacts: &mut Contacts, motions: &Motions, threads: Option<usize>)
     stop_islands(contacts, motions);
 }
 
-/// Stops every island of fast contacts in which the last pass has shortened a way. No other
-/// contact can be cut through (see [`may_get_through`]).
+/// Stops every island of fast contacts in which the last pass has truncated a displacement. No
+/// other contact can be cut through (see [`may_get_through`]).
 fn stop_islands(contacts: &Contacts, motions: &Motions) {
     let fast = || contacts.list.iter().filter(|contact| contact.fast);
     let mut islands = Groups::default();

@@ -1,8 +1,8 @@
-//! What became of the pairs since the last update.
+//! Changes of the pairs since the last update.
 //!
-//! Only pairs with a shape that changed can have formed or parted. Those of the last update
-//! are in the lists of these shapes, those of now come from a join of their layer with all;
-//! each pair is compared once, at its *owner*, the changed one of its shapes.
+//! Only pairs with a shape that changed can have entered or left. The pairs of the last update
+//! are in the lists of these shapes, the current ones come from a join of their layer with all.
+//! Each pair is compared once, at its *owner*, the changed one of its shapes.
 
 use super::Space;
 use super::layers::Layers;
@@ -14,7 +14,7 @@ use crate::interrupt::{self, Pulse};
 use crate::memory;
 use crate::sorting;
 
-/// About as many numbers are read, far from each other, when a pair is compared.
+/// Approximate number of values read, not adjacent in memory, when a pair is compared.
 const RECORD_WORK: usize = 16;
 
 /// Pairs of ids, the smaller first, sorted by first, then by second.
@@ -44,7 +44,7 @@ pub(super) struct Changes {
     records: Vec<u32>,
 }
 
-/// What has to be done to the pairs of the last update.
+/// Changes to be made to the pairs of the last update.
 #[derive(Default)]
 struct Difference {
     entered: Vec<[u32; 2]>,
@@ -53,15 +53,15 @@ struct Difference {
 }
 
 impl<T: Scalar> Space<T> {
-    /// The pairs that formed and those that parted since the last update. Looks at no more
-    /// than `max_pairs` of the pairs of what changed; if there are more, nothing is done.
+    /// The pairs that entered and left since the last update. If the shapes that changed have
+    /// more than `max_pairs` pairs, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
         let max_pairs = max_pairs.min(MOST_RECORDS);
         let present = self.changes.present(&self.layers)?;
         let front = match self.layers.layer_of(&present) {
             Some(layer) => Some(layer),
             None => {
-                // What is fresh has changed; so most often this is all that has.
+                // Fresh shapes have changed; usually they are all that have.
                 if self.layers.fresh_len() < present.len() {
                     self.layers.reserve_fresh(present.len())?;
                     present.iter().for_each(|&slot| self.layers.freshen(slot));
@@ -71,7 +71,7 @@ impl<T: Scalar> Space<T> {
         };
         let found = match self.pairs_with_changed(front, max_pairs) {
             Err(Error::TooManyPairs { .. }) => {
-                // What is dead or did not change may have been counted; now it is not.
+                // Dead or unchanged shapes may have been counted; they are excluded here.
                 let front = self.layers.part(&present, &self.slots, self.settings)?;
                 self.pairs_with_changed(front, max_pairs)?
             }
@@ -94,7 +94,7 @@ impl<T: Scalar> Space<T> {
         Ok(found)
     }
 
-    /// Makes the pairs of now those of the last update. All that can fail comes first.
+    /// Stores the current pairs as those of the last update. Everything that can fail comes first.
     fn take_over(&mut self, difference: &Difference) -> Result<Events> {
         let update = self.changes.updates + 1;
         let left = difference.left.iter().map(|&record| self.touching.pair(record));
@@ -149,13 +149,13 @@ impl Changes {
         memory::lengthen(&mut self.records, slots, NONE)
     }
 
-    /// Finds memory for `more` slots that change.
+    /// Reserves memory for `more` changed slots.
     pub(super) fn reserve(&mut self, more: usize) -> Result<()> {
         memory::reserve(&mut self.slots, more)?;
         memory::reserve(&mut self.leaving, more)
     }
 
-    /// Remembers a slot that a shape came into, went from, or changed in.
+    /// Records a slot whose shape was added, removed or changed.
     pub(super) fn note(&mut self, slot: u32) {
         if !std::mem::replace(&mut self.changed[slot as usize], true) {
             self.slots.push(slot);
@@ -169,7 +169,7 @@ impl Changes {
         Ok(present)
     }
 
-    /// The slot that answers for a pair, and the other one.
+    /// The slot that owns a pair, and the other one.
     fn owned(&self, [a, b]: [u32; 2]) -> [u32; 2] {
         let owner_is_a = self.changed[a as usize] && (a < b || !self.changed[b as usize]);
         if owner_is_a { [a, b] } else { [b, a] }

@@ -1,10 +1,10 @@
-//! Trees over parts of a space: what changes often lies in small ones, what does not in large
-//! ones, and nobody has to say which is which.
+//! Trees over parts of a space: shapes that change often are in small trees, others in large
+//! ones. This needs no hint from the caller.
 //!
 //! A shape that changes leaves its tree, which keeps the old shape as a dead one, and becomes
-//! *fresh*. Fresh shapes are folded into a tree of their own. That takes in other trees only
-//! where there would be too many of about its size, or where most of a tree is dead; so a tree
-//! of still shapes stays what it is while others move.
+//! *fresh*. Fresh shapes are built into a tree of their own. Other trees are merged into it only
+//! if there would be too many of about its size, or if most shapes of a tree are dead. So a tree
+//! of shapes that do not change is not rebuilt while others move.
 
 use std::cmp::Ordering;
 use std::mem;
@@ -20,7 +20,7 @@ use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
 
-/// Pairs that are translated at a time.
+/// Pairs converted between two checks for an interruption.
 const CHUNK: usize = 1 << 14;
 
 /// The home of a slot without a shape.
@@ -93,12 +93,12 @@ impl<T: Scalar> Layers<T> {
         memory::lengthen(&mut self.listed, slots, false)
     }
 
-    /// Finds memory for `more` shapes that become fresh.
+    /// Reserves memory for `more` fresh shapes.
     pub(super) fn reserve_fresh(&mut self, more: usize) -> Result<()> {
         memory::reserve(&mut self.fresh, more)
     }
 
-    /// Takes a new or a changed shape out of its layer.
+    /// Removes a new or a changed shape from its layer.
     pub(super) fn freshen(&mut self, slot: u32) {
         self.leave(slot);
         self.home[slot as usize] = FRESH;
@@ -178,7 +178,7 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Puts all fresh shapes into a layer; returns its index, none where nothing was fresh.
-    /// Where it fails, the shapes of all layers that were to become one are fresh.
+    /// If it fails, the shapes of all layers that were to be merged are fresh.
     pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Result<Option<usize>> {
         let mut rows = self.take_fresh();
         let any = !rows.is_empty();
@@ -190,8 +190,8 @@ impl<T: Scalar> Layers<T> {
         Ok(built.filter(|_| any))
     }
 
-    /// Adds the shapes of the layers that a new one of `rows` takes in; returns the largest
-    /// of these layers, for its memory.
+    /// Adds the shapes of the layers that are merged into a new one of `rows`; returns the
+    /// largest of these layers, for its memory.
     fn absorb(&mut self, rows: &mut Vec<u32>) -> Result<Layer<T>> {
         let mut old = Layer::default();
         loop {
@@ -213,7 +213,7 @@ impl<T: Scalar> Layers<T> {
         }
     }
 
-    /// Makes all `rows`, which have left their layers, fresh.
+    /// Marks all `rows`, which have left their layers, as fresh.
     fn undo(&mut self, rows: Vec<u32>, error: Error) -> Error {
         for &slot in &rows {
             self.home[slot as usize] = FRESH;
@@ -271,7 +271,7 @@ impl<T: Scalar> Layers<T> {
         all().filter(|index| worn(index) || crowded && alike(index)).collect()
     }
 
-    /// Builds a layer of `rows` in the memory of an old one. Where it fails, they are fresh.
+    /// Builds a layer of `rows` in the memory of an old one. If it fails, they are fresh.
     fn build(
         &mut self,
         mut old: Layer<T>,
@@ -282,7 +282,7 @@ impl<T: Scalar> Layers<T> {
         if rows.is_empty() {
             return Ok(None);
         }
-        // Much more memory than is needed goes back.
+        // Memory is freed if much more is allocated than needed.
         if old.slots.len() > RATIO * rows.len() {
             old = Layer::default();
         }

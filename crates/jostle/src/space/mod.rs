@@ -1,9 +1,8 @@
-//! A living collection of shapes: they come, move, change and go, each under an id of its
-//! own, and pairs are told as they form and part.
+//! Shapes with ids that are added, moved, changed and removed, and the events of their pairs.
 //!
 //! `slots` holds the shapes, `layers` the trees over them, `touching` the pairs of the last
-//! update; `events` compares those with the pairs of now, shape by shape, and looks at none
-//! but the shapes that changed.
+//! update; `events` compares those with the current pairs, only for the shapes that
+//! changed.
 
 mod events;
 mod layers;
@@ -91,7 +90,7 @@ impl<T: Scalar> Space<T> {
     /// Adds shapes; returns their ids. An id is never given twice.
     pub fn add(&mut self, shapes: &Shapes<T>) -> Result<Vec<Id>> {
         self.slots.check_room(shapes.len())?;
-        // All memory first, so that nothing is half done where there is none.
+        // All memory is reserved first, so that a failure changes nothing.
         self.slots.reserve(shapes)?;
         self.reserve_changes(shapes.len())?;
         let count = self.slots.count() + shapes.len();
@@ -107,7 +106,7 @@ impl<T: Scalar> Space<T> {
         Ok(ids)
     }
 
-    /// Finds memory for `more` shapes that change.
+    /// Reserves memory for `more` changed shapes.
     fn reserve_changes(&mut self, more: usize) -> Result<()> {
         self.changes.reserve(more)?;
         self.layers.reserve_fresh(more)
@@ -125,8 +124,8 @@ impl<T: Scalar> Space<T> {
         self.change(ids, |slots, slot, row| slots.set_center(slot, centers[row]))
     }
 
-    /// Gives shapes the boxes `[min_x, min_y, max_x, max_y]` for their cores; each keeps its
-    /// radius. Refuses as [`Space::move_to`] does.
+    /// Sets the cores of shapes to boxes `[min_x, min_y, max_x, max_y]`; radii stay the same.
+    /// Errors as in [`Space::move_to`].
     pub fn move_to_boxes(&mut self, ids: &[Id], boxes: &[[T; 4]]) -> Result<()> {
         if boxes.len() != ids.len() {
             let (found, expected) = (boxes.len(), ids.len());
@@ -203,7 +202,7 @@ impl<T: Scalar> Space<T> {
         self.layers.fold(&self.slots, self.settings)?;
         let found = match self.all_pairs(mask, max_pairs) {
             Err(Error::TooManyPairs { .. }) => {
-                // Shapes that are dead may have been counted; now there are none.
+                // Dead shapes may have been counted; they have been removed here.
                 self.layers.part(&[], &self.slots, self.settings)?;
                 self.all_pairs(mask, max_pairs)?
             }

@@ -1,4 +1,4 @@
-//! What a space is asked: every tree is asked in its turn, and what is in none is looked at.
+//! Queries of a space: each tree is queried, and fresh shapes are tested one by one.
 
 use super::Space;
 use super::slots::Id;
@@ -11,10 +11,10 @@ use crate::query::{
 };
 use crate::sorting;
 
-/// With more fresh shapes than this a tree of them is quicker than a look at each.
+/// With more fresh shapes than this, a tree of them is faster than testing each.
 const FEW: usize = 256;
 
-/// Rows that become ids at a time.
+/// Rows converted to ids between two checks for an interruption.
 const CHUNK: usize = 1 << 14;
 
 /// As [`FEW`], for a call: looks that cost about as much as a tree of [`FEW`] shapes.
@@ -27,7 +27,7 @@ impl<T: Scalar> Space<T> {
         self.prepare(regions.len())?;
         match self.search_all(regions, mask) {
             Err(Error::TooManyIds { .. }) => {
-                // Shapes that are dead may have been counted; now there are none.
+                // Dead shapes may have been counted; they have been removed here.
                 self.layers.part(&[], &self.slots, self.settings)?;
                 self.search_all(regions, mask)
             }
@@ -129,7 +129,7 @@ impl<T: Scalar> Space<T> {
         }
     }
 
-    /// Builds a tree of what is fresh where that is worth it for so many questions.
+    /// Builds a tree of the fresh shapes if that is faster for this number of queries.
     fn prepare(&mut self, questions: usize) -> Result<()> {
         let fresh = self.layers.fresh_listed();
         if fresh > FEW || fresh.saturating_mul(questions) > FEW_LOOKS {

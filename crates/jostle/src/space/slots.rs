@@ -1,7 +1,7 @@
-//! Shapes in slots, and the ids that name them.
+//! Shapes in slots, and their ids.
 //!
-//! An id is the slot of its shape below the slot's generation, so that the shape is found at
-//! once, and a slot that is used again goes by another id.
+//! An id contains the slot of its shape in the low bits and the slot's generation above them.
+//! So the shape is found directly, and a slot that is used again has another id.
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
@@ -10,23 +10,23 @@ use crate::memory;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, middle_of};
 use crate::sorting;
 
-/// The name of a shape in a space, at least 0.
+/// The id of a shape in a space, at least 0.
 pub type Id = i64;
 
 /// A bit of a slot's generation: no shape is in it. No id has the bit, so none fits.
 const VACANT: u32 = 1 << 31;
 
-/// What is known of each shape, and whose turn it is in each slot.
+/// The columns of the shapes, and the generation of each slot.
 ///
-/// Columns that would say the same for every slot are left empty, as in `Columns`.
+/// Columns with the same value for every slot are empty, as in `Columns`.
 #[derive(Clone, Debug)]
 pub(super) struct Slots<T> {
     /// `min` of the shapes: the centres, unless they are given as boxes.
     mins: Vec<[T; 2]>,
-    /// `max` of the shapes; empty as long as none was given as a box.
+    /// `max` of the shapes; empty until one is given as a box.
     maxes: Vec<[T; 2]>,
     radii: Vec<T>,
-    /// Empty as long as every shape was a circle or a box.
+    /// Empty until a shape has half sizes.
     half_sizes: Vec<[T; 2]>,
     /// Categories and masks; empty as long as nothing else than the defaults was given.
     filters: Vec<[u32; 2]>,
@@ -90,7 +90,7 @@ impl<T: Scalar> Slots<T> {
         Ok(ids)
     }
 
-    /// Finds memory for `more` shapes.
+    /// Reserves memory for `more` shapes.
     pub(super) fn reserve(&mut self, shapes: &Shapes<T>) -> Result<()> {
         let more = shapes.len();
         memory::reserve(&mut self.mins, more)?;
@@ -102,8 +102,8 @@ impl<T: Scalar> Slots<T> {
         self.reserve_columns(more, [half_sizes, filters])
     }
 
-    /// Finds memory for the columns that are there only where something differs from the
-    /// defaults: half sizes, filters.
+    /// Reserves memory for the columns that are present only if a value differs from the
+    /// default: half sizes, filters.
     pub(super) fn reserve_columns(&mut self, more: usize, wanted: [bool; 2]) -> Result<()> {
         let count = self.count() + more;
         if wanted[0] || !self.half_sizes.is_empty() {
@@ -117,12 +117,12 @@ impl<T: Scalar> Slots<T> {
         Ok(())
     }
 
-    /// Finds memory for the slots of `more` shapes that go.
+    /// Reserves memory for the slots of `more` removed shapes.
     pub(super) fn reserve_free(&mut self, more: usize) -> Result<()> {
         memory::reserve(&mut self.free, more)
     }
 
-    /// The slots of `ids`. Refuses ids that no shape has, and ids given twice.
+    /// The slots of `ids`. Refuses ids that do not exist, and ids given twice.
     pub(super) fn find(&mut self, ids: &[Id]) -> Result<Vec<u32>> {
         if self.call == u32::MAX {
             self.named.fill(0);
@@ -222,8 +222,8 @@ impl<T: Scalar> Slots<T> {
         self.free.push(slot);
     }
 
-    /// Moves a shape; says whether that changes anything. One that is given as a box goes
-    /// on as its centre and half its size.
+    /// Moves a shape; returns whether that changes it. A shape given as a box is stored as its
+    /// centre and half its size from then on.
     pub(super) fn set_center(&mut self, slot: u32, center: [T; 2]) -> bool {
         if !self.is_box(slot) {
             return self.set_corners(slot, [center; 2]);
@@ -237,14 +237,14 @@ impl<T: Scalar> Slots<T> {
         true
     }
 
-    /// Makes a shape a box, rounded by the radius that it has; says whether that changes
-    /// anything.
+    /// Sets the core of a shape to a box and keeps its radius; returns whether that changes
+    /// it.
     pub(super) fn set_box(&mut self, slot: u32, corners: [[T; 2]; 2]) -> bool {
         let moved = self.set_corners(slot, corners);
         self.set_half_size(slot, [T::ZERO; 2]) || moved
     }
 
-    /// Gives a shape another core around its centre; says whether that changes anything.
+    /// Sets the half sizes of a shape; returns whether that changes it.
     pub(super) fn resize(&mut self, slot: u32, half_size: [T; 2]) -> bool {
         if !self.is_box(slot) {
             return self.set_half_size(slot, half_size);
@@ -275,7 +275,7 @@ impl<T: Scalar> Slots<T> {
         changed
     }
 
-    /// Gives a shape another radius; says whether that changes anything.
+    /// Sets the radius of a shape; returns whether that changes it.
     pub(super) fn set_radius(&mut self, slot: u32, radius: T) -> bool {
         std::mem::replace(&mut self.radii[slot as usize], radius) != radius
     }
@@ -290,7 +290,7 @@ impl<T: Scalar> Slots<T> {
         std::mem::replace(&mut self.half_sizes[slot as usize], half_size) != half_size
     }
 
-    /// Gives a shape another category and mask; says whether that changes anything.
+    /// Sets the category and mask of a shape; returns whether that changes it.
     pub(super) fn set_filter(&mut self, slot: u32, filter: [u32; 2]) -> bool {
         if self.filters.is_empty() {
             if filter == [DEFAULT_CATEGORY, DEFAULT_MASK] {

@@ -1,7 +1,6 @@
-//! The pairs of the last update, so kept that those of one shape are found without a look at
-//! any other.
+//! The pairs of the last update, stored so that those of one shape are found directly.
 //!
-//! Each pair is a record in two lists that run both ways, one for each of its shapes.
+//! Each pair is a record in two doubly linked lists, one for each of its shapes.
 
 use crate::error::Result;
 use crate::memory;
@@ -40,7 +39,7 @@ impl Touching {
         memory::lengthen(&mut self.heads, slots, NONE)
     }
 
-    /// Finds memory for so many pairs that come, and so many that go.
+    /// Reserves memory for numbers of added and of removed pairs.
     pub(super) fn reserve(&mut self, come: usize, go: usize) -> Result<()> {
         memory::reserve(&mut self.records, come.saturating_sub(self.free.len()))?;
         memory::reserve(&mut self.free, go)
@@ -114,7 +113,7 @@ impl Touching {
         self.free.push(index);
     }
 
-    /// Gives memory back where most of it is not in use, unless that takes more than there is.
+    /// Frees memory if most of it is unused and there is enough memory for that.
     pub(super) fn tidy(&mut self) {
         if self.records.len() < FEW || self.len() > self.records.len() / 4 {
             return;

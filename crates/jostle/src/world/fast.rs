@@ -1,10 +1,11 @@
 //! Few fast particles on a torus.
 //!
-//! No part of a step may carry a particle further than an eighth of a torus, or it would meet
-//! images that the search does not list. So a fast particle needs many parts. Where few do, they
-//! are held while all others make the step. Then each flies alone, in parts of its own, among the
-//! others, which stand still. It flies until it hits something: both have their new velocities
-//! then, and the rest of its way is lost. So the work is bounded by the parts of the fast.
+//! In one part of a step no particle may move further than an eighth of a torus, because it could
+//! collide with images that the search does not list. So a fast particle needs many parts. If only
+//! few are fast, they are held while all others make the step. Then each moves separately, in parts
+//! of its own, among the others, which do not move. It moves until its first hit: both particles
+//! get new velocities, and the rest of its displacement is lost. So the work depends on the parts
+//! of the fast particles only.
 
 use std::cmp::Ordering;
 
@@ -17,22 +18,22 @@ use crate::quadtree::Quadtree;
 use crate::query::{self, Rect};
 use crate::shapes::{Each, Shapes};
 
-/// Parts of a step that all particles make together, however few of them need so many.
+/// Up to this number of parts, all particles make them together.
 const FEW_PARTS: f32 = 8.0;
 
-/// Particles are held if they are fewer than one in so many.
+/// Particles are held if they are fewer than one in this number.
 const HELD_SHARE: usize = 64;
 
-/// What the fast particles need; the next step uses it again.
+/// Scratch for the fast particles.
 #[derive(Debug, Default)]
 pub(super) struct FastMemory {
-    /// By row, which particles are held during the step. Empty: none.
+    /// Whether the particle in each row is held during the step; empty if none is.
     pub(super) held: Vec<bool>,
     tree: Quadtree<f32>,
     near: Option<Box<World>>,
 }
 
-/// What still flies, by place; and what bounds the others, which stand still.
+/// The particles that still move, by place, and bounds of the others, which do not move.
 #[derive(Debug, Default)]
 struct Moving {
     moves: Vec<bool>,
@@ -42,11 +43,11 @@ struct Moving {
 }
 
 impl World {
-    /// Chooses the particles that make their own parts of a step of `dt` seconds, of which all
-    /// together would need so many. Returns whether there are any.
+    /// Chooses the particles that make their own parts of a step of `dt` seconds; without that
+    /// all particles would need `parts`. Returns whether there are any.
     pub(super) fn hold_the_fast(&mut self, dt: f32, parts: f32) -> bool {
         self.memory.fast.held.clear();
-        // Particles that merge change their rows, which the small world cannot tell.
+        // Merging changes rows, which is not possible in the small world.
         if parts <= FEW_PARTS || self.settings.on_touch == OnTouch::Merge {
             return false;
         }
@@ -69,7 +70,7 @@ impl World {
         self.memory.fast.held.get(row as usize).is_some_and(|&held| held)
     }
 
-    /// Lets those that were held move for `dt` seconds.
+    /// Moves the held particles for `dt` seconds.
     pub(super) fn move_the_held(&mut self, dt: f32) -> Result<()> {
         if self.memory.fast.held.is_empty() {
             return Ok(());
@@ -127,7 +128,7 @@ impl World {
         Ok(())
     }
 
-    /// Lets what moves do so for `h` seconds, in the world of the particles in these `places`.
+    /// Moves the particles for `h` seconds in a small world of the particles in `places`.
     fn move_once(
         &mut self,
         near: &mut World,
@@ -149,7 +150,7 @@ impl World {
             let place = places[row as usize] as usize;
             let hit = self.particles.velocities[place] != *velocity;
             self.particles.velocities[place] = *velocity;
-            // What stands still has had its time already.
+            // The other particles have already made their step.
             if moving.moves[place] {
                 self.particles.positions[place] = *position;
                 moving.moves[place] = !hit;
@@ -160,7 +161,7 @@ impl World {
         Ok(())
     }
 
-    /// The places of what moves and of what that could meet within `h` seconds, ascending.
+    /// The places of the moving particles and of their candidates within `h` seconds, ascending.
     fn near(&self, tree: &Quadtree<f32>, moving: &Moving, h: f32) -> Result<Vec<u32>> {
         let Particles { positions, velocities, radii, .. } = &self.particles;
         let mut places = moving.places.clone();
@@ -168,7 +169,7 @@ impl World {
         if self.settings.on_touch == OnTouch::Ignore {
             return Ok(places);
         }
-        // How far the sweep of what stands still may reach beyond its disc, see `Sweep::new`.
+        // Margin of the swept AABBs of the particles that do not move, see `Sweep::new`.
         let margin = moving.fastest_other * h + moving.largest_other;
         let offsets = [[0.0; 2]].into_iter().chain(self.settings.container.images());
         let offsets: Vec<[f32; 2]> =
@@ -189,13 +190,13 @@ impl World {
         Ok(places)
     }
 
-    /// Takes over the rules, with no particle yet.
+    /// Takes the settings, without particles.
     fn configure_empty(&mut self, settings: WorldSettings) -> Result<()> {
         self.fill(&Particles::default(), &[]);
         self.configure(settings)
     }
 
-    /// Replaces all particles by those in some places of another world.
+    /// Replaces all particles by copies of those in `places`.
     fn fill(&mut self, all: &Particles, places: &[u32]) {
         self.particles.gather(all, places, Some(1));
         self.rows = (0..places.len() as u32).collect();
@@ -205,7 +206,7 @@ impl World {
     }
 }
 
-/// Refuses a step in which a particle would go around a torus too often.
+/// The error of a step in which a particle would circle a torus too often.
 pub(super) fn too_many_tours(dt: f32, row: u32, parts: f32) -> Error {
     let tours = parts / 8.0;
     let rule = format!("particle {row} would circle the torus {tours} times; take smaller steps");

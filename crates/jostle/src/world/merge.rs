@@ -1,4 +1,4 @@
-//! Particles that touch become one.
+//! Merging of particles that touch.
 //!
 //! During a step they pass through each other, and every sub-step notes which of
 //! them met: those whose straight ways came nearer than their radii. When the step

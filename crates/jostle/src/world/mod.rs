@@ -38,7 +38,7 @@ use undo::{Before, Ordered};
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// How far the step may carry every particle.
+    /// The swept AABB of every particle.
     Integrate,
     /// The tree, and the particles in its order.
     Build,
@@ -48,11 +48,11 @@ pub enum Stage {
     Contacts,
     /// Velocities and positions from contacts.
     Resolve,
-    /// What forces do, before and between all that. Told only where there are forces.
+    /// The forces, before and between the other stages; only if there are forces.
     Forces,
 }
 
-/// What the last step's search looked like.
+/// The search of the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// Boxes of the tree.
@@ -72,7 +72,7 @@ pub struct Touch {
     pub pair: [u32; 2],
     /// Unit vector from the first to the second.
     pub normal: [f32; 2],
-    /// How far they overlapped when the step ended; negative where they had parted.
+    /// Penetration at the end of the step; negative if they had separated.
     pub depth: f32,
 }
 
@@ -99,12 +99,12 @@ pub struct World {
     contacts: Contacts,
     time: f64,
     stats: Stats,
-    /// Where the last call has brought each row, if it removed or merged any.
+    /// The new row of each old one, if the last call removed or merged any.
     renumbered: Option<Vec<Option<u32>>>,
     memory: Memory,
 }
 
-/// What a step needs and the next one uses again.
+/// Scratch of a step.
 #[derive(Debug, Default)]
 struct Memory {
     sweeps: Vec<Sweep>,
@@ -121,7 +121,7 @@ struct Memory {
     forces: ForceMemory,
     fast: FastMemory,
     before: Before,
-    /// What the first part of a step leaves to `before`, for its other parts.
+    /// The columns that the first part of a step moves to `before`, for its other parts.
     spare: Ordered,
 }
 
@@ -223,14 +223,13 @@ impl World {
         shifted
     }
 
-    /// The new row of each old one, after rows were removed, or merged since this was last
-    /// forgotten: merged particles share one, a removed one has none. None where all rows
-    /// are what they were.
+    /// The new row of each old one, after rows were removed or merged since the last reset:
+    /// merged particles share one, a removed one has none. None if no row changed.
     pub fn renumbered(&self) -> Option<&[Option<u32>]> {
         self.renumbered.as_deref()
     }
 
-    /// Begins to keep account of rows anew.
+    /// Resets the record of new rows.
     pub fn forget_renumbering(&mut self) {
         self.renumbered = None;
     }
@@ -296,7 +295,7 @@ impl World {
         Ok(())
     }
 
-    /// Refuses rows that no particle has, and rows given twice.
+    /// Refuses rows that do not exist, and rows given twice.
     pub fn check_rows(&self, rows: &[u32]) -> Result<()> {
         let mut seen = vec![false; self.len()];
         for (index, &row) in rows.iter().enumerate() {
@@ -321,8 +320,8 @@ impl World {
         places
     }
 
-    /// The pairs that touched during the last step, in canonical order. Where nothing
-    /// bounces, those that overlap now; refused if there are too many.
+    /// The pairs that touched during the last step, in canonical order. If nothing
+    /// bounces, those that overlap now; an error if there are too many.
     pub fn contacts(&self) -> Result<Vec<Touch>> {
         if self.settings.on_touch != OnTouch::Bounce {
             return self.overlaps();
@@ -337,18 +336,18 @@ impl World {
         Ok(self.contacts.touching().map(touch).collect())
     }
 
-    /// Seconds that have passed.
+    /// Simulated seconds.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// What the last step's search looked like.
+    /// The search of the last step.
     pub fn stats(&self) -> Stats {
         self.stats
     }
 }
 
-/// What nothing can move stands still.
+/// Particles that are not movable have velocity 0.
 fn rest_the_immovable(particles: &mut Particles) {
     for (velocity, &movable) in particles.velocities.iter_mut().zip(&particles.movable) {
         if !movable {

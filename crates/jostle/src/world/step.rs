@@ -29,9 +29,9 @@ const WORTH_WAKING: usize = 12_000;
 pub(super) const MAX_PARTS: f32 = 1000.0;
 
 impl World {
-    /// Lets `steps` times `dt` seconds pass. `watch` is told when a stage ends. A step that
-    /// is refused or interrupted leaves the world as it was before that step; those before it
-    /// stay.
+    /// Advances the world by `steps` times `dt` seconds. `watch` is called when a stage ends. After
+    /// a refused or interrupted step the world has the state before that step; previous steps
+    /// remain done.
     pub fn step(
         &mut self,
         dt: f64,
@@ -82,21 +82,21 @@ impl World {
         self.move_the_held(dt)
     }
 
-    /// The first row whose place has this `number`, for an error to name it.
+    /// The first row with this `number`, for an error.
     pub(super) fn row_of(&self, number: f32, of: impl Fn(usize) -> f32) -> u32 {
         let places = (0..self.len()).filter(|&place| of(place) == number);
         places.map(|place| self.rows[place]).min().unwrap_or(0)
     }
 
-    /// The longer side of the box of a particle's straight way in `dt` seconds.
+    /// The longer side of the box of a particle's straight displacement in `dt` seconds.
     pub(super) fn way(&self, place: usize, dt: f32) -> f32 {
         let (gravity, v) = (self.settings.gravity, self.particles.velocities[place]);
         let way = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
         way(0).max(way(1))
     }
 
-    /// How many parts a step needs so that nothing outruns its images; holds back the few
-    /// that need many more than the others.
+    /// The number of parts of a step, so that no particle moves beyond its listed images; holds
+    /// the few particles that need many more parts than the others.
     fn parts(&mut self, dt: f32) -> Result<usize> {
         let longest = (0..self.len()).map(|place| self.way(place, dt)).fold(0.0, f32::max);
         if longest > particles::FARTHEST {
@@ -118,7 +118,7 @@ impl World {
         Ok((longest / self.settings.container.reach()).ceil().max(1.0) as usize)
     }
 
-    /// The order of a step, spelled once: positions → sweeps → tree → candidate
+    /// The order of a step, in one place: positions → sweeps → tree → candidate
     /// pairs → contacts → resolved velocities and positions.
     pub(super) fn step_once(
         &mut self,
@@ -193,8 +193,8 @@ impl World {
         memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 
-    /// Brings everything into the order of the tree. The first part of a step leaves the old
-    /// order to [`World::undo`].
+    /// Reorders all columns into the order of the tree. The first part of a step keeps the old
+    /// order for [`World::undo`].
     fn arrange(&mut self) {
         let threads = self.threads();
         let memory = &mut self.memory;
@@ -224,7 +224,7 @@ impl World {
         forces.sprung.prepare(all, &forces.places, self.settings.container, inverse_mass);
     }
 
-    /// The pairs of places whose sweeps overlap. None are needed where all pass through all.
+    /// The pairs of places whose swept AABBs overlap; none if particles pass through each other.
     fn candidates(&mut self) -> Result<()> {
         let Memory { tree, sorting, pairs, .. } = &mut self.memory;
         let tests = match self.settings.on_touch {
@@ -239,7 +239,7 @@ impl World {
         Ok(())
     }
 
-    /// Contacts from pairs, or meetings where nothing bounces.
+    /// Contacts from pairs, or pairs to merge if nothing bounces.
     fn meet(&mut self) {
         let threads = self.threads();
         let Memory { tree, pairs, meetings, fast, .. } = &mut self.memory;
@@ -335,7 +335,7 @@ impl World {
         if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
     }
 
-    /// Names the first row to which the sub-steps have given a number that is not finite.
+    /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |place: usize| self.memory.motions.get(place as u32);
         let bad = |&place: &usize| !is_finite(&motion(place), &self.wall_pushes[place]);
@@ -355,7 +355,7 @@ impl World {
     }
 }
 
-/// Whether a step may end so.
+/// Whether a step may end with these numbers.
 #[inline(always)]
 fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
     let Motion { position: [x, y], velocity: [u, v], .. } = motion;

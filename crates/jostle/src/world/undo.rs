@@ -1,4 +1,4 @@
-//! Back to the state before a step that stops halfway.
+//! Restores the state before a step that is refused or interrupted.
 
 use super::{Stats, World};
 use crate::contacts::Contacts;
@@ -6,7 +6,7 @@ use crate::container::MAX_WALLS;
 use crate::forces::Force;
 use crate::particles::Particles;
 
-/// What a step brings into another order.
+/// The columns that a step reorders.
 #[derive(Debug, Default)]
 pub(super) struct Ordered {
     pub(super) particles: Particles,
@@ -14,15 +14,15 @@ pub(super) struct Ordered {
     pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
 }
 
-/// The world before the step that is under way. Hardly anything is copied: the first part of
-/// a step leaves the old columns and contacts here and writes new ones.
+/// The world before the current step. Almost nothing is copied: the first part of a step moves
+/// the old columns and contacts here and writes new ones.
 #[derive(Debug, Default)]
 pub(super) struct Before {
     /// Whether the old columns and contacts are here.
     pub(super) arranged: bool,
     pub(super) ordered: Ordered,
     pub(super) contacts: Contacts,
-    /// Positions as a caller gave them, where some were outside of a torus.
+    /// Positions as the caller gave them, if some were outside the torus.
     unwrapped: Option<Vec<[f32; 2]>>,
     forces: Vec<Force>,
     stats: Stats,
@@ -46,7 +46,7 @@ impl World {
         }
     }
 
-    /// Makes the world what it was when the step began.
+    /// Restores the state at the beginning of the step.
     pub(super) fn undo(&mut self) {
         let before = &mut self.memory.before;
         if before.arranged {
