@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# Files that test the simulator, the command and the repository instead of the library.
+# Files that test the simulator, the command or the repository, not the library.
 BESIDE_THE_LIBRARY = [
     "test_app_*.py",
     "test_bench.py",

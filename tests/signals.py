@@ -1,4 +1,4 @@
-"""What tests about signals and processes share."""
+"""Helpers for tests of signals and processes."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import pytest
 
 
 def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float:
-    """Send SIGINT `after` so many seconds; return how long `call` then takes to end.
+    """Send SIGINT after `after` seconds; return the time until `call` ends.
 
     The handler is set here: SIGINT is ignored in background jobs.
     """

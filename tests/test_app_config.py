@@ -236,7 +236,7 @@ def test_a_line_is_that_of_the_statement(key, line: int) -> None:
     ],
     ids=map(str, range(14)),
 )
-def test_what_is_too_much_is_refused_in_one_sentence(
+def test_a_file_beyond_the_limits_is_refused_in_one_sentence(
     tmp_path: Path, text: str, sentence: str
 ) -> None:
     said = refusal(tmp_path, text)
@@ -254,7 +254,7 @@ def test_what_is_too_much_is_refused_in_one_sentence(
     ],
     ids=["one list", "many groups", "many keys", "strings that do not end"],
 )
-def test_no_part_of_a_file_is_read_often(tmp_path: Path, monkeypatch, text: str) -> None:
+def test_no_part_of_a_file_is_read_repeatedly(tmp_path: Path, monkeypatch, text: str) -> None:
     """The reader gets the file once, and a line is found by single keys."""
     toml = config._reader()
     loads, read = toml.loads, 0

@@ -1,4 +1,4 @@
-"""Scene files whose checksum is right and whose contents are not: refused, or they run.
+"""Scene files with a right checksum and wrong contents: they are refused, or they run.
 
 A checksum says that nothing was lost, not who wrote the file. So each field of valid files is set
 to values that jostle does not write, and the file is sealed again. The app must either refuse it in
@@ -154,7 +154,7 @@ class Trial:
         self.loaded = self.refused = 0
 
     def load(self, data: bytes) -> str:
-        """Load a file; return the refusal, or nothing where the session goes on with it."""
+        """Load a file; return the error, or None if the session continues with it."""
         session = Session(start(Settings("gas", 3)), SIZE)
         before = session.engine.simulation, session.frame, session.camera.center
         self.path.write_bytes(data)

@@ -433,11 +433,11 @@ def test_an_edit_beside_the_window_shows_without_another(paused: bool, monkeypat
     assert len(hands.session.frame) == 1
 
 
-# ---- what goes on for ever -----------------------------------------------------------------------
+# ---- no limit of time ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("make", BOTH)
-def test_a_key_held_for_ever_and_a_point_beyond_the_world_end_in_a_sentence(make) -> None:
+def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused(make) -> None:
     session = Hands(make([(200, 250), (600, 250)])).session
     for _ in range(900):
         session.gravity.scale(3.0)

@@ -59,14 +59,14 @@ def boxes_of(boxes: Any, radii: Any) -> list[Shape]:
 
 
 def overlap(a: Shape, b: Shape) -> bool:
-    """Say whether two shapes overlap, in exact arithmetic."""
+    """Return whether two shapes overlap, in exact arithmetic."""
     gaps = [max(a.low[k] - b.high[k], b.low[k] - a.high[k]) for k in (0, 1)]
     squares = sum(max(gap, Fraction(0)) ** 2 for gap in gaps)
     return squares < (a.radius + b.radius) ** 2 or max(gaps) < 0
 
 
 def gaps(boxes: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[Any]:
-    """How far each box is from low and high along each axis; negative where they overlap."""
+    """Return the gap of each box to low and high along each axis; negative if they overlap."""
     return np.maximum(boxes[:, :2] - high, low - boxes[:, 2:])
 
 
@@ -79,7 +79,7 @@ def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
 def along_ray(
     boxes: NDArray[Any], radii: NDArray[Any], origin: Any, direction: Any, radius: Any
 ) -> NDArray[Any]:
-    """How far along a ray each box is, grown by its radius and that of a disc."""
+    """Return the distance along a ray to each box, enlarged by its radius and that of a disc."""
     scaled = direction / np.abs(direction).max()
     u = scaled / np.sqrt(scaled[0] ** 2 + scaled[1] ** 2)
     reach = radii + radius
@@ -212,7 +212,7 @@ _sizes = st.one_of(st.just(0.0), st.integers(0, 16).map(lambda k: k / 8))
     st.lists(st.tuples(_eighths, _eighths, _sizes, _sizes, _sizes), max_size=20),
     _sizes,
 )
-def test_boxes_and_other_shapes_meet_as_in_exact_arithmetic(
+def test_boxes_and_other_shapes_overlap_as_in_exact_arithmetic(
     rows: NDArray[Any], others: list[tuple[float, ...]], radius: float
 ) -> None:
     dtype = rows.dtype
@@ -244,7 +244,7 @@ def test_boxes_and_other_shapes_meet_as_in_exact_arithmetic(
         assert space.update().entered.tolist() == pairs
 
 
-def test_contacts_give_the_shortest_way_out_of_a_box() -> None:
+def test_contacts_give_the_axis_of_least_penetration_of_a_box() -> None:
     tree = jostle.Quadtree(boxes=[(0, 0, 10, 4), (1, 1, 2, 9), (9, 3.5, 20, 20)])
     pairs, normals, depths = tree.contacts()
     order = np.lexsort(pairs.T[::-1])
@@ -331,7 +331,7 @@ def test_queries_are_those_of_min_and_max(
 
 
 def polygon_overlaps(corners: list[tuple[int, int]], box: list[Fraction]) -> bool:
-    """Say whether the insides of a convex polygon and a box overlap: no line parts them."""
+    """Return whether the interiors of a convex polygon and a box overlap (separating axes)."""
     of_box = [(box[x], box[y]) for x in (0, 2) for y in (1, 3)]
     axes = [(1, 0), (0, 1)]
     for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):

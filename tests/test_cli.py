@@ -154,7 +154,7 @@ def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_
 EXAMPLE = Path(__file__).parents[1] / "examples" / "scene.toml"
 
 
-def test_a_file_says_what_to_run_and_options_go_before_it(
+def test_a_file_describes_a_run_and_options_override_it(
     monkeypatch, capsys, tmp_path: Path
 ) -> None:
     pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")

@@ -31,7 +31,7 @@ def test_a_forked_process_finds_the_same_pairs(threads: int | None) -> None:
 
 
 def exit_code_of_child(work: Callable[[], object]) -> int:
-    """Fork; 0 where `work` answers, 2 where it refuses with a sentence about the fork."""
+    """Fork; return 0 if `work` succeeds, 2 if it raises the error about the fork."""
     child = os.fork()
     if child == 0:
         signal.alarm(20)
@@ -48,7 +48,7 @@ def exit_code_of_child(work: Callable[[], object]) -> int:
 
 
 def forks_during(call: Callable[[], object], work: Callable[[], object]) -> set[int]:
-    """What becomes of `work` in processes that are forked while a thread calls `call`."""
+    """Return the results of `work` in processes that are forked while a thread calls `call`."""
     done = threading.Event()
 
     def keep_calling() -> None:
@@ -65,7 +65,7 @@ def forks_during(call: Callable[[], object], work: Callable[[], object]) -> set[
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_a_fork_while_another_thread_is_at_work_does_not_hang(threads: int) -> None:
+def test_a_fork_during_a_call_of_another_thread_does_not_hang(threads: int) -> None:
     rng = np.random.default_rng(0)
     centers = rng.random((20_000, 2))
     space = jostle.Space(threads=threads)

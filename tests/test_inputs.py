@@ -1,4 +1,4 @@
-"""What arguments may be: hostile, huge, masked and empty ones, bit sets; which ids come back."""
+"""Arguments: invalid, huge, masked and empty ones, bit sets; and the types of returned ids."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_polygons_without_corners_need_no_memory() -> None:
     assert TREE.query_polygon(np.zeros((0, 3, 2))).ids.tolist() == []
 
 
-def test_what_does_not_fit_into_memory_is_a_memory_error() -> None:
+def test_an_answer_that_does_not_fit_into_memory_is_a_memory_error() -> None:
     program = """
 import resource
 import numpy as np
@@ -132,11 +132,11 @@ print("done")
     assert (run.stdout, run.stderr) == ("done\n", "")
 
 
-# ---- arrays that answer what they like -----------------------------------------------------------
+# ---- arrays with inconsistent conversions --------------------------------------------------------
 
 
 class Liar(np.ndarray[Any, Any]):
-    """An array whose conversions answer with another length and another type."""
+    """An array whose conversions return another length and another type."""
 
     def astype(self, *_: Any, **__: Any) -> Any:
         return np.arange(900)
@@ -149,7 +149,7 @@ class Liar(np.ndarray[Any, Any]):
 
 
 @pytest.mark.parametrize("dtype", ["f4", "f8", ">f8", "i2", "f2"])
-def test_an_array_cannot_lie_about_itself(dtype: str) -> None:
+def test_an_array_with_inconsistent_conversions_is_read_as_it_is(dtype: str) -> None:
     centers, radii = POINTS.astype(dtype).view(Liar), np.ones(3, dtype).view(Liar)
     assert jostle.find_pairs(centers, radii).tolist() == [[0, 1]]
     assert TREE.query_circle(centers, radii).lists()[2].tolist() == [2]
@@ -162,7 +162,7 @@ def test_an_array_cannot_lie_about_itself(dtype: str) -> None:
     np.testing.assert_array_equal(world.positions, POINTS.astype(dtype).astype(np.float32))
 
 
-def test_an_object_that_answers_differently_each_time_is_read_once() -> None:
+def test_an_object_that_converts_differently_each_time_is_read_once() -> None:
     class Fickle:
         calls = 0
 
@@ -209,11 +209,11 @@ def test_a_masked_array_without_masked_elements_is_an_array() -> None:
     assert jostle.find_pairs(np.ma.masked_equal(POINTS, 77), 1.0).tolist() == [[0, 1]]
 
 
-# ---- nothing at all ------------------------------------------------------------------------------
+# ---- empty arrays --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("dtype", [float, np.int8, object, "U3", bool, complex])
-def test_an_array_without_elements_holds_nothing_wrong(dtype: Any) -> None:
+def test_an_array_without_elements_may_have_any_dtype(dtype: Any) -> None:
     nothing = np.array([], dtype)
     collection = space()
     collection.remove(nothing)
@@ -280,7 +280,7 @@ def test_ids_are_no_bit_sets() -> None:
         jostle.Springs([(0, 1), (2, -2)], lengths=1.0, stiffness=1.0)
 
 
-# ---- ids that come back --------------------------------------------------------------------------
+# ---- types of ids --------------------------------------------------------------------------------
 
 
 def test_every_id_is_an_int64() -> None:
@@ -321,7 +321,7 @@ def test_every_id_is_an_int64() -> None:
     assert (pairs[:, 0] - pairs[:, 1]).tolist() == [-1]
 
 
-# ---- sentences -----------------------------------------------------------------------------------
+# ---- messages ------------------------------------------------------------------------------------
 
 
 def test_too_many_neighbours_are_refused_with_both_numbers() -> None:
@@ -344,10 +344,10 @@ def test_a_tree_with_itself_has_pairs_in_both_orders() -> None:
     assert TREE.pairs(TREE, sort=True).tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [2, 2]]
 
 
-# ---- boxes of shapes at one place ----------------------------------------------------------------
+# ---- boxes of coincident shapes ------------------------------------------------------------------
 
 
-def test_shapes_at_one_place_are_in_one_box() -> None:
+def test_coincident_shapes_are_in_one_box() -> None:
     tree = jostle.Quadtree(np.full((1000, 2), 5.0))
     boxes, depths, counts, is_leaf = tree.nodes()
     assert len(boxes) == 1

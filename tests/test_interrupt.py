@@ -1,4 +1,4 @@
-"""Ctrl-C: the command always ends with 130 and without a traceback, whatever it was doing."""
+"""Ctrl-C: the command always ends with exit code 130 and without a traceback."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ A_DISPLAY = {"SDL_VIDEODRIVER": "offscreen,dummy", "DISPLAY": ":0"}
 
 
 class LeftError(Exception):
-    """Stands for the end of the process."""
+    """Replaces the end of the process."""
 
 
 @pytest.fixture
@@ -47,12 +47,12 @@ def press() -> None:
     signal.raise_signal(signal.SIGINT)
 
 
-def test_with_nothing_to_finish_the_process_ends_at_once(handled) -> None:
+def test_without_a_block_the_process_ends_at_once(handled) -> None:
     with pytest.raises(LeftError):
         press()
 
 
-def test_what_has_something_to_finish_is_interrupted_once(handled) -> None:
+def test_a_block_of_raised_is_interrupted_once(handled) -> None:
     with pytest.raises(KeyboardInterrupt), interrupt.raised():
         try:
             press()
@@ -61,7 +61,7 @@ def test_what_has_something_to_finish_is_interrupted_once(handled) -> None:
                 press()
 
 
-def test_it_waits_for_the_end_of_a_block(handled) -> None:
+def test_an_interrupt_is_delayed_until_the_end_of_a_block_of_held(handled) -> None:
     done = []
     with pytest.raises(KeyboardInterrupt), interrupt.raised(), interrupt.held():
         with interrupt.held():
@@ -70,14 +70,14 @@ def test_it_waits_for_the_end_of_a_block(handled) -> None:
     assert done == ["inner"]
 
 
-def test_a_library_that_swallows_it_cannot_hide_it(handled) -> None:
+def test_an_interrupt_that_a_library_suppresses_is_raised_again(handled) -> None:
     with pytest.raises(KeyboardInterrupt), interrupt.raised():
         with contextlib.suppress(BaseException):
             press()
         interrupt.check()
 
 
-def test_a_finaliser_that_swallows_it_prints_nothing(handled, capsys) -> None:
+def test_a_finaliser_that_suppresses_an_interrupt_prints_nothing(handled, capsys) -> None:
     class Pressed:
         def __del__(self) -> None:
             press()
@@ -87,7 +87,7 @@ def test_a_finaliser_that_swallows_it_prints_nothing(handled, capsys) -> None:
     assert not capsys.readouterr().err
 
 
-def test_a_process_that_ignores_it_goes_on_ignoring_it(handled) -> None:
+def test_a_process_that_ignores_interrupts_continues_to_ignore_them(handled) -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     with interrupt.handled(), interrupt.raised():
         press()
@@ -96,7 +96,7 @@ def test_a_process_that_ignores_it_goes_on_ignoring_it(handled) -> None:
 
 
 @pytest.mark.parametrize("moment", ["begin", "build", "end", "step", "draw"])
-def test_a_window_closes_in_an_orderly_way_at_any_moment_of_a_frame(
+def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     handled, monkeypatch, moment: str
 ) -> None:
     pytest.importorskip("imgui_bundle")
@@ -134,7 +134,7 @@ def test_a_window_closes_in_an_orderly_way_at_any_moment_of_a_frame(
     assert len(closed) == 1
 
 
-# The command; it prints a line whenever it has set what Ctrl-C does.
+# The command; it prints a line after each change of the handler of Ctrl-C.
 CHILD = """
 import _signal
 set_handler = _signal.signal
@@ -161,8 +161,8 @@ def command(*arguments: str, **options: object) -> subprocess.Popen[str]:
 
 
 @pytest.mark.parametrize("moments", [[(1, 0.0), (1, 0.05), (1, 0.2)], [(2, 0.0), (2, 0.3)]])
-def test_during_imports_and_in_a_window_it_ends_without_a_word(moments) -> None:
-    """A moment is a number of times that Ctrl-C was handled anew, and seconds behind it."""
+def test_the_command_ends_without_output_during_imports_and_in_a_window(moments) -> None:
+    """A moment is a number of changes of the handler, and seconds after the last of them."""
     environment = {**os.environ, **A_DISPLAY}
     processes = [command("run", "gas", "-n", "50", env=environment) for _ in moments]
     for process, (lines, seconds) in zip(processes, moments, strict=True):

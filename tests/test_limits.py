@@ -1,4 +1,4 @@
-"""Ctrl-C, too little memory, too few threads: what ends a call leaves everything usable."""
+"""Ctrl-C, too little memory, too few threads: objects stay usable after a failed call."""
 
 import signal
 import sys
@@ -33,7 +33,7 @@ def space_of(threads: int, points: np.ndarray = POINTS) -> jostle.Space:
     return space
 
 
-# ruff: noqa: B008 -- what a call needs is made before it, outside of the measured time.
+# ruff: noqa: B008 -- the arguments are made before the measured time.
 LONG: dict[str, Callable[[int], Callable[[], object]]] = {
     "brute": lambda t: lambda: jostle.find_pairs(POINTS, method="brute", threads=t),
     "find_pairs": lambda t: (
@@ -77,7 +77,7 @@ def test_ctrl_c_ends_a_long_call(name: str) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_what_is_interrupted_stays_as_it_was(threads: int) -> None:
+def test_an_interrupted_call_changes_nothing(threads: int) -> None:
     tree, space = one_leaf(threads), space_of(threads)
     for call in (tree.pairs, space.update, space.pairs):
         assert reaction_to_ctrl_c(call, after=0.1) < SOON
@@ -95,7 +95,7 @@ class Enough(Exception):
     pass
 
 
-def test_a_signal_handler_may_use_jostle_and_raise_what_it_likes() -> None:
+def test_a_signal_handler_may_use_jostle_and_raise_any_exception() -> None:
     space = space_of(2)
     seen: list[object] = []
 
@@ -132,7 +132,7 @@ def test_a_signal_handler_may_use_jostle_and_raise_what_it_likes() -> None:
 
 
 @linux
-def test_too_little_memory_is_an_error_and_nothing_else() -> None:
+def test_too_little_memory_is_a_memory_error() -> None:
     printed = run_child(
         """
 import re
@@ -200,7 +200,7 @@ print(len(os.listdir("/proc/self/task")), os.cpu_count())
 
 
 @linux
-def test_where_no_thread_can_be_started_the_caller_works() -> None:
+def test_the_calling_thread_works_if_no_thread_can_be_started() -> None:
     printed = run_child(
         """
 from signals import limit_threads

@@ -103,7 +103,7 @@ def named(answer: dict[Any, list[Any]]) -> list[tuple[str, list[str]]]:
 
 
 def odd(left: Any, right: Any) -> bool:
-    """A function of one's own."""
+    """A user's function."""
     return bool((left.rect.x + right.rect.y) % 2 >= 1)
 
 
@@ -313,7 +313,7 @@ def test_masks_are_asked_only_where_they_may_meet() -> None:
 
 
 @pytest.mark.parametrize("collided", [odd, lambda left, right: False, collide_circle])
-def test_a_function_of_ones_own_is_called_for_every_pair(collided: Any) -> None:
+def test_a_users_function_is_called_for_every_pair(collided: Any) -> None:
     """With pygame's arguments, in pygame's order, as often as pygame does."""
     calls: list[tuple[str, str]] = []
 
@@ -338,7 +338,7 @@ def test_a_function_of_ones_own_is_called_for_every_pair(collided: Any) -> None:
     assert calls == [(a.name, b.name) for a, b in combinations(group, 2)] != []
 
 
-def test_what_a_function_of_ones_own_raises_gets_through() -> None:
+def test_an_exception_of_a_users_function_is_passed_on() -> None:
     class Refused(Exception):
         pass
 
@@ -364,7 +364,7 @@ def within_100(left: Any, right: Any) -> bool:
 
 @pytest.mark.parametrize("collided", [within_100, ours.prefilter(within_100, reach=95)])
 @pytest.mark.parametrize("broad_phase", [False, True])
-def test_a_function_may_look_farther_than_the_rects(collided: Any, broad_phase: bool) -> None:
+def test_a_function_may_accept_pairs_beyond_the_rects(collided: Any, broad_phase: bool) -> None:
     a = theirs.Group(Named(f"a{x}", Rect(x, 0, 5, 5)) for x in (0, 300))
     b = theirs.Group(Named(f"b{x}", Rect(x, 0, 5, 5)) for x in (50, 60, 390))
     ship = Named("ship", Rect(0, 0, 5, 5))
@@ -395,7 +395,7 @@ def test_a_function_may_look_farther_than_the_rects(collided: Any, broad_phase: 
     ],
 )
 def test_what_reach_means(kind: Any, place: Any, reach: float, called: bool) -> None:
-    """A gap of `reach` belongs to it, on each axis by itself, from both sides."""
+    """A gap of exactly `reach` is included, on each axis, on both sides."""
     seen: list[Any] = []
     collided = ours.prefilter(lambda *pair: seen.append(pair) or True, reach=reach)
     left, right = Named("a", kind(0, 0, 10, 10)), Named("b", kind(place))
@@ -817,7 +817,7 @@ def test_a_tree_is_built_only_if_a_rect_has_changed(monkeypatch: pytest.MonkeyPa
 
 @given(st.lists(ints | halves, max_size=9), st.lists(places, max_size=5), st.integers(1, 4))
 def test_many_points_and_rays_at_once(rects: list[Any], points: list[Any], k: int) -> None:
-    """A row of many is what the query answers for that row alone."""
+    """Each row of many answers equals the answer for that row alone."""
     sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
     group = ours.Group(sprites)
     now = group.snapshot()
@@ -896,7 +896,7 @@ def test_what_a_group_refuses_is_named(call: Any, message: str) -> None:
         (FRect(0, 0, math.nan, 1), ValueError, r"sprites\[1\]\.rect is .*nan.*; it must be finite"),
     ],
 )
-def test_a_sprite_that_has_no_place_is_named(rect: Any, error: type, message: str) -> None:
+def test_a_sprite_without_a_valid_rect_is_named(rect: Any, error: type, message: str) -> None:
     group = ours.Group(one_place(3))
     group.sprites()[1].rect = rect
     for call in (

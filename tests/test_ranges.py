@@ -1,4 +1,4 @@
-"""How large and how small numbers may be: answers do not depend on the unit, or are refused."""
+"""The smallest and the largest numbers: they give right answers or are refused."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ FLAT = {np.float32: (-126, 117), np.float64: (-1022, 1014)}
 
 
 def answers(dtype: Any, exponent: int, radii: bool, halves: bool) -> dict[str, Any]:
-    """Ask everything in a world whose unit is a power of two, and return lengths in that unit."""
+    """Make all queries in a unit that is a power of two, and return lengths in that unit."""
     unit = dtype(2.0) ** exponent
 
     def scaled(numbers: NDArray[Any]) -> NDArray[Any]:

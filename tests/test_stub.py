@@ -95,11 +95,11 @@ def test_docstrings_take_the_place_of_those_in_a_stub() -> None:
     assert stub_docstrings.with_docstrings(STUB, MODULE) == COMPLETE
 
 
-def test_a_complete_stub_stays_as_it_is() -> None:
+def test_a_complete_stub_is_unchanged() -> None:
     assert stub_docstrings.with_docstrings(COMPLETE, MODULE) == COMPLETE
 
 
-def test_a_docstring_that_is_gone_leaves_the_stub() -> None:
+def test_a_docstring_that_was_removed_is_removed_from_the_stub() -> None:
     bare = SimpleNamespace(Disc=SimpleNamespace(__doc__=None, grow=Disc.grow), find=find)
     stub = stub_docstrings.with_docstrings(COMPLETE, bare)
     assert "A disc." not in stub
@@ -127,7 +127,7 @@ def f():
 """
 
 
-def test_code_of_a_document_stands_at_its_line() -> None:
+def test_code_of_a_document_keeps_its_line_numbers() -> None:
     lines = check_types.code_of(DOCUMENT).splitlines()
     assert len(lines) == len(DOCUMENT.splitlines())
     code = {number: line for number, line in enumerate(lines, 1) if line}

@@ -75,7 +75,7 @@ def test_a_circle_of_links_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everything")
-def test_a_file_that_may_not_be_written_is_left_alone(tmp_path: Path) -> None:
+def test_a_file_without_write_permission_is_unchanged(tmp_path: Path) -> None:
     path = tmp_path / "world.jostle"
     path.write_text("old")
     path.chmod(0o444)
@@ -115,7 +115,7 @@ def test_a_pipe_is_written_and_not_replaced(tmp_path: Path) -> None:
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
-def test_a_long_name_is_no_obstacle(tmp_path: Path) -> None:
+def test_a_long_name_is_allowed(tmp_path: Path) -> None:
     path = tmp_path / ("x" * 255)
     small().save(path)
     assert len(jostle.World.load(path)) == 20

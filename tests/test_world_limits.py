@@ -1,4 +1,4 @@
-"""What a step of `World` refuses, and how it is interrupted: the world stays what it was."""
+"""Refused and interrupted steps of `World`: the world keeps its state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The compiled part of jostle; `help` on each name tells more."""
+"""The compiled module of jostle."""
 
 import math
 import os
@@ -64,7 +64,7 @@ __version__: Final[str]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
 
 class _Vector(Protocol):
-    """Two numbers with names, such as a vector of pygame."""
+    """A point with the attributes x and y, such as pygame's Vector2."""
 
     @property
     def x(self) -> float: ...
@@ -72,7 +72,7 @@ class _Vector(Protocol):
     def y(self) -> float: ...
 
 class _Rect(Protocol):
-    """A rectangle that knows its sides, such as one of pygame."""
+    """A rectangle with its sides as attributes, such as pygame's Rect."""
 
     @property
     def left(self) -> float: ...
@@ -84,27 +84,27 @@ class _Rect(Protocol):
     def bottom(self) -> float: ...
 
 class _Array(Protocol):
-    """An array, or what NumPy makes one of, such as a table of pandas; a number is none."""
+    """An array, or an object that NumPy converts to one, such as a table of pandas; not a number."""
 
     def __array__(self) -> NDArray[Any]: ...
     def __len__(self) -> int: ...
 
-# One or many: a query given one point answers `RayHit` or an array of ids, given many `RayHits` or
-# `Hits`. Its overloads stand in this order, in which mypy and pyright choose alike:
+# One or many: a query with one point returns `RayHit` or an array of ids, with many `RayHits` or
+# `Hits`. Its overloads are in this order, in which mypy and pyright choose the same:
 #
 # 1. One: a tuple or a vector. A tuple of two values of type Any is one.
 # 2. Many: an array, or a sequence of anything but numbers. A list of values of type Any is many.
 # 3. One: any other sequence of numbers.
-# 4. An argument of type Any, which matches every overload. mypy then answers Any; pyright does so
-#    only if the last result is a union with Any, else strict mode reports an unknown type.
+# 4. An argument of type Any, which matches every overload. Then mypy infers Any; pyright does so
+#    only if the last result is a union with Any, otherwise strict mode reports an unknown type.
 #
-# Type checkers rarely know how many dimensions an array has, so an array is many. A point that is
-# an array is passed as `tuple(array)`.
+# Type checkers rarely know the number of dimensions of an array, so an array is many. A point that
+# is an array is passed as `tuple(array)`.
 @final
 class _Undecided:
     """Stands for an argument of type Any; no value has this type."""
 
-# `_Number` does not do where a number is told from an array, which has `__float__` and `__index__`.
+# `_Number` cannot distinguish a number from an array, which has `__float__` and `__index__` too.
 _Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Id: TypeAlias = int | np.integer[Any]
 _Reals: TypeAlias = _Array | Sequence[_Real]

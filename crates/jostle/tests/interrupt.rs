@@ -1,4 +1,4 @@
-//! A call may be stopped at any look at its watch: everything is then as it was.
+//! A call may be interrupted at any poll: all objects then keep their state.
 
 use std::cell::Cell;
 
@@ -56,7 +56,7 @@ fn alone() -> Settings {
 }
 
 #[test]
-fn a_kept_tree_serves_after_every_stop() {
+fn a_rebuilt_tree_is_usable_after_every_stop() {
     let all = shapes(40_000);
     for method in [Method::Quadtree, Method::Brute] {
         let find = |tree: &mut Quadtree<f64>| {
@@ -95,7 +95,7 @@ fn queries_stop() {
 }
 
 #[test]
-fn a_space_is_as_it_was_after_every_stop() {
+fn a_space_is_unchanged_after_every_stop() {
     let all = shapes(20_000);
     let mut space = Space::new(alone()).unwrap();
     let ids = space.add(&all).unwrap();

@@ -1,5 +1,5 @@
-//! What a step never does: write numbers that no world can hold, work without bound, or leave
-//! a world halfway.
+//! Limits of a step: it never writes infinite numbers, takes unbounded time, or leaves a world
+//! in the middle of a step.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use jostle::forces::{Force, Gravitation, Spring, Springs};
 use jostle::interrupt::watch;
 use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
 
-/// Far more than any of these steps takes; a step without a bound took hundreds of times as long.
+/// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
 
 fn within_bounds(act: impl FnOnce()) {
@@ -59,7 +59,7 @@ fn a_step_that_overflows_is_refused_and_undone() {
     assert_eq!(other.step(0.01, 1000, &mut |_| ()).unwrap_err().to_string(), error);
     assert_eq!(state(&other), before);
     assert_eq!(state(&World::restore(&before.0).unwrap()).0, before.0);
-    // The world can be mended and goes on.
+    // The world can be corrected and continues.
     let lighter = |all: &mut Particles| {
         all.masses.fill(1.0);
         Ok(())
@@ -204,7 +204,7 @@ fn a_fast_particle_on_a_torus_makes_its_own_parts() {
 }
 
 #[test]
-fn a_fast_particle_among_those_that_it_passes_flies_straight() {
+fn a_fast_particle_without_hits_moves_straight() {
     // Free flight: the place after a step is known.
     let mut world = torus_with_one_fast(5e5, 100, OnTouch::Ignore);
     let start = world.positions();
@@ -220,7 +220,7 @@ fn a_fast_particle_among_those_that_it_passes_flies_straight() {
 }
 
 #[test]
-fn the_order_of_adding_does_not_show_where_few_are_fast() {
+fn the_order_of_adding_has_no_effect_if_few_are_fast() {
     let mut worlds = [false, true].map(|reversed| {
         let world = torus_with_one_fast(2e6, 200, OnTouch::Bounce);
         let mut all = world.particles();
@@ -272,7 +272,7 @@ fn an_overflow_at_a_round_wall_is_no_panic() {
 }
 
 #[test]
-fn gravitation_may_lose_all_of_its_particles() {
+fn all_particles_of_a_world_with_gravitation_may_be_removed() {
     let mut world = overflowing();
     world.step(0.01, 1, &mut |_| ()).unwrap();
     world.remove(&[0, 1, 2]).unwrap();

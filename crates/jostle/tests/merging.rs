@@ -240,7 +240,7 @@ fn account_of_merging_is_kept_over_several_steps() {
 }
 
 #[test]
-fn removing_tells_where_rows_have_gone() {
+fn removing_records_the_new_rows() {
     let mut world =
         world(row(&[[0.0; 2], [9.0, 0.0], [18.0, 0.0]], &[[0.0; 2]; 3], 1.0), merging());
     world.remove(&[1]).expect("it is there");

@@ -190,7 +190,7 @@ fn a_box_may_be_as_large_as_its_type_allows() {
 }
 
 #[test]
-fn cells_hold_the_middles_of_boxes() {
+fn cells_contain_the_centres_of_boxes() {
     let boxes = vec![
         [0.0, 0.0, 2.0, 2.0],
         [5.0, 1.0, 7.0, 3.0],
