@@ -85,7 +85,7 @@ use crate::shapes::{Rows, Shapes};
 #[pyclass(module = "jostle", name = "Quadtree", frozen)]
 pub struct PyQuadtree {
     tree: Tree,
-    /// Shapes tested by the last question.
+    /// Shapes tested by the last query.
     tests: AtomicU64,
 }
 

@@ -1,5 +1,5 @@
-//! Questions on their way to the core, and answers on their way back: for whatever
-//! can be asked, one question or many at once.
+//! Conversion of queries for the core, and of their results for Python; each argument
+//! is one query or many.
 
 use jostle::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
 use jostle::{Each, Error, Scalar};
@@ -12,7 +12,7 @@ use crate::error::refused;
 use crate::interrupt::detached;
 use crate::results;
 
-/// An argument of a question.
+/// An argument of a query.
 pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// An argument that may be left out or None.
@@ -21,7 +21,7 @@ pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
 /// The result of a search; a Python error if it could not start.
 pub type Answer<R> = PyResult<jostle::Result<R>>;
 
-/// The categories that a question is about; None stands for all, and for what has none.
+/// The categories of a query; None for all shapes, also those without categories.
 pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
     let Some(value) = value else { return Ok(None) };
     let mask = Argument::integers("mask", value)?;
@@ -37,7 +37,7 @@ fn reach<T: Scalar>(max_distance: &Given<'_>) -> PyResult<T> {
     Ok(T::from_f64(max_distance.value().map_or(Ok(f64::INFINITY), read)?))
 }
 
-/// An error about the only question, or shape, names no row.
+/// An error about the only query, or shape, has no row.
 pub fn without_row(error: Error) -> Error {
     match error {
         Error::Value { argument, index: Some(_), value, rule } => Error::of(argument, value, &rule),

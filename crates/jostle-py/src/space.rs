@@ -1027,7 +1027,7 @@ fn long<T: Scalar, R: Send>(
     detached(py, || Ok(act(&mut *space.lock()?)))?
 }
 
-/// Whether the precision asked for is float32.
+/// Whether the requested precision is float32.
 fn is_single(dtype: &Given<'_>) -> PyResult<bool> {
     const RULE: &str = "'float32' or 'float64'";
     let Some(dtype) = dtype.value() else { return Ok(false) };
@@ -1109,7 +1109,7 @@ fn bits([categories, masks]: [Maybe<'_, '_>; 2], len: usize) -> PyResult<[Option
     Ok([read("categories", categories)?, read("masks", masks)?])
 }
 
-/// Something of each shape, and whether it was one id that was asked for.
+/// A value of each shape, and whether the argument was one id.
 fn read<T: Scalar, V: Send>(
     py: Python<'_>,
     space: &Shared<Space<T>>,

@@ -132,7 +132,7 @@ impl<'a> Reader<'a> {
 
     /// The next `count` values.
     pub fn get_all<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
-        // Nothing is asked of the system for values that are not there.
+        // No memory is allocated for values that are missing.
         let bytes = self.take(count.checked_mul(P::SIZE).ok_or_else(cut_off)?)?;
         Ok(bytes.chunks_exact(P::SIZE).map(P::load).collect())
     }

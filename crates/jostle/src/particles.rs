@@ -141,7 +141,7 @@ pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()>
     Ok(())
 }
 
-/// Refuses radii that no shape can have.
+/// Refuses invalid radii.
 pub fn check_radii(radii: &[f32]) -> Result<()> {
     shapes::check_radii("radii", radii)
 }

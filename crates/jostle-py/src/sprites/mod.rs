@@ -84,7 +84,7 @@ pub fn sprite_pairs<'py>(
         }
     };
     match found {
-        // A size or a place beyond the range of the core is none for pygame.
+        // A size or a position beyond the range of the core is left to pygame.
         Ok(None) | Err(jostle::Error::Value { .. }) => Ok(None),
         Ok(Some(Found { pairs, sure })) => {
             Ok(Some((table(py, pairs)?, sure.map(|sure| column(py, sure)))))

@@ -38,7 +38,7 @@ const LARGEST_RADIUS: f64 = 1e100;
 /// A type of rectangle that was met, and which kind it is; None for neither.
 type Known<'py> = (Bound<'py, PyType>, Option<Kind>);
 
-/// Both sides of a question; None for the second where they are one.
+/// Both groups of a query; None for the second if they are the same.
 type Sides<V> = (Vec<V>, Option<Vec<V>>);
 
 /// Reads one sprite after the other. Every method answers None where a sprite is

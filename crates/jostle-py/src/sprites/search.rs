@@ -28,7 +28,7 @@ const HAIR: f64 = 1e-9;
 /// float32, which is the quicker arithmetic.
 const SMALL: f64 = 1e6;
 
-/// More than the gap between any two rectangles whose numbers are float32.
+/// More than the gap between any two rectangles of float32 numbers.
 const LARGEST_GAP: f64 = 2e39;
 
 /// How large an inexact radius may be beside its float64, as a part of it.
@@ -68,7 +68,7 @@ pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>
 pub fn within(a: &[Rect], b: Option<&[Rect]>, reach: f64) -> Result<Option<Found>> {
     // No gap between two rectangles is larger, and the core computes with squares.
     let reach = reach.min(LARGEST_GAP);
-    // A pixel, and a millionth, are more than pygame's rounding and cutting off can add.
+    // A pixel, and a millionth, are more than pygame's rounding and truncation can add.
     let slack = |k: usize, edges: &Edges| {
         1.0 + 1e-6 * (reach + edges.min[k].abs() + edges.max[k].abs()) + reach / 2.0
     };
@@ -93,8 +93,8 @@ pub fn within(a: &[Rect], b: Option<&[Rect]>, reach: f64) -> Result<Option<Found
     Ok(Some(Found::to_be_asked(pairs)))
 }
 
-/// Masks that are near enough to be asked: pygame cuts the distance of two off to whole
-/// pixels, so they may be up to one apart.
+/// Candidate pairs of masks: pygame truncates the distance of two to whole pixels, so they
+/// may be up to one pixel apart.
 pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     let grown = |rect: &Rect| {
         let [x, y, w, h] = rect.sides();
@@ -106,7 +106,7 @@ pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     Ok(Some(Found::to_be_asked(pairs)))
 }
 
-/// Circles; touching is meeting. None where only pygame can tell.
+/// Circles; circles that touch collide. None if only pygame can decide.
 pub fn circles(a: &[Circle], b: Option<&[Circle]>) -> Result<Option<Found>> {
     let covers = |circles: &[Circle]| {
         let centers = circles.iter().map(|circle| circle.center).collect();

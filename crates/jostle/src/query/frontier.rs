@@ -14,8 +14,8 @@ const MOST_NODES: usize = 3 * LANES;
 /// Room for the nodes that come of the last one that is opened, and for a whole block.
 const ROOM: usize = MOST_NODES + 4 + LANES;
 
-/// Nodes below which some neighbouring questions have everything to find, with their covers
-/// in columns: a question asks a block of them at once.
+/// Nodes that contain all results of some neighbouring queries, with their covers in columns:
+/// a query tests a block of them at once.
 pub(super) struct Frontier<T> {
     pub(super) len: usize,
     pub(super) nodes: [u32; ROOM],
@@ -34,7 +34,7 @@ impl<T: Scalar> Default for Frontier<T> {
 }
 
 impl<T: Scalar> Frontier<T> {
-    /// Opens nodes that meet `window`, the whole of the questions, as long as there is room.
+    /// Opens nodes that overlap `window`, which contains all queries, as long as there is room.
     #[inline(always)]
     pub(super) fn fill(&mut self, tree: &Quadtree<T>, window: &Window<T>) {
         let (nodes, covers) = (tree.nodes(), tree.covers());

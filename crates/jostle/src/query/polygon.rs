@@ -181,7 +181,7 @@ impl<T: Scalar> Region<T> for Polygon<T> {
     }
 
     /// Separating axes for the boxes inside the shapes, distances for what is around them.
-    /// The window is asked first, so that whatever the window misses is missed.
+    /// The window is tested first: a shape outside the window is outside the polygon.
     fn touches(&self, shape: &Shape<T>) -> bool {
         let [dx, dy] = self.window.gap(shape);
         let (x, y) = (dx.most(T::ZERO), dy.most(T::ZERO));
