@@ -87,12 +87,13 @@ $(VENV)/created:
 	$(or $(find_python),$(error $(no_python))) -m venv --clear $(VENV)
 	@touch $@
 
+# Bytecode is compiled where it is first used, not for every module of every package.
 $(VENV)/run: $(VENV)/created requirements/run.txt
-	$(BIN)/python -m pip install --quiet --requirement requirements/run.txt
+	$(BIN)/python -m pip install --quiet --no-compile --requirement requirements/run.txt
 	@touch $@
 
 $(VENV)/dev: $(VENV)/run requirements/dev.txt
-	$(BIN)/python -m pip install --quiet --requirement requirements/dev.txt
+	$(BIN)/python -m pip install --quiet --no-compile --requirement requirements/dev.txt
 	@touch $@
 
 $(VENV)/bench: $(VENV)/dev requirements/bench.txt

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import math
 import re
 from collections.abc import Callable
@@ -33,12 +32,6 @@ def state(simulation: Simulation) -> list[tuple[float, ...]]:
 
 
 # The demonstrations
-
-
-def test_the_docstrings_tell_the_truth() -> None:
-    outcome = doctest.testmod(article)
-    assert outcome.attempted > 0
-    assert outcome.failed == 0
 
 
 def test_every_fault_has_a_demonstration() -> None:

@@ -572,3 +572,12 @@ def test_wrong_moves_are_refused() -> None:
     with pytest.raises(ValueError, match=r"ids\[1\] is 7; no shape"):
         space.move([0, 7], boxes=ONE * 2)
     assert space.boxes().tolist() == before
+
+
+def test_a_container_is_a_rectangle_to_ask_about_and_no_shape() -> None:
+    """`jostle.Box` keeps its sides as float32, so tiles made of it would overlap."""
+    tree = jostle.Quadtree(boxes=[(0, 0, 0.5, 1), (0.75, 0, 1, 1)])
+    assert tree.query_rect(jostle.Box(0, 0, 0.75, 1)).tolist() == [0]
+    assert tree.query_rect([jostle.Box(0, 0, 2, 1)]).ids.tolist() == [0, 1]
+    with pytest.raises(TypeError, match=r"^boxes must hold real numbers"):
+        jostle.find_pairs(boxes=[jostle.Box(0, 0, 1, 1)])

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from signals import reaction_to_ctrl_c, run_child
 
 pygame = pytest.importorskip("pygame")
 if not getattr(pygame, "IS_CE", False):
@@ -906,3 +907,30 @@ def test_a_sprite_without_a_valid_rect_is_named(rect: Any, error: type, message:
     ):
         with pytest.raises(error, match=message):
             call()
+
+
+def test_ctrl_c_ends_a_long_search_among_sprites() -> None:
+    """Sixteen million pairs of rects, circles and masks; the dict of them takes long as well."""
+    crowd = [Named("one of many", Rect(0, 0, 5, 5)) for _ in range(4000)]
+    for rule in (None, collide_circle):
+        took = reaction_to_ctrl_c(lambda r=rule: ours.groupcollide(crowd, crowd, False, False, r))
+        print(f"{rule}: {took:.3f} s")
+        assert took < 1.0
+
+
+def test_ctrl_c_during_the_first_call_of_all_is_no_panic() -> None:
+    code = """
+import os, signal, threading
+import pygame, jostle.pygame
+signal.signal(signal.SIGINT, signal.default_int_handler)
+crowd = [pygame.sprite.Sprite() for _ in range(3000)]
+for sprite in crowd:
+    sprite.rect = pygame.Rect(0, 0, 5, 5)
+threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    while True:
+        jostle.pygame.groupcollide(crowd, crowd, False, False)
+except KeyboardInterrupt:
+    print("stopped")
+"""
+    assert run_child(code).endswith("stopped\n")

@@ -433,7 +433,7 @@ class Quadtree:
         """
     @overload
     def query_rect(
-        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect, *, mask: SupportsIndex | None = None
+        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box, *, mask: SupportsIndex | None = None
     ) -> _Ids:
         """Find the shapes that overlap a rectangle, or each of many.
 
@@ -477,7 +477,7 @@ class Quadtree:
     @overload
     def query_rect(
         self,
-        rect: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array],
         *,
         mask: SupportsIndex | None = None,
     ) -> Hits: ...
@@ -1293,7 +1293,7 @@ class Space:
         """
     @overload
     def query_rect(
-        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect, *, mask: SupportsIndex | None = None
+        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box, *, mask: SupportsIndex | None = None
     ) -> _Ids:
         """Find the shapes that overlap a rectangle, or each of many.
 
@@ -1337,7 +1337,7 @@ class Space:
     @overload
     def query_rect(
         self,
-        rect: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array],
         *,
         mask: SupportsIndex | None = None,
     ) -> Hits: ...

@@ -8,7 +8,7 @@ import pygame
 from numpy.typing import NDArray
 from typing_extensions import assert_type
 
-from jostle import Hits, Neighbors, Quadtree, RayHit, RayHits, Space
+from jostle import Box, Hits, Neighbors, Quadtree, RayHit, RayHits, Space
 
 Ids = NDArray[np.int64]
 
@@ -16,6 +16,7 @@ Ids = NDArray[np.int64]
 def one_by_literals(tree: Quadtree) -> None:
     assert_type(tree.query_rect((0, 0, 2.5, 1)), Ids)
     assert_type(tree.query_rect([0, 0, 2.5, 1], mask=2), Ids)
+    assert_type(tree.query_rect(Box(0, 0, 2.5, 1)), Ids)
     assert_type(tree.query_circle((0, 0.5), 1), Ids)
     assert_type(tree.query_circle([0, 0.5], 1.0), Ids)
     assert_type(tree.query_point((1, 2)), Ids)
@@ -72,6 +73,7 @@ def many_by_sequences(
     tree: Quadtree, points: list[tuple[float, float]], rects: list[pygame.Rect]
 ) -> None:
     assert_type(tree.query_rect([(0, 0, 1, 1), (1, 1, 2, 2.5)]), Hits)
+    assert_type(tree.query_rect([Box(0, 0, 2.5, 1)]), Hits)
     assert_type(tree.query_rect(rects), Hits)
     assert_type(tree.query_circle(points, 2), Hits)
     assert_type(tree.query_circle([(0, 0), (1, 1)], [1, 2]), Hits)

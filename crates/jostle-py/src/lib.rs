@@ -70,6 +70,8 @@ mod _core {
         module.add("scene_fountains", wrap_pyfunction!(fountains, module)?)?;
         module.add("scene_galton_board", wrap_pyfunction!(galton_board, module)?)?;
         module.add("scene_wall", wrap_pyfunction!(wall, module)?)?;
+        // Now, or the first array would look for NumPy's functions, which a signal can end.
+        numpy::PyArray1::<u8>::zeros(module.py(), 0, false);
         abandon_threads_after_fork(module)
     }
 

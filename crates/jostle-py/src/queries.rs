@@ -80,21 +80,27 @@ pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     rect: &Bound<'py, PyAny>,
     ask: impl FnOnce(&[Rect<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let sides = sides(rect)?;
+    let sides = sides(rect, &SIDES)?;
     let asked: Each<[T; 4]> =
         Argument::reals("rect", sides.as_ref().unwrap_or(rect))?.one_or_rows()?;
     let (many, rects) = rows_of(&asked);
     region(py, many, || Rect::all(rects), ask)
 }
 
-/// Attributes in which objects keep the sides of a rectangle: those of pygame's Rect, which
-/// would be read as x, y, width and height, and those of `jostle.Box`.
-const SIDES: [[&str; 4]; 2] =
-    [["left", "top", "right", "bottom"], ["min_x", "min_y", "max_x", "max_y"]];
+/// Attributes with the sides of pygame's Rect, which NumPy would read as x, y, width and
+/// height.
+pub const SIDES_OF_RECT: [&str; 4] = ["left", "top", "right", "bottom"];
+
+/// The same and those of `jostle.Box`, which are float32: precise enough for a query, but not
+/// for a shape.
+const SIDES: [[&str; 4]; 2] = [SIDES_OF_RECT, ["min_x", "min_y", "max_x", "max_y"]];
 
 /// The sides of an object that has them as attributes, or of the objects in a list that do.
-pub fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
-    if let Some(sides) = sides_of_one(rect)? {
+pub fn sides<'py>(
+    rect: &Bound<'py, PyAny>,
+    attributes: &[[&str; 4]],
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    if let Some(sides) = sides_of_one(rect, attributes)? {
         return Ok(Some(sides.into_any()));
     }
     if !(rect.is_instance_of::<PyList>() || rect.is_instance_of::<PyTuple>()) {
@@ -103,7 +109,7 @@ pub fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>
     let (all, mut any) = (PyList::empty(rect.py()), false);
     for rect in rect.try_iter()? {
         let rect = rect?;
-        match sides_of_one(&rect)? {
+        match sides_of_one(&rect, attributes)? {
             Some(sides) => {
                 all.append(sides)?;
                 any = true;
@@ -114,11 +120,14 @@ pub fn sides<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>
     Ok(any.then(|| all.into_any()))
 }
 
-fn sides_of_one<'py>(rect: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+fn sides_of_one<'py>(
+    rect: &Bound<'py, PyAny>,
+    attributes: &[[&str; 4]],
+) -> PyResult<Option<Bound<'py, PyTuple>>> {
     if rect.is_exact_instance_of::<PyTuple>() || rect.is_exact_instance_of::<PyList>() {
         return Ok(None);
     }
-    for names in SIDES {
+    for names in attributes {
         if rect.hasattr(names[3])? {
             let sides = names.map(|name| rect.getattr(name));
             let sides = sides.into_iter().collect::<PyResult<Vec<_>>>()?;

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, Given, all_single};
-use crate::queries::{Maybe, sides};
+use crate::queries::{Maybe, SIDES_OF_RECT, sides};
 
 /// Shapes in the precision that their arrays ask for.
 pub enum Shapes {
@@ -51,7 +51,7 @@ impl<'py> Where<'py> {
         let message = match (centers, half_sizes, boxes) {
             (Some(centers), _, None) => return Self::centers(centers),
             (None, None, Some(boxes)) => {
-                let sides = sides(boxes)?;
+                let sides = sides(boxes, &[SIDES_OF_RECT])?;
                 let boxes = Argument::reals("boxes", sides.as_ref().unwrap_or(boxes))?;
                 return Ok(Self::Boxes(boxes));
             }

@@ -57,7 +57,7 @@ fn springs_hold_discs_that_do_not_overlap_at_rest() {
 
 #[test]
 fn soft_bodies_come_to_rest_in_one_piece() {
-    let mut world = create("springs", Some(400), 1);
+    let mut world = create("springs", Some(200), 1);
     run(&mut world, 60);
     let positions = world.positions();
     let [Force::Springs(springs)] = world.forces() else { panic!("springs alone") };

@@ -51,7 +51,7 @@ fn forces(count: u32) -> Vec<Force> {
 fn busy(container: Container, on_touch: OnTouch) -> World {
     let mut random = Random::new(8);
     let mut pair = |low: f32, high: f32| [random.between(low, high), random.between(low, high)];
-    let count = 700;
+    let count = 400;
     let positions = (0..count).map(|_| pair(5.0, 45.0)).collect();
     let velocities = (0..count).map(|_| pair(-3.0, 3.0)).collect();
     let radii = (0..count).map(|_| pair(0.2, 0.7)[0]).collect();
@@ -85,15 +85,15 @@ fn containers() -> [Container; 4] {
 #[test]
 fn every_scene_goes_on_to_the_bit() {
     for scene in &SCENES {
-        let mut world = scene.create(Some(scene.default_count.min(600)), 0).expect("valid");
-        for before in [0, 150] {
+        let mut world = scene.create(Some(scene.default_count.min(400)), 0).expect("valid");
+        for before in [0, 100] {
             run(&mut world, before);
             let mut again = restored(&world);
             assert_same(&world, &again, scene.name);
             let mut on = restored(&world);
-            run(&mut on, 100);
-            run(&mut again, 100);
-            run(&mut world, 100);
+            run(&mut on, 60);
+            run(&mut again, 60);
+            run(&mut world, 60);
             assert_same(&world, &again, scene.name);
             assert_same(&world, &on, scene.name);
         }

@@ -15,6 +15,7 @@ use pyo3::types::{PyDict, PyList, PyType};
 
 use crate::arrays::{column, table};
 use crate::error::{refused, value_error};
+use crate::interrupt::detached;
 use read::Reader;
 use search::Found;
 
@@ -61,22 +62,22 @@ pub fn sprite_pairs<'py>(
             let read = if rule == "rect" { Reader::rect } else { Reader::itself };
             let sides = reader.both(left, right, read);
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
-            py.detach(|| search::rects(&a, b.as_deref(), scale))
+            detached(py, || search::rects(&a, b.as_deref(), scale))?
         }
         "circle" => {
             let sides = reader.both(left, right, Reader::circle);
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
-            py.detach(|| search::circles(&a, b.as_deref()))
+            detached(py, || search::circles(&a, b.as_deref()))?
         }
         "mask" => {
             let sides = reader.both(left, right, Reader::mask);
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
-            py.detach(|| search::masks(&a, b.as_deref()))
+            detached(py, || search::masks(&a, b.as_deref()))?
         }
         "within" => {
             let sides = reader.both(left, right, Reader::rect);
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
-            py.detach(|| search::within(&a, b.as_deref(), scale))
+            detached(py, || search::within(&a, b.as_deref(), scale))?
         }
         other => {
             let rules = "'rect', 'rects', 'circle', 'mask' or 'within'";
@@ -152,6 +153,7 @@ pub fn sprite_dict<'py>(
     let rows: Vec<[u32; 2]> = pairs.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect();
     let found = PyDict::new(py);
     for run in rows.chunk_by(|a, b| a[0] == b[0]) {
+        py.check_signals()?;
         let hits = run.iter().map(|row| values.get_item(row[1] as usize));
         let hits = PyList::new(py, hits.collect::<PyResult<Vec<_>>>()?)?;
         found.set_item(keys.get_item(run[0][0] as usize)?, hits)?;

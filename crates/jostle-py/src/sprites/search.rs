@@ -1,7 +1,9 @@
 //! Who meets whom. The core finds candidates from covers a hair too large; pygame's own
 //! comparison, repeated here on exact numbers, has the last word.
 
+use jostle::interrupt::{self, Pulse};
 use jostle::settings::DEFAULT_MAX_PAIRS;
+use jostle::sorting;
 use jostle::{Columns, Each, Quadtree, Result, Scalar, Settings, Shapes, pairs};
 
 use super::rules::{Circle, Edges, Kind, Rect, circles_meet};
@@ -34,6 +36,9 @@ const LARGEST_GAP: f64 = 2e39;
 /// How large an inexact radius may be beside its float64, as a part of it.
 const INEXACT: f64 = 1e-3;
 
+/// Approximate number of values read when two sprites are compared.
+const PAIR_WORK: usize = 16;
+
 /// Comparisons by brute force that take as long as putting one shape into a tree.
 const TESTS_FOR_A_SHAPE: usize = 64;
 
@@ -60,7 +65,7 @@ pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>
         }
         found.append(&mut pairs);
     }
-    found.sort_unstable();
+    sorting::sort(&mut found, &mut Pulse::current())?;
     Ok(Some(Found { pairs: found, sure: None }))
 }
 
@@ -82,14 +87,16 @@ pub fn within(a: &[Rect], b: Option<&[Rect]>, reach: f64) -> Result<Option<Found
     let side = |rects| Side { rects, edges: &grown };
     let Some(near) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
     let mut pairs = Vec::new();
+    let mut pulse = Pulse::current();
     for [i, j] in near {
+        pulse.check(PAIR_WORK)?;
         match a[i as usize].within(&b.unwrap_or(a)[j as usize], reach) {
             Some(true) => pairs.push([i, j]),
             Some(false) => {}
             None => return Ok(None),
         }
     }
-    pairs.sort_unstable();
+    sorting::sort(&mut pairs, &mut Pulse::current())?;
     Ok(Some(Found::to_be_asked(pairs)))
 }
 
@@ -102,7 +109,7 @@ pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     };
     let side = |rects| Side { rects, edges: &grown };
     let Some(mut pairs) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
-    pairs.sort_unstable();
+    sorting::sort(&mut pairs, &mut Pulse::current())?;
     Ok(Some(Found::to_be_asked(pairs)))
 }
 
@@ -117,15 +124,18 @@ pub fn circles(a: &[Circle], b: Option<&[Circle]>) -> Result<Option<Found>> {
         return Ok(None);
     }
     let b_covers = b.map(covers).transpose()?;
+    let mut near = candidates(&covers(a)?, b_covers.as_ref())?;
+    let mut pulse = Pulse::current();
+    sorting::sort(&mut near, &mut pulse)?;
     let mut judged = Vec::new();
-    for pair in candidates(&covers(a)?, b_covers.as_ref())? {
+    for pair in near {
+        pulse.check(PAIR_WORK)?;
         let [i, j] = pair.map(|row| row as usize);
         match circles_meet(&a[i], &b.unwrap_or(a)[j]) {
             Some(false) => {}
             meet => judged.push((pair, meet.is_some())),
         }
     }
-    judged.sort_unstable();
     let (pairs, sure): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
     let doubts = sure.contains(&false);
     Ok(Some(Found { pairs, sure: doubts.then_some(sure) }))
@@ -195,10 +205,15 @@ fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, hair: f64) -> Result<
     let other = b.map(|b| b.cover::<T>(hair)).transpose()?;
     let mut found = candidates(&covers, other.as_ref().map(|(_, covers)| covers))?;
     let other_rows = other.as_ref().map_or(&rows, |(rows, _)| rows);
+    let mut pulse = Pulse::current();
     found.retain_mut(|pair| {
+        if pulse.stops(PAIR_WORK) {
+            return false;
+        }
         *pair = [rows[pair[0] as usize], other_rows[pair[1] as usize]];
         a.meet(pair[0], b.unwrap_or(a), pair[1])
     });
+    interrupt::check()?;
     Ok(found)
 }
 

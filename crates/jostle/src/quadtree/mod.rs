@@ -108,7 +108,7 @@ impl<T: Scalar> Quadtree<T> {
         &mut self,
         shapes: &Shapes<T>,
         settings: Settings,
-        tie: &impl Fn(usize, usize) -> Ordering,
+        tie: &order::Tie<'_>,
     ) -> Result<()> {
         self.settings = settings;
         let built = self.build(shapes, tie);
@@ -119,7 +119,7 @@ impl<T: Scalar> Quadtree<T> {
         built
     }
 
-    fn build(&mut self, shapes: &Shapes<T>, tie: &impl Fn(usize, usize) -> Ordering) -> Result<()> {
+    fn build(&mut self, shapes: &Shapes<T>, tie: &order::Tie<'_>) -> Result<()> {
         let threads = parallel::worthwhile(self.settings.threads, shapes.len());
         self.order.sort(shapes, tie, threads)?;
         self.columns.gather(shapes, &self.order.rows, threads)?;

@@ -13,7 +13,7 @@ use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 
 use super::grid::Grid;
-use super::sort::{Item, Parts, Sorter, key_of};
+use super::sort::{FillKeys, Item, Parts, Sorter, key_of};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::interrupt::{self, Pulse};
@@ -25,6 +25,10 @@ use crate::simd::{LANES, Simd, Work};
 /// Runs of equal keys up to this length are sorted by comparing; longer ones
 /// are given a finer grid.
 const SHORT_RUN: usize = 8;
+
+/// Compares two rows whose centres coincide. It is called seldom, so the sorting does not
+/// depend on its type and is compiled once.
+pub type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
 
 /// Keys of the places `start..end` of the order, in one grid.
 #[derive(Clone, Debug, Default)]
@@ -74,7 +78,7 @@ impl Order {
     pub fn sort<T: Scalar>(
         &mut self,
         shapes: &Shapes<T>,
-        tie: &impl Fn(usize, usize) -> Ordering,
+        tie: &Tie<'_>,
         threads: Option<usize>,
     ) -> Result<()> {
         let len = shapes.len();
@@ -91,7 +95,7 @@ impl Order {
         let mut open = VecDeque::new();
         if let Some(grid) = grid_of_all(&shapes.centers) {
             root.grid = grid;
-            self.sort_by_key(&mut root, threads, &mut open, |range, items| {
+            self.sort_by_key(&mut root, threads, &mut open, &|range, items| {
                 let centers = &shapes.centers[range.clone()];
                 T::with_widest(KeyRows { grid: &grid, centers, first: range.start, items });
             })?;
@@ -149,7 +153,7 @@ impl Order {
         &mut self,
         range: Range<usize>,
         shapes: &Shapes<T>,
-        tie: &impl Fn(usize, usize) -> Ordering,
+        tie: &Tie<'_>,
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
     ) -> Result<()> {
@@ -167,7 +171,7 @@ impl Order {
         let Range { start, end } = range;
         let mut keyed = Keyed { start, end, grid, ..Keyed::default() };
         let rows = memory::collect(rows.iter().copied())?;
-        self.sort_by_key(&mut keyed, threads, open, |range, items| {
+        self.sort_by_key(&mut keyed, threads, open, &|range, items| {
             for (&row, item) in rows[range].iter().zip(items) {
                 let center = shapes.centers[row as usize].map(T::to_f64);
                 *item = u64::from(grid.key(center)) << 32 | u64::from(row);
@@ -186,7 +190,7 @@ impl Order {
         keyed: &mut Keyed,
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
-        key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
+        key: &FillKeys<'_>,
     ) -> Result<()> {
         let rows = &mut self.rows[keyed.start..keyed.end];
         let threads = parallel::worthwhile(threads, rows.len());

@@ -74,6 +74,10 @@ pub struct Sorter {
     ends: Vec<u32>,
 }
 
+/// Makes the items of a range of rows. It is called for many at a time, so the sorting does
+/// not depend on its type and is compiled once.
+pub type FillKeys<'a> = dyn Fn(Range<usize>, &mut [Item]) + Sync + 'a;
+
 /// Some adjacent parts and where their rows go.
 struct Task<'a> {
     parts: Range<usize>,
@@ -96,7 +100,7 @@ impl Sorter {
         threads: Option<usize>,
         items: &mut [Item],
         parts: &mut Parts,
-        key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
+        key: &FillKeys<'_>,
     ) -> Result<Vec<Range<usize>>> {
         parts.clear();
         if items.len() <= SMALL {
@@ -114,7 +118,7 @@ impl Sorter {
         &mut self,
         threads: Option<usize>,
         items: &mut [Item],
-        key: impl Fn(Range<usize>, &mut [Item]) + Sync + Send,
+        key: &FillKeys<'_>,
         bits: u32,
     ) -> Result<()> {
         let stop = Stop::current();
@@ -356,11 +360,16 @@ mod tests {
         expected.sort_unstable();
         let mut items = vec![0; expected.len()];
         let (mut sorter, mut parts) = (Sorter::default(), Parts::default());
-        let equal = sorter.sort(Some(threads), &mut items, &mut parts, |range, items| {
-            for (row, to) in range.zip(items) {
-                *to = item(row as u32);
-            }
-        });
+        let equal = sorter.sort(
+            Some(threads),
+            &mut items,
+            &mut parts,
+            &|range: Range<usize>, items: &mut [Item]| {
+                for (row, to) in range.zip(items) {
+                    *to = item(row as u32);
+                }
+            },
+        );
         let equal = equal.unwrap();
         assert_eq!(items, expected);
         let mut together = vec![false; items.len()];

@@ -30,6 +30,10 @@ use crate::geometry::Scalar;
 use crate::interrupt;
 use crate::memory;
 
+/// Names the shape in a row, or hides it. Only few shapes are asked for, so the searches do
+/// not depend on its type and are compiled once.
+pub type IdOf<'a> = dyn Fn(u32) -> Option<u64> + 'a;
+
 /// Questions that one thread answers at a time.
 const QUESTIONS: usize = 128;
 

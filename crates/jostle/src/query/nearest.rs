@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::region::{MOST_IDS, selects};
-use super::{NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
+use super::{IdOf, NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape, length};
@@ -149,13 +149,7 @@ impl<T: Scalar> Nearest<T> {
     }
 
     /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
-    pub fn look<F: Fn(u32) -> Option<u64>>(
-        &mut self,
-        tree: &Quadtree<T>,
-        point: [T; 2],
-        mask: Option<u32>,
-        id_of: &F,
-    ) {
+    pub fn look(&mut self, tree: &Quadtree<T>, point: [T; 2], mask: Option<u32>, id_of: &IdOf<'_>) {
         let best = self;
         let stack = &mut Vec::new();
         T::with_widest(Look { tree, point, mask, id_of, best, stack });
@@ -163,16 +157,16 @@ impl<T: Scalar> Nearest<T> {
 }
 
 /// One search through one tree.
-struct Look<'a, T, F> {
+struct Look<'a, T> {
     tree: &'a Quadtree<T>,
     point: [T; 2],
     mask: Option<u32>,
-    id_of: &'a F,
+    id_of: &'a IdOf<'a>,
     best: &'a mut Nearest<T>,
     stack: &'a mut Vec<(T, u32)>,
 }
 
-impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
+impl<T: Scalar> Work<T> for Look<'_, T> {
     type Out = ();
 
     /// Depth first, the nearer child first; what was put off may be too far by its turn.
@@ -222,7 +216,7 @@ pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
     }
 }
 
-impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
+impl<T: Scalar> Look<'_, T> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>, round: bool) {
         let (shapes, rows) = (self.tree.columns(), self.tree.rows());

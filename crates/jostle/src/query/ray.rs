@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::nearest::sort_farthest_first;
 use super::region::selects;
-use super::{NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
+use super::{IdOf, NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Scalar, Shape, into_range, within};
@@ -283,27 +283,22 @@ impl<T: Scalar> FirstHit<T> {
     }
 
     /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
-    pub fn look<F: Fn(u32) -> Option<u64>>(
-        &mut self,
-        tree: &Quadtree<T>,
-        mask: Option<u32>,
-        id_of: &F,
-    ) {
+    pub fn look(&mut self, tree: &Quadtree<T>, mask: Option<u32>, id_of: &IdOf<'_>) {
         let beam = Beam::of(self.ray);
         T::with_widest(Look { tree, beam, mask, id_of, best: self });
     }
 }
 
 /// One ray through one tree.
-struct Look<'a, T, F> {
+struct Look<'a, T> {
     tree: &'a Quadtree<T>,
     beam: Beam<T>,
     mask: Option<u32>,
-    id_of: &'a F,
+    id_of: &'a IdOf<'a>,
     best: &'a mut FirstHit<T>,
 }
 
-impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
+impl<T: Scalar> Work<T> for Look<'_, T> {
     type Out = ();
 
     /// Depth first, the nearer child first; what was put off may be too far by its turn.
@@ -341,7 +336,7 @@ impl<T: Scalar, F: Fn(u32) -> Option<u64>> Work<T> for Look<'_, T, F> {
     }
 }
 
-impl<T: Scalar, F: Fn(u32) -> Option<u64>> Look<'_, T, F> {
+impl<T: Scalar> Look<'_, T> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, about: (T, bool), places: Range<usize>) {
         let (shapes, rows) = (self.tree.columns(), self.tree.rows());

@@ -35,6 +35,33 @@ pub trait Region<T>: Sync {
     }
 }
 
+/// Regions of one kind. The search does not depend on the kind and is compiled once.
+trait Regions<T>: Sync {
+    /// [`Region::PLAIN`] of the kind.
+    fn are_plain(&self) -> bool;
+    /// [`Region::window`] of one of them.
+    fn window(&self, index: u32) -> Window<T>;
+    /// [`Region::touches`] of one of them.
+    fn touches(&self, index: u32, shape: &Shape<T>) -> bool;
+    /// [`Region::misses`] of one of them.
+    fn misses(&self, index: u32, cover: &Cover<T>) -> bool;
+}
+
+impl<T, R: Region<T>> Regions<T> for &[R] {
+    fn are_plain(&self) -> bool {
+        R::PLAIN
+    }
+    fn window(&self, index: u32) -> Window<T> {
+        self[index as usize].window()
+    }
+    fn touches(&self, index: u32, shape: &Shape<T>) -> bool {
+        self[index as usize].touches(shape)
+    }
+    fn misses(&self, index: u32, cover: &Cover<T>) -> bool {
+        self[index as usize].misses(cover)
+    }
+}
+
 /// Ids for each of many questions, one list behind the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hits<I> {
@@ -73,14 +100,25 @@ pub fn search<T: Scalar, R: Region<T>>(
     regions: &[R],
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
-    let threads = worthwhile(tree.settings().threads, regions.len());
     let order = along_a_curve(regions.iter().map(|region| region.window().min))?;
+    search_in_order(tree, &regions, &order, mask)
+}
+
+/// As [`search`], with the regions in the order in which to take them.
+fn search_in_order<T: Scalar>(
+    tree: &Quadtree<T>,
+    regions: &dyn Regions<T>,
+    order: &[u32],
+    mask: Option<u32>,
+) -> Result<Hits<u32>> {
+    let threads = worthwhile(tree.settings().threads, order.len());
+    let plain = regions.are_plain();
     let stop = Stop::current();
     let count = AtomicUsize::new(0);
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
         let (order, pulse) = (parts[part], Pulse::of(&stop));
-        T::with_widest(Search { tree, regions, order, mask, count: &count, pulse })
+        T::with_widest(Search { tree, regions, plain, order, mask, count: &count, pulse })
     });
     if count.into_inner() > MOST_IDS {
         return Err(Error::TooManyIds { most: MOST_IDS });
@@ -120,9 +158,10 @@ fn together(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
 }
 
 /// Some regions, asked one after the other.
-struct Search<'a, T, R> {
+struct Search<'a, T> {
     tree: &'a Quadtree<T>,
-    regions: &'a [R],
+    regions: &'a dyn Regions<T>,
+    plain: bool,
     order: &'a [u32],
     mask: Option<u32>,
     /// Ids found by all parts together.
@@ -130,7 +169,7 @@ struct Search<'a, T, R> {
     pulse: Pulse,
 }
 
-impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
+impl<T: Scalar> Work<T> for Search<'_, T> {
     type Out = Result<Hits<u32>>;
 
     #[inline(always)]
@@ -140,7 +179,7 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
         let (mut frontier, mut stack) = (Frontier::default(), Vec::new());
         let (mut ends, mut nodes) = (Vec::new(), Vec::new());
         for group in self.order.chunks(GROUP) {
-            let windows = group.iter().map(|&question| self.regions[question as usize].window());
+            let windows = group.iter().map(|&question| self.regions.window(question));
             match windows.reduce(Window::join) {
                 // What comes now is not asked for any more.
                 Some(_) if self.count.load(Ordering::Relaxed) > MOST_IDS => frontier.len = 0,
@@ -150,14 +189,12 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
             ends.clear();
             nodes.clear();
             for &question in group {
-                let region = &self.regions[question as usize];
-                self.find(simd, region, &frontier, &mut stack, &mut nodes)?;
+                self.find(simd, question, &frontier, &mut stack, &mut nodes)?;
                 ends.push(nodes.len());
             }
             let (before, mut from) = (hits.ids.len(), 0);
             for (&question, &end) in group.iter().zip(&ends) {
-                let region = &self.regions[question as usize];
-                self.answer(simd, region, &nodes[from..end], &mut hits)?;
+                self.answer(simd, question, &nodes[from..end], &mut hits)?;
                 from = end;
             }
             self.count.fetch_add(hits.ids.len() - before, Ordering::Relaxed);
@@ -166,25 +203,25 @@ impl<T: Scalar, R: Region<T>> Work<T> for Search<'_, T, R> {
     }
 }
 
-impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
+impl<T: Scalar> Search<'_, T> {
     /// Adds the nodes in which one question finds something: leaves, and those that it
     /// takes as a whole. It begins at those of `frontier`.
     #[inline(always)]
     fn find<S: Simd<T>>(
         &mut self,
         simd: S,
-        region: &R,
+        question: u32,
         frontier: &Frontier<T>,
         stack: &mut Vec<u32>,
         found: &mut Vec<u32>,
     ) -> Result<()> {
-        let window = region.window();
+        let window = self.regions.window(question);
         for first in (0..frontier.len).step_by(LANES) {
             let bits = frontier.lanes(simd, &window, first) & first_lanes(frontier.len - first);
             for_each_lane(bits, |lane| {
                 let node = frontier.nodes[first + lane];
                 let cover = &self.tree.covers()[node as usize];
-                if selects(self.mask, cover.category) && !region.misses(cover) {
+                if selects(self.mask, cover.category) && !self.misses(question, cover) {
                     stack.push(node);
                 }
             });
@@ -200,7 +237,7 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
             for child in node.children() {
                 let cover = &self.tree.covers()[child];
                 let near = selects(self.mask, cover.category) & window.meets(cover);
-                if near && !region.misses(cover) {
+                if near && !self.misses(question, cover) {
                     stack.push(child as u32);
                 }
             }
@@ -224,12 +261,12 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
     fn answer<S: Simd<T>>(
         &mut self,
         simd: S,
-        region: &R,
+        question: u32,
         nodes: &[u32],
         hits: &mut Hits<u32>,
     ) -> Result<()> {
         let start = hits.ids.len();
-        let window = region.window();
+        let window = self.regions.window(question);
         for &index in nodes {
             let places = self.tree.nodes()[index as usize].range();
             memory::reserve(&mut hits.ids, places.len())?;
@@ -237,7 +274,7 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
                 self.pulse.check(places.len())?;
                 hits.ids.extend(places.map(|place| place as u32));
             } else {
-                self.collect(simd, region, index as usize, hits)?;
+                self.collect(simd, (question, &window), index as usize, hits)?;
             }
         }
         let (rows, found) = (self.tree.rows(), &mut hits.ids[start..]);
@@ -250,11 +287,17 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
         Ok(())
     }
 
+    /// As [`Region::misses`]; of a plain region the window says it all.
+    #[inline(always)]
+    fn misses(&self, question: u32, cover: &Cover<T>) -> bool {
+        !self.plain && self.regions.misses(question, cover)
+    }
+
     /// Whether a region overlaps every shape in a node. Where a category can hide a shape,
     /// each has to be looked at.
     #[inline(always)]
     fn takes_all(&self, window: &Window<T>, node: usize) -> bool {
-        R::PLAIN && self.mask.is_none() && window.holds(&self.tree.covers()[node])
+        self.plain && self.mask.is_none() && window.holds(&self.tree.covers()[node])
     }
 
     /// Collects the places of the shapes in a leaf that one region overlaps.
@@ -262,23 +305,24 @@ impl<T: Scalar, R: Region<T>> Search<'_, T, R> {
     fn collect<S: Simd<T>>(
         &mut self,
         simd: S,
-        region: &R,
+        (question, window): (u32, &Window<T>),
         leaf: usize,
         hits: &mut Hits<u32>,
     ) -> Result<()> {
-        let (shapes, window) = (self.tree.columns(), region.window());
+        let shapes = self.tree.columns();
         let places = self.tree.nodes()[leaf].range();
         let round = self.tree.covers()[leaf].radius > T::ZERO;
         hits.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
             self.pulse.check(LANES)?;
-            let bits = window.lanes(simd, shapes, first, (round, R::PLAIN));
+            let bits = window.lanes(simd, shapes, first, (round, self.plain));
             let mut bits = bits & first_lanes(places.end - first);
-            if !R::PLAIN || self.mask.is_some() {
+            if !self.plain || self.mask.is_some() {
                 for lane in 0..LANES {
                     if bits >> lane & 1 != 0 {
                         let shape = shapes.shape_if(first + lane, round);
-                        let hit = selects(self.mask, shape.category) && region.touches(&shape);
+                        let hit = selects(self.mask, shape.category)
+                            && (self.plain || self.regions.touches(question, &shape));
                         bits ^= u32::from(!hit) << lane;
                     }
                 }

@@ -4,6 +4,7 @@
 //! decided while the program runs, so one build is fast on every processor. No
 //! operation is fused or reordered, so all give the same bits.
 
+#[allow(dead_code, reason = "x86-64 uses its packing only; the tests compare with the rest")]
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -103,14 +104,14 @@ pub trait Number:
 macro_rules! number {
     ($t:ty) => {
         impl Number for $t {
-            #[inline]
             fn with_widest<W: Work<Self>>(work: W) -> W::Out {
                 #[cfg(target_arch = "x86_64")]
                 match widest() {
-                    Instructions::Avx512 => return x86::with_avx512(work),
-                    Instructions::Avx2 => return x86::with_avx2(work),
-                    Instructions::Portable => {}
+                    Instructions::Avx512 => x86::with_avx512(work),
+                    Instructions::Avx2 => x86::with_avx2(work),
+                    Instructions::Portable => x86::with_sse2(work),
                 }
+                #[cfg(not(target_arch = "x86_64"))]
                 work.run(portable::Portable)
             }
         }
@@ -122,7 +123,7 @@ number!(f64);
 /// Kinds of vector instructions, narrowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Instructions {
-    /// What every processor of its family has; the compiler's choice.
+    /// What every processor of its family has.
     Portable,
     /// x86-64 of about 2013 and later.
     Avx2,
@@ -147,4 +148,60 @@ pub fn widest() -> Instructions {
     return limit.min(x86::widest());
     #[cfg(not(target_arch = "x86_64"))]
     return limit.min(Instructions::Portable);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What every operation makes of two blocks.
+    struct All<T>([T; LANES], [T; LANES]);
+
+    impl<T: Number> Work<T> for All<T> {
+        type Out = (Vec<[T; LANES]>, [u32; 2], [Vec<T>; 2]);
+
+        #[inline(always)]
+        fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
+            let (a, b) = (simd.load(&self.0), simd.load(&self.1));
+            let blocks = [
+                simd.splat(self.0[3]),
+                simd.add(a, b),
+                simd.sub(a, b),
+                simd.mul(a, b),
+                simd.most(a, b),
+                simd.least(a, b),
+                simd.distance(a, b),
+            ];
+            let stored = blocks.map(|block| {
+                let mut to = [T::default(); LANES];
+                simd.store(block, &mut to);
+                to
+            });
+            let packed = [0b1010_0110_0000_0001, 0xffff].map(|bits: u32| {
+                let mut to = [T::default(); LANES];
+                simd.pack(a, bits, &mut to);
+                to[..bits.count_ones() as usize].to_vec()
+            });
+            (stored.to_vec(), [simd.both_negative(a, b), simd.less(a, b)], packed)
+        }
+    }
+
+    /// What plain arrays give, which other processors use, is what the instructions of this
+    /// one give.
+    #[test]
+    fn all_kinds_of_instructions_agree() {
+        let number = |lane: usize| ((lane * 37 + 11) % 23) as f32 - 11.5;
+        let a: [f32; LANES] = std::array::from_fn(number);
+        let b: [f32; LANES] = std::array::from_fn(|lane| number(LANES - lane) * 0.3);
+        let before = widest();
+        for kind in KINDS {
+            limit(kind);
+            let plain = All(a, b).run(portable::Portable);
+            assert_eq!(f32::with_widest(All(a, b)), plain, "{kind:?}");
+            let (a, b) = (a.map(f64::from), b.map(f64::from));
+            let plain = All(a, b).run(portable::Portable);
+            assert_eq!(f64::with_widest(All(a, b)), plain, "{kind:?}");
+        }
+        limit(before);
+    }
 }

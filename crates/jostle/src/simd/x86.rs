@@ -1,14 +1,21 @@
-//! AVX2 and AVX-512, the only unsafe code of the core.
+//! SSE2, AVX2 and AVX-512, the only unsafe code of the core.
 //!
 //! Two reasons make it sound. A token ([`Avx2`], [`Avx512`]) is made only in
 //! [`with_avx2`] and [`with_avx512`], after the processor was asked; so whoever holds
-//! one may use its instructions. And loads and stores go through references to
-//! arrays of exactly the length that they touch.
+//! one may use its instructions. Every x86-64 processor has SSE2. And loads and stores go
+//! through references to arrays of exactly the length that they touch.
 #![allow(unsafe_code)]
+// The compiler knows that SSE2 is there and calls for no `unsafe` where the others need it.
+#![allow(unused_unsafe)]
 
 use std::arch::x86_64::*;
 
 use super::{Instructions, LANES, Simd, Work, portable};
+
+/// What every x86-64 processor has. Without it the compiler would turn each block into vector
+/// instructions by itself, which gives slower code and takes it several times longer.
+#[derive(Clone, Copy)]
+pub struct Sse2;
 
 /// Proof that the processor has AVX2 and what came before it.
 #[derive(Clone, Copy)]
@@ -71,82 +78,72 @@ where
     unsafe { inner(work) }
 }
 
+/// Does `work` with SSE2.
+#[inline(never)]
+pub fn with_sse2<T, W: Work<T>>(work: W) -> W::Out
+where
+    Sse2: Simd<T>,
+{
+    work.run(Sse2)
+}
+
 /// Bytes that come from memory together.
 const CACHE_LINE: usize = 64;
 
-/// Implements [`Simd`] but for packing: `$count` registers of `$each` numbers.
+/// Implements [`Simd`] but for packing: registers `$k` of `$each` numbers. Written out, not in
+/// loops, which would take most of the compiler's time.
 macro_rules! arithmetic {
-    ($t:ty, $register:ty, $count:literal, $each:literal, $splat:ident, $load:ident, $store:ident,
-     $add:ident, $sub:ident, $mul:ident, $most:ident, $least:ident, $less:expr, $abs:expr, $negative:expr) => {
-        type Block = [$register; $count];
+    ($t:ty, [$($k:literal)*] of $each:literal in $register:ty, $splat:ident, $load:ident,
+     $store:ident, $add:ident, $sub:ident, $mul:ident, $most:ident, $least:ident, $less:expr,
+     $abs:expr, $negative:expr) => {
+        type Block = [$register; LANES / $each];
 
         #[inline(always)]
         fn splat(self, value: $t) -> Self::Block {
             // SAFETY: the token proves that the processor has the instruction.
-            [unsafe { $splat(value) }; $count]
+            [unsafe { $splat(value) }; LANES / $each]
         }
         #[inline(always)]
         fn load(self, from: &[$t; LANES]) -> Self::Block {
+            let from = from.as_ptr();
             // SAFETY: as above; register k covers numbers k · each … of the LANES there are.
-            std::array::from_fn(
-                #[inline(always)]
-                |k| unsafe { $load(from.as_ptr().add(k * $each)) },
-            )
+            unsafe { [$($load(from.add($k * $each))),*] }
         }
         #[inline(always)]
         fn store(self, block: Self::Block, to: &mut [$t; LANES]) {
-            for (k, register) in block.into_iter().enumerate() {
-                // SAFETY: as in `load`.
-                unsafe { $store(to.as_mut_ptr().add(k * $each), register) }
-            }
+            let to = to.as_mut_ptr();
+            // SAFETY: as in `load`.
+            unsafe { $($store(to.add($k * $each), block[$k]);)* }
         }
         #[inline(always)]
         fn add(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: the token proves that the processor has the instruction.
-            std::array::from_fn(
-                #[inline(always)]
-                |k| unsafe { $add(a[k], b[k]) },
-            )
+            unsafe { [$($add(a[$k], b[$k])),*] }
         }
         #[inline(always)]
         fn sub(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(
-                #[inline(always)]
-                |k| unsafe { $sub(a[k], b[k]) },
-            )
+            unsafe { [$($sub(a[$k], b[$k])),*] }
         }
         #[inline(always)]
         fn mul(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(
-                #[inline(always)]
-                |k| unsafe { $mul(a[k], b[k]) },
-            )
+            unsafe { [$($mul(a[$k], b[$k])),*] }
         }
         #[inline(always)]
         fn most(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(
-                #[inline(always)]
-                |k| unsafe { $most(a[k], b[k]) },
-            )
+            unsafe { [$($most(a[$k], b[$k])),*] }
         }
         #[inline(always)]
         fn least(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            std::array::from_fn(
-                #[inline(always)]
-                |k| unsafe { $least(a[k], b[k]) },
-            )
+            unsafe { [$($least(a[$k], b[$k])),*] }
         }
         #[inline(always)]
         fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
             let difference: Self::Block = Simd::<$t>::sub(self, a, b);
-            std::array::from_fn(
-                #[inline(always)]
-                |k| $abs(self, difference[k]),
-            )
+            [$($abs(self, difference[$k])),*]
         }
         #[inline(always)]
         fn expect<V>(self, column: &[V]) {
@@ -157,24 +154,58 @@ macro_rules! arithmetic {
         }
         #[inline(always)]
         fn both_negative(self, a: Self::Block, b: Self::Block) -> u32 {
-            (0..$count).fold(
-                0,
-                #[inline(always)]
-                |all, k| all | $negative(self, a[k], b[k]) << (k * $each),
-            )
+            0 $(| $negative(self, a[$k], b[$k]) << ($k * $each))*
         }
         #[inline(always)]
         fn less(self, a: Self::Block, b: Self::Block) -> u32 {
-            (0..$count).fold(
-                0,
-                #[inline(always)]
-                |all, k| all | $less(self, a[k], b[k]) << (k * $each),
-            )
+            0 $(| $less(self, a[$k], b[$k]) << ($k * $each))*
         }
     };
 }
 
-// SAFETY of these twelve: the token proves the instruction.
+/// Packs in memory: there is no instruction for it.
+macro_rules! pack_one_by_one {
+    ($t:ty) => {
+        #[inline(always)]
+        fn pack(self, from: Self::Block, bits: u32, to: &mut [$t; LANES]) {
+            let mut numbers = [0.0; LANES];
+            self.store(from, &mut numbers);
+            portable::pack(&numbers, bits, to);
+        }
+    };
+}
+
+// SAFETY of these: the token proves the instruction.
+
+#[inline(always)]
+fn abs_128(_: Sse2, v: __m128) -> __m128 {
+    unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), v) }
+}
+
+#[inline(always)]
+fn abs_128d(_: Sse2, v: __m128d) -> __m128d {
+    unsafe { _mm_andnot_pd(_mm_set1_pd(-0.0), v) }
+}
+
+#[inline(always)]
+fn negative_128(_: Sse2, a: __m128, b: __m128) -> u32 {
+    (unsafe { _mm_movemask_ps(_mm_and_ps(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn negative_128d(_: Sse2, a: __m128d, b: __m128d) -> u32 {
+    (unsafe { _mm_movemask_pd(_mm_and_pd(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn less_128(_: Sse2, a: __m128, b: __m128) -> u32 {
+    (unsafe { _mm_movemask_ps(_mm_cmplt_ps(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn less_128d(_: Sse2, a: __m128d, b: __m128d) -> u32 {
+    (unsafe { _mm_movemask_pd(_mm_cmplt_pd(a, b)) }) as u32
+}
 
 #[inline(always)]
 fn abs_512(_: Avx512, v: __m512) -> __m512 {
@@ -239,9 +270,7 @@ fn less_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
 impl Simd<f32> for Avx512 {
     arithmetic!(
         f32,
-        __m512,
-        1,
-        16,
+        [0] of 16 in __m512,
         _mm512_set1_ps,
         _mm512_loadu_ps,
         _mm512_storeu_ps,
@@ -272,9 +301,7 @@ impl Simd<f32> for Avx512 {
 impl Simd<f64> for Avx512 {
     arithmetic!(
         f64,
-        __m512d,
-        2,
-        8,
+        [0 1] of 8 in __m512d,
         _mm512_set1_pd,
         _mm512_loadu_pd,
         _mm512_storeu_pd,
@@ -323,9 +350,7 @@ fn pack_places_512(_: Avx512, first: u32, bits: u32, to: &mut [u32; LANES]) {
 impl Simd<f32> for Avx2 {
     arithmetic!(
         f32,
-        __m256,
-        2,
-        8,
+        [0 1] of 8 in __m256,
         _mm256_set1_ps,
         _mm256_loadu_ps,
         _mm256_storeu_ps,
@@ -345,10 +370,7 @@ impl Simd<f32> for Avx2 {
         // SAFETY: the token proves the instructions; the first register's numbers are at
         // most eight, so that the second one's eight end within the sixteen there are.
         unsafe {
-            let [low, high] = from.map(
-                #[inline(always)]
-                |register| _mm256_castps_si256(register),
-            );
+            let [low, high] = [_mm256_castps_si256(from[0]), _mm256_castps_si256(from[1])];
             let low = _mm256_castsi256_ps(packed_256(self, low, bits));
             let high = _mm256_castsi256_ps(packed_256(self, high, bits >> 8));
             _mm256_storeu_ps(to.as_mut_ptr(), low);
@@ -364,9 +386,7 @@ impl Simd<f32> for Avx2 {
 impl Simd<f64> for Avx2 {
     arithmetic!(
         f64,
-        __m256d,
-        4,
-        4,
+        [0 1 2 3] of 4 in __m256d,
         _mm256_set1_pd,
         _mm256_loadu_pd,
         _mm256_storeu_pd,
@@ -380,15 +400,56 @@ impl Simd<f64> for Avx2 {
         negative_256d
     );
 
-    #[inline(always)]
-    fn pack(self, from: Self::Block, bits: u32, to: &mut [f64; LANES]) {
-        let mut numbers = [0.0; LANES];
-        self.store(from, &mut numbers);
-        portable::pack(&numbers, bits, to);
-    }
+    pack_one_by_one!(f64);
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         pack_places_256(self, first, bits, to);
+    }
+}
+
+impl Simd<f32> for Sse2 {
+    arithmetic!(
+        f32,
+        [0 1 2 3] of 4 in __m128,
+        _mm_set1_ps,
+        _mm_loadu_ps,
+        _mm_storeu_ps,
+        _mm_add_ps,
+        _mm_sub_ps,
+        _mm_mul_ps,
+        _mm_max_ps,
+        _mm_min_ps,
+        less_128,
+        abs_128,
+        negative_128
+    );
+    pack_one_by_one!(f32);
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        portable::pack_places(first, bits, to);
+    }
+}
+
+impl Simd<f64> for Sse2 {
+    arithmetic!(
+        f64,
+        [0 1 2 3 4 5 6 7] of 2 in __m128d,
+        _mm_set1_pd,
+        _mm_loadu_pd,
+        _mm_storeu_pd,
+        _mm_add_pd,
+        _mm_sub_pd,
+        _mm_mul_pd,
+        _mm_max_pd,
+        _mm_min_pd,
+        less_128d,
+        abs_128d,
+        negative_128d
+    );
+    pack_one_by_one!(f64);
+    #[inline(always)]
+    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        portable::pack_places(first, bits, to);
     }
 }
 
