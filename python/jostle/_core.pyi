@@ -433,7 +433,10 @@ class Quadtree:
         """
     @overload
     def query_rect(
-        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box, *, mask: SupportsIndex | None = None
+        self,
+        rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box,
+        *,
+        mask: SupportsIndex | None = None,
     ) -> _Ids:
         """Find the shapes that overlap a rectangle, or each of many.
 
@@ -1293,7 +1296,10 @@ class Space:
         """
     @overload
     def query_rect(
-        self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box, *, mask: SupportsIndex | None = None
+        self,
+        rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box,
+        *,
+        mask: SupportsIndex | None = None,
     ) -> _Ids:
         """Find the shapes that overlap a rectangle, or each of many.
 
