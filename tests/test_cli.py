@@ -49,6 +49,15 @@ def refused(monkeypatch, capsys, *arguments: str) -> str:
     return printed.err
 
 
+def test_what_the_library_refuses_is_said_of_the_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "small.toml").write_text('scene = "gas"\nn = 30\nworld_size = 0.01\n')
+    wrong = ("--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
+    sentence = refused(monkeypatch, capsys, "run", *wrong)
+    assert sentence.startswith("jostle: small.toml: radii[0] is 5; it must fit between the walls")
+
+
 def test_run_without_a_display_makes_a_film_and_a_table(tmp_path: Path) -> None:
     out = tmp_path / "new" / "folder"
     done = command("run", "gas", "-n", "40", "--steps", "6", "--out", str(out))

@@ -151,7 +151,8 @@ def find_pairs(
     boxes : array_like, shape (n, 4), optional
         min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-        are accepted in a list or a tuple. The four numbers are compared without rounding:
+        are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
+        width and height. The four numbers are compared without rounding:
         boxes that share an edge never overlap, whereas sides computed as
         ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
     method : {"auto", "brute", "quadtree"}, default "auto"
@@ -289,7 +290,8 @@ class Quadtree:
     boxes : array_like, shape (n, 4), optional
         min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-        are accepted in a list or a tuple. The four numbers are compared without rounding:
+        are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
+        width and height. The four numbers are compared without rounding:
         boxes that share an edge never overlap, whereas sides computed as
         ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
     categories : array_like of int, a number or shape (n,), optional
@@ -445,7 +447,7 @@ class Quadtree:
         rect : array_like, shape (4,) or (k, 4)
             min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
             `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-            `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
+            `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
@@ -974,8 +976,8 @@ class Space:
         boxes : array_like, shape (k, 4) or (4,), optional
             min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
             Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-            are accepted, also in a list or a tuple. The four numbers are compared without
-            rounding: boxes that share an edge never overlap, whereas sides computed as
+            are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
+            x, y, width and height. The four numbers are compared without rounding: boxes that share an edge never overlap, whereas sides computed as
             ``center ± half_size`` are rounded.
         categories : array_like of int, a number or shape (k,), default 1
             Categories of each shape, as a set of 32 bits.
@@ -1308,7 +1310,7 @@ class Space:
         rect : array_like, shape (4,) or (k, 4)
             min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
             `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-            `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
+            `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
@@ -1921,7 +1923,7 @@ class World:
     velocities : array_like, shape (n, 2)
         In units of length per second.
     radii : array_like, a number or shape (n,)
-        In units of length, at least 0.
+        In units of length: 0, or between 1e-18 and 1e18.
     masses : array_like, a number or shape (n,), optional
         Above 0. If omitted, density times radius squared, as in the article; required for
         a particle of radius 0.

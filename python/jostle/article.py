@@ -87,9 +87,9 @@ brute force handles both overlaps. And if the list is reversed, another scene re
 >>> sum(throw(gap) for gap in range(31, 91))
 39
 
-**9. Piles never rest** and overlap deeply (after 200 frames, in pixels and hits a frame):
+**9. Piles never rest** and overlap deeply (after 100 frames, in pixels and hits a frame):
 
->>> pile = settle(1000, frames=200)
+>>> pile = settle(1000, frames=100)
 >>> max(overlaps(pile.particles).values()) > 8, pile.hits > 1000
 (True, True)
 

@@ -276,7 +276,7 @@ def _show(settings: Settings, steps: int | None, renderer: str, wishes: Config) 
     from jostle.app.draw.renderers import NoRendererError
     from jostle.app.window import SIZE, Window
 
-    simulation = _start(settings)
+    simulation = _start(settings, wishes)
     try:
         window = Window(simulation, wishes.size or SIZE, steps=steps, renderer=renderer)
     except NoRendererError as error:
@@ -299,7 +299,7 @@ def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> N
     if shown is not None:
         wishes.show(shown)
 
-    simulation = _start(settings)
+    simulation = _start(settings, wishes)
     try:
         with interrupt.raised():
             film = make_film(
@@ -316,12 +316,13 @@ def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> N
     console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
 
 
-def _start(settings: Settings) -> Simulation:
+def _start(settings: Settings, wishes: Config) -> Simulation:
     """Return the simulation; what the library refuses becomes the command's sentence."""
     try:
         return start(settings)
     except (ValueError, OverflowError, MemoryError) as error:
-        _refuse(str(error) or f"there is not enough memory for {settings.n:,} particles")
+        why = str(error) or f"there is not enough memory for {settings.n:,} particles"
+        _refuse(f"{wishes.name}: {why}" if wishes.name else why)
 
 
 def _has_display() -> bool:

@@ -30,7 +30,8 @@ use crate::shapes::{Rows, Shapes};
 /// boxes : array_like, shape (n, 4), optional
 ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-///     are accepted in a list or a tuple. The four numbers are compared without rounding:
+///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
+///     width and height. The four numbers are compared without rounding:
 ///     boxes that share an edge never overlap, whereas sides computed as
 ///     ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
 /// method : {"auto", "brute", "quadtree"}, default "auto"

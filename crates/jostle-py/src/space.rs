@@ -124,8 +124,8 @@ impl PySpace {
     /// boxes : array_like, shape (k, 4) or (4,), optional
     ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
     ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-    ///     are accepted, also in a list or a tuple. The four numbers are compared without
-    ///     rounding: boxes that share an edge never overlap, whereas sides computed as
+    ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
+    ///     x, y, width and height. The four numbers are compared without rounding: boxes that share an edge never overlap, whereas sides computed as
     ///     ``center ± half_size`` are rounded.
     /// categories : array_like of int, a number or shape (k,), default 1
     ///     Categories of each shape, as a set of 32 bits.
@@ -475,7 +475,7 @@ impl PySpace {
     /// rect : array_like, shape (4,) or (k, 4)
     ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
     ///     `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-    ///     `max_y`, such as :class:`jostle.Box`, are accepted, also in a list.
+    ///     `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
     /// mask : int, optional
     ///     Find only shapes with a category in this set of bits.
     ///

@@ -41,7 +41,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 /// velocities : array_like, shape (n, 2)
 ///     In units of length per second.
 /// radii : array_like, a number or shape (n,)
-///     In units of length, at least 0.
+///     In units of length: 0, or between 1e-18 and 1e18.
 /// masses : array_like, a number or shape (n,), optional
 ///     Above 0. If omitted, density times radius squared, as in the article; required for
 ///     a particle of radius 0.

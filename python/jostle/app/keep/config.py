@@ -75,6 +75,7 @@ class ConfigError(ValueError):
 class Config:
     """The entries of a file; missing ones are omitted or None."""
 
+    name: str | None = None  # of the file
     settings: Settings = field(default_factory=Settings)
     given: frozenset[str] = frozenset()  # the settings that the file names
     shown: Mapping[str, Any] = field(default_factory=dict)
@@ -99,6 +100,7 @@ def read_config(path: Path) -> Config:
     window, shown = entries.pop("window", {}), entries.pop("shown", {})
     size = window.get("size")
     return Config(
+        name=path.name,
         settings=settings_of(entries),
         given=frozenset(entries),
         shown={name: _switch(name, value) for name, value in shown.items()},
@@ -245,10 +247,17 @@ def _shared(one: Key, other: Key) -> int:
     return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
 
 
+# Messages of the reader that do not say what to change.
+_PLAIN = {
+    "Cannot overwrite a value": "the entry is given twice",
+    "Illegal character '\\n'": "a quotation mark is missing at the end of the line",
+}
+
+
 def _syntax(name: str, text: str, complaint: str) -> str:
     """Return the reader's message with the line before it, as in other messages."""
     reason, _, place = complaint.partition(" (at ")
-    reason = reason[:1].lower() + reason[1:]
+    reason = _PLAIN.get(reason, reason[:1].lower() + reason[1:])
     line = place.removeprefix("line ").split(",")[0]
     if not line.isdigit():  # "end of document"
         line = str(text.rstrip().count("\n") + 1)
