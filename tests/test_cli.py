@@ -53,7 +53,7 @@ def test_what_the_library_refuses_is_said_of_the_file(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (tmp_path / "small.toml").write_text('scene = "gas"\nn = 30\nworld_size = 0.01\n')
-    wrong = ("--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
+    wrong = ("--headless", "--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
     sentence = refused(monkeypatch, capsys, "run", *wrong)
     assert sentence.startswith("jostle: small.toml: radii[0] is 5; it must fit between the walls")
 

@@ -416,7 +416,7 @@ def test_a_rectangle_that_knows_its_sides_is_read_by_them() -> None:
 def test_ids_in_a_set_have_no_order() -> None:
     space = jostle.Space()
     space.add([(0, 0), (1, 1)])
-    with pytest.raises(TypeError, match="ids must be a list or an array"):
+    with pytest.raises(TypeError, match="ids must be an ordered list or array"):
         space.remove({0, 1})
 
 

@@ -230,7 +230,7 @@ class LivingSpace(RuleBasedStateMachine):
                 call()
         with pytest.raises(ValueError, match=rf"^radii\[{row}\] is -1"):
             self.space.add(np.zeros((len(ids), 2)), radii)
-        with pytest.raises(ValueError, match=rf"^ids\[{len(ids)}\] is {ids[row]}; it is named"):
+        with pytest.raises(ValueError, match=rf"^ids\[{len(ids)}\] is {ids[row]}; it is given"):
             self.space.remove([*ids, ids[row]])
 
     @invariant()

@@ -435,7 +435,7 @@ mod tests {
     fn a_refusal_tells_what_is_gone_from_what_never_was() {
         let mut slots = Slots::default();
         let slot = slots.put(&disc(0.0));
-        assert!(slots.find(&[0, 0]).unwrap_err().to_string().contains("ids[1] is 0; it is named"));
+        assert!(slots.find(&[0, 0]).unwrap_err().to_string().contains("ids[1] is 0; it is given"));
         let told = |slots: &mut Slots<f64>, id| slots.find(&[id]).unwrap_err().to_string();
         assert_eq!(told(&mut slots, 1), "ids[0] is 1; no shape has this id");
         slots.remove(slot);
