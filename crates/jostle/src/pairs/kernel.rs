@@ -422,7 +422,6 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         allowed: impl Fn(usize, u32) -> u32,
         notes: &mut [(u32, u32); NOTES],
     ) -> usize {
-        let filtered = self.a.has_filters() || self.b.has_filters();
         let mut count = 0;
         let centers = rows.x.iter().zip(rows.y).zip(rows.radius);
         for (row, ((&x, &y), &radius)) in centers.enumerate() {
@@ -432,11 +431,19 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             } else {
                 [T::ZERO; 2]
             };
-            let mut bits = self.hits::<CORE>([[x, y], max], half, radius, others) & wanted(row);
-            if filtered && bits != 0 {
-                bits = allowed(row, bits);
-            }
+            let bits = self.hits::<CORE>([[x, y], max], half, radius, others) & wanted(row);
             notes[count % NOTES] = (row as u32, bits);
+            count += usize::from(bits != 0);
+        }
+        if !self.a.has_filters() && !self.b.has_filters() {
+            return count;
+        }
+        let found = count.min(NOTES);
+        count = 0;
+        for note in 0..found {
+            let (row, bits) = notes[note];
+            let bits = allowed(row as usize, bits);
+            notes[count] = (row, bits);
             count += usize::from(bits != 0);
         }
         count
