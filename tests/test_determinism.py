@@ -26,5 +26,5 @@ def test_every_scene_is_pinned() -> None:
 def test_a_scene_ends_in_its_pinned_state(name: str) -> None:
     count = min(MOST, jostle.scenes.default_count(name))
     world = jostle.scenes.create(name, n=count)
-    world.step(STEP, 400)
+    world.step(STEP, 1000)
     assert f"{world.state_hash():#018x}" == f"{PINNED[name]:#018x}"

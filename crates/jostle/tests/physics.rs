@@ -182,7 +182,7 @@ fn momentum_of_a_closed_system_stays() {
 
 #[test]
 fn an_elastic_gas_keeps_its_energy() {
-    let mut world = jostle::scenes::find("gas").unwrap().create(Some(2000), 3).unwrap();
+    let mut world = jostle::scenes::find("gas").unwrap().create(Some(10_000), 3).unwrap();
     let start = world.kinetic_energy();
     let mut last = start;
     for hundred in 0..100 {
@@ -229,7 +229,7 @@ fn deepest_overlap(particles: &Particles) -> f32 {
 #[test]
 fn a_pile_comes_to_rest_and_stays() {
     for seed in [0, 1] {
-        let mut world = jostle::scenes::find("pile").unwrap().create(Some(500), seed).unwrap();
+        let mut world = jostle::scenes::find("pile").unwrap().create(Some(1000), seed).unwrap();
         for seconds in [20, 25, 30, 35, 40] {
             let missing = f64::from(seconds) - world.time();
             run(&mut world, STEP, (missing * 60.0).round() as usize);

@@ -57,7 +57,7 @@ fn springs_hold_discs_that_do_not_overlap_at_rest() {
 
 #[test]
 fn soft_bodies_come_to_rest_in_one_piece() {
-    let mut world = create("springs", Some(200), 1);
+    let mut world = create("springs", Some(400), 1);
     run(&mut world, 60);
     let positions = world.positions();
     let [Force::Springs(springs)] = world.forces() else { panic!("springs alone") };
@@ -72,7 +72,7 @@ fn soft_bodies_come_to_rest_in_one_piece() {
 
 #[test]
 fn no_grain_leaks_and_the_sand_runs_through() {
-    for (n, seed) in [(300, 0), (150, 1)] {
+    for (n, seed) in [(500, 0), (150, 1)] {
         let mut world = create("sand", Some(n), seed);
         let [_, top, right, floor] = scenes::find("sand").unwrap().view(Some(n)).unwrap();
         let glass: Vec<[f32; 2]> = world
@@ -102,11 +102,10 @@ fn no_grain_leaks_and_the_sand_runs_through() {
 #[test]
 fn balls_on_the_board_fall_as_coins_do() {
     let (mut counts, mut balls) = (Vec::new(), 0.0);
-    let n = Some(150);
-    let board = scenes::galton_board(n).unwrap();
+    let board = scenes::galton_board(None).unwrap();
     counts.resize(board.rows + 1, 0.0);
     for seed in 0..2 {
-        let mut world = create("galton", n, seed);
+        let mut world = create("galton", None, seed);
         while moving(&world).iter().any(|ball| ball[1] < board.bin_top) && world.time() < 120.0 {
             run(&mut world, 1);
         }
