@@ -361,7 +361,6 @@ SETTINGS: dict[str, tuple[Any, Any]] = {
     "threads": (None, 2),
     "leaf_capacity": (jostle.World([], [], []).leaf_capacity, 5),
     "max_depth": (4096, 3),
-    "substeps": (4, 2),
 }
 
 
@@ -376,6 +375,17 @@ def test_settings_may_be_given_or_assigned(name: str) -> None:
     assert all(getattr(world, other) == SETTINGS[other][0] for other in others)
     setattr(world, name, default)
     assert getattr(world, name) == default
+
+
+def test_substeps_are_as_many_as_the_scene_needs_unless_given() -> None:
+    assert inspect.signature(jostle.World).parameters["substeps"].default is None
+    assert three().substeps == 1
+    assert three(restitution=0.5).substeps == 4
+    assert three(forces=[jostle.Gravitation(1.0)]).substeps == 4
+    world = three(substeps=2)
+    assert world.substeps == 2
+    world.substeps = None
+    assert world.substeps == 1
 
 
 def test_gravity_may_be_an_array() -> None:
@@ -406,13 +416,13 @@ def test_many_steps_are_as_many_single_ones() -> None:
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
 def test_what_a_step_leaves_behind(method: Any) -> None:
     world = gas(method=method)
-    assert world.stats == (0, 0, 0, 0)
+    assert world.stats == (0, 0, 0, 0, 0)
     assert len(world.contacts.pairs) == 0
     assert world.profile == dict.fromkeys(STAGES, 0.0)
     world.step(1 / 60, steps=2)
     contacts, stats = world.contacts, world.stats
     assert isinstance(contacts, jostle.Contacts)
-    assert isinstance(stats, jostle.Stats)
+    assert isinstance(stats, jostle.WorldStats)
     pairs, normals, depths = contacts
     assert len(pairs) > 0
     assert (pairs.dtype, normals.dtype, depths.dtype) == (np.int64, np.float32, np.float32)

@@ -10,7 +10,7 @@
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs` and
     `Thermostat` are its forces.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`, `WorldStats`
     The results of queries.
 `article`
     The two programs of the article of 2015, in plain Python, with their faults.
@@ -32,7 +32,7 @@ from jostle._core import (
     __version__,
     find_pairs,
 )
-from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats
+from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats, WorldStats
 
 __all__ = [
     "Attractor",
@@ -53,6 +53,7 @@ __all__ = [
     "Thermostat",
     "Torus",
     "World",
+    "WorldStats",
     "__version__",
     "article",
     "find_pairs",

@@ -29,6 +29,7 @@ from jostle.results import (
     RayHit,
     RayHits,
     Stats,
+    WorldStats,
 )
 
 __all__ = [
@@ -1960,9 +1961,10 @@ class World:
         Particles that a box of the tree may hold before it splits.
     max_depth : int, default 4096
         Maximum number of subdivisions of the tree; the default never prevents a split.
-    substeps : int, default 4
-        Sub-steps of a step, in which contacts are solved. Piles come to rest with the
-        default; 1 is enough for a gas.
+    substeps : int, optional
+        Sub-steps of a step, in which forces act and resting contacts are solved. None, the
+        default, takes as many as the scene needs: 1 if all restitutions are 1 and no force but
+        a thermostat acts, otherwise 4.
 
     Raises
     ------
@@ -2001,7 +2003,7 @@ class World:
         threads: SupportsIndex | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
-        substeps: SupportsIndex = 4,
+        substeps: SupportsIndex | None = None,
     ) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
         """Advance the simulation.
@@ -2260,9 +2262,11 @@ class World:
     def max_depth(self, value: SupportsIndex) -> None: ...
     @property
     def substeps(self) -> int:
-        """Sub-steps of a step, in which contacts are solved."""
+        """Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
+        for the latter.
+        """
     @substeps.setter
-    def substeps(self, value: SupportsIndex) -> None: ...
+    def substeps(self, value: SupportsIndex | None) -> None: ...
     @property
     def contacts(self) -> Contacts:
         """The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
@@ -2292,9 +2296,10 @@ class World:
         "contacts" and "resolve", and "forces" if there are forces.
         """
     @property
-    def stats(self) -> Stats:
-        """The search of the last step: a `Stats` of four integers, `nodes`, `leaves` and
-        `depth` of the tree, and `tests`, the number of pairs that were tested.
+    def stats(self) -> WorldStats:
+        """The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
+        `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
+        that had too many collisions and stood still for the rest of a part of the step.
         """
     def state_hash(self) -> int:
         """Return a 64-bit hash of all particles.

@@ -168,6 +168,31 @@ class Stats(NamedTuple):
     tests: int
 
 
+class WorldStats(NamedTuple):
+    """Size of the quadtree of the last step of a `World`, and what the step did.
+
+    Attributes
+    ----------
+    nodes : int
+        Boxes.
+    leaves : int
+        Boxes that did not split.
+    depth : int
+        Subdivisions above the deepest box.
+    tests : int
+        Pairs of particles that were tested.
+    unresolved : int
+        Particles that had so many collisions in a part of the step that they stood still for
+        the rest of it.
+    """
+
+    nodes: int
+    leaves: int
+    depth: int
+    tests: int
+    unresolved: int
+
+
 class GaltonBoard(NamedTuple):
     """Geometry of the board in the scene `galton`; y grows downwards.
 

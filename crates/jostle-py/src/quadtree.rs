@@ -656,7 +656,7 @@ impl PyQuadtree {
         let tests = self.tests.load(Ordering::Relaxed);
         let boxes = detached(py, || with_tree!(&self.tree, tree => tree.count_boxes()))?;
         let [nodes, leaves, depth] = boxes.map_err(refused)?;
-        results::stats(py, Stats { nodes, leaves, depth, tests })
+        results::stats(py, Stats { nodes, leaves, depth, tests, ..Stats::default() })
     }
 
     fn __len__(&self) -> usize {

@@ -46,6 +46,13 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
 }
 
+/// `jostle.WorldStats`.
+pub fn world_stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
+    static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (all.nodes, all.leaves, all.depth, all.tests, all.unresolved);
+    STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
+}
+
 /// The same with ids for the caller; does not need the GIL.
 pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;

@@ -1,7 +1,6 @@
 //! The knobs that calls share, and what they are when left out.
 
 use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
-use jostle::world::DEFAULT_SUBSTEPS;
 use jostle::{Method, OnTouch, Settings};
 use pyo3::prelude::*;
 
@@ -12,7 +11,6 @@ use crate::error::value_error;
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
 const _: () = assert!(DEFAULT_LEAF_CAPACITY == 96);
 const _: () = assert!(DEFAULT_MAX_DEPTH == 4096);
-const _: () = assert!(DEFAULT_SUBSTEPS == 4);
 
 /// The most pairs to return.
 pub fn max_pairs(given: &Given<'_>) -> PyResult<usize> {
@@ -34,9 +32,9 @@ pub fn threads(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     value.map(|value| count("threads", value, 1)).transpose()
 }
 
-/// Parts of a step.
-pub fn substeps(given: &Given<'_>) -> PyResult<usize> {
-    given.value().map_or(Ok(DEFAULT_SUBSTEPS), |value| count("substeps", value, 1))
+/// Parts of a step; None stands for as many as the scene needs.
+pub fn substeps(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    value.map(|value| count("substeps", value, 1)).transpose()
 }
 
 /// How `find_pairs` finds them; None stands for the faster way.

@@ -78,9 +78,10 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
 ///     Maximum number of subdivisions of the tree; the default never prevents a split.
-/// substeps : int, default 4
-///     Sub-steps of a step, in which contacts are solved. Piles come to rest with the
-///     default; 1 is enough for a gas.
+/// substeps : int, optional
+///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
+///     default, takes as many as the scene needs: 1 if all restitutions are 1 and no force but
+///     a thermostat acts, otherwise 4.
 ///
 /// Raises
 /// ------
@@ -117,12 +118,12 @@ impl PyWorld {
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
             container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
-            method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=Given::NOTHING,
+            method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
                           container=None, forces=(), on_touch='bounce', method='quadtree', \
-                          threads=None, leaf_capacity=96, max_depth=4096, substeps=4)"
+                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -143,7 +144,7 @@ impl PyWorld {
         threads: Option<&Bound<'py, PyAny>>,
         leaf_capacity: Given<'py>,
         max_depth: Given<'py>,
-        substeps: Given<'py>,
+        substeps: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
@@ -153,7 +154,7 @@ impl PyWorld {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
             method: settings::method(&method)?,
-            substeps: settings::substeps(&substeps)?,
+            substeps: settings::substeps(substeps)?,
             tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
             ..WorldSettings::default()
         };
@@ -608,15 +609,16 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.tree.max_depth = max_depth)
     }
 
-    /// Sub-steps of a step, in which contacts are solved.
+    /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
+    /// for the latter.
     #[getter]
     fn substeps(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.rules(py)?.substeps)
+        Ok(self.state(py)?.world.substeps())
     }
 
     #[setter]
-    fn set_substeps(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let substeps = settings::substeps(&value)?;
+    fn set_substeps(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let substeps = settings::substeps(value)?;
         self.change_rules(py, |rules| rules.substeps = substeps)
     }
 
@@ -681,12 +683,13 @@ impl PyWorld {
         Ok(profile)
     }
 
-    /// The search of the last step: a `Stats` of four integers, `nodes`, `leaves` and
-    /// `depth` of the tree, and `tests`, the number of pairs that were tested.
+    /// The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
+    /// `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
+    /// that had too many collisions and stood still for the rest of a part of the step.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();
-        results::stats(py, stats)
+        results::world_stats(py, stats)
     }
 
     /// Return a 64-bit hash of all particles.

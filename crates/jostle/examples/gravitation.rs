@@ -36,7 +36,7 @@ fn milliseconds(count: usize, theta: f32, threads: usize, substeps: usize) -> f6
     let mut place = || [random.between(0.0, 100.0), random.between(0.0, 100.0)];
     let positions = (0..count).map(|_| place()).collect();
     let bodies = Particles::new(positions, vec![[0.0; 2]; count], vec![0.01; count], 1.0);
-    let mut settings = WorldSettings { substeps, ..WorldSettings::default() };
+    let mut settings = WorldSettings { substeps: Some(substeps), ..WorldSettings::default() };
     settings.tree.threads = Some(threads);
     let mut world = World::new(bodies, settings).expect("the bodies are valid");
     let pull = Gravitation { g: 1e-4, softening: 0.1, theta };

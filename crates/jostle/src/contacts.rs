@@ -77,6 +77,19 @@ impl Default for Contact {
     }
 }
 
+impl Contact {
+    /// The same contact with the smaller place first.
+    fn ascending(self) -> Self {
+        let Self { places: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
+        if a < b {
+            return self;
+        }
+        // 0 − v, so that no image is −0.
+        let [image, normal] = [image, normal].map(|vector| vector.map(|v| 0.0 - v));
+        Self { places: [b, a], image, normal, inverse_masses: [d, c], ..self }
+    }
+}
+
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
@@ -176,8 +189,9 @@ impl Contacts {
         movable: &[bool],
     ) -> [usize; COLOURS + 1] {
         // What cannot move may be touched by any number at a time: it takes no colour.
+        let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
         self.taken.clear();
-        self.taken.resize(movable.len(), 0);
+        self.taken.resize(if any { movable.len() } else { 0 }, 0);
         self.colours.clear();
         let mut counts = [0usize; COLOURS + 1];
         for pair in lists.iter().flat_map(|(_, pairs)| pairs).filter(|pair| solved(pair)) {
@@ -234,6 +248,37 @@ impl Contacts {
         self.ends = Ends::default();
         self.sources.clear();
         self.remember(places);
+    }
+
+    /// Keeps the contacts that pushed during the step or hold something up, and adds those of the
+    /// pairs that bounced, with the image that is added to the second.
+    pub fn keep_lasting(
+        &mut self,
+        bounced: impl Iterator<Item = ([u32; 2], [f32; 2])>,
+        particles: &Particles,
+        places: usize,
+    ) {
+        let mut kept: Vec<Contact> = self.lasting().copied().map(Contact::ascending).collect();
+        kept.extend(bounced.map(|(pair, image)| {
+            let [i, j] = pair.map(|place| place as usize);
+            Contact {
+                places: pair,
+                image,
+                reach: particles.radii[i] + particles.radii[j],
+                inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
+                touched: true,
+                ..Contact::default()
+            }
+        }));
+        let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
+        // Stable, so that a contact with its impulse stands before the same pair that bounced.
+        kept.sort_by_key(key);
+        kept.dedup_by(|next, first| {
+            let same = key(next) == key(first);
+            first.touched |= same && next.touched;
+            same
+        });
+        self.recall(kept, places);
     }
 
     /// Those that have pushed or hold something up, in canonical order.

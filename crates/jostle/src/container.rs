@@ -49,6 +49,17 @@ impl Container {
         matches!(self, Self::Box { .. } | Self::Circle { .. })
     }
 
+    /// The area inside; none if there are no walls.
+    pub fn area(&self) -> Option<f64> {
+        let product = |a: f32, b: f32| f64::from(a) * f64::from(b);
+        match self {
+            Self::None => None,
+            Self::Box { min, max } => Some(product(max[0] - min[0], max[1] - min[1])),
+            Self::Circle { radius, .. } => Some(core::f64::consts::PI * product(*radius, *radius)),
+            Self::Torus { size } => Some(product(size[0], size[1])),
+        }
+    }
+
     /// Refuses walls that hold nothing.
     pub fn validate(&self) -> Result<()> {
         let reasonable = |v: &f32| v.abs() <= FARTHEST;
@@ -200,6 +211,24 @@ impl Container {
             let side = f64::from(size[k]);
             offset[k] - side * (offset[k] / side).round()
         })
+    }
+
+    /// Distances from the surface of a disc to the walls, flat ones at their own index.
+    pub fn gaps(&self, position: [f64; 2], radius: f64) -> [Option<f64>; MAX_WALLS] {
+        match self {
+            Self::None | Self::Torus { .. } => [None; MAX_WALLS],
+            Self::Box { min, max } => [
+                Some(position[0] - radius - f64::from(min[0])),
+                Some(f64::from(max[0]) - radius - position[0]),
+                Some(position[1] - radius - f64::from(min[1])),
+                Some(f64::from(max[1]) - radius - position[1]),
+            ],
+            Self::Circle { center, radius: outer } => {
+                let [x, y] = [0, 1].map(|k| position[k] - f64::from(center[k]));
+                let gap = f64::from(*outer) - radius - (x * x + y * y).sqrt();
+                [Some(gap), None, None, None]
+            }
+        }
     }
 
     /// The walls near a particle, flat ones at their own index.

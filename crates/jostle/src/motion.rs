@@ -138,6 +138,16 @@ impl Motions {
         self.0[place as usize].velocity.set_vector(velocity);
     }
 
+    /// Replaces position and velocity; the way is the change of the position.
+    #[inline(always)]
+    pub fn advance(&self, place: u32, position: [f64; 2], velocity: [f64; 2]) {
+        let row = &self.0[place as usize];
+        let [x, y] = row.position.vector().map(f64::from);
+        row.travel.set_vector([(position[0] - x) as f32, (position[1] - y) as f32]);
+        row.position.set_vector(position.map(|v| v as f32));
+        row.velocity.set_vector(velocity.map(|v| v as f32));
+    }
+
     /// Replaces its way alone.
     #[inline(always)]
     pub fn set_travel(&self, place: u32, travel: [f32; 2]) {

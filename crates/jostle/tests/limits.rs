@@ -31,7 +31,7 @@ fn overflowing() -> World {
         gravity: [0.0, 10.0],
         drag: 1e3,
         container: Container::Box { min: [-20.0; 2], max: [20.0; 2] },
-        substeps: 1,
+        substeps: Some(1),
         ..Default::default()
     };
     let mut world = World::new(all, settings).unwrap();
@@ -244,7 +244,7 @@ fn a_long_row_that_is_stopped_takes_no_longer() {
     velocities.push([0.0, 0.0]);
     let mut all = Particles::new(positions, velocities, vec![0.5; len + 1], 1.0);
     all.movable[len] = false;
-    let settings = WorldSettings { restitution: 0.0, substeps: 1, ..Default::default() };
+    let settings = WorldSettings { restitution: 0.0, substeps: Some(1), ..Default::default() };
     let mut world = World::new(all, settings).unwrap();
     within_bounds(|| world.step(0.1, 1, &mut |_| ()).unwrap());
     assert!(world.positions().iter().all(|p| p[0] <= 1.0), "nothing has passed the obstacle");

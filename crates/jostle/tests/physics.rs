@@ -39,7 +39,10 @@ impl Two {
             movable: vec![true; 2],
         };
         let restitution = self.restitution;
-        world(particles, WorldSettings { restitution, substeps, ..WorldSettings::default() })
+        world(
+            particles,
+            WorldSettings { restitution, substeps: Some(substeps), ..WorldSettings::default() },
+        )
     }
 
     /// The velocities after the collision, from the moment of impact.
@@ -184,13 +187,10 @@ fn momentum_of_a_closed_system_stays() {
 fn an_elastic_gas_keeps_its_energy() {
     let mut world = jostle::scenes::find("gas").unwrap().create(Some(10_000), 3).unwrap();
     let start = world.kinetic_energy();
-    let mut last = start;
-    for hundred in 0..100 {
+    for _ in 0..10 {
         run(&mut world, STEP, 100);
         let now = world.kinetic_energy();
-        assert!((now / start - 1.0).abs() <= 0.01, "energy {} after {hundred}00", now / start);
-        assert!(now / last <= 1.001, "energy rose by {} in a hundred steps", now / last - 1.0);
-        last = now;
+        assert!((now / start - 1.0).abs() <= 1e-6, "energy {}", now / start);
     }
 }
 
@@ -271,7 +271,10 @@ fn no_shot_passes_through_a_disc() {
             movable: vec![true, shot % 2 == 0],
         };
         let substeps = 1 + shot % 4;
-        let mut world = world(particles, WorldSettings { substeps, ..WorldSettings::default() });
+        let mut world = world(
+            particles,
+            WorldSettings { substeps: Some(substeps), ..WorldSettings::default() },
+        );
         let before = world.particles().velocities[0];
         run(&mut world, STEP, 2 + (distance / way) as usize);
         let after = world.particles().velocities[0];
@@ -300,7 +303,7 @@ fn no_shot_passes_through_a_curtain_of_discs() {
         particles.movable[..pegs].fill(false);
         let settings = WorldSettings {
             container: Container::Box { min: [0.0; 2], max: [side; 2] },
-            substeps: 1 + seed as usize % 3,
+            substeps: Some(1 + seed as usize % 3),
             ..WorldSettings::default()
         };
         let mut world = world(particles, settings);
@@ -576,8 +579,12 @@ fn a_train_keeps_its_order_when_it_hits_a_wall() {
                 let particles =
                     Particles::new(positions, vec![[speed, 0.0]; count], vec![1.0; count], 1.0);
                 let container = Container::Box { min: [0.0; 2], max: [wall, 100.0] };
-                let settings =
-                    WorldSettings { restitution, substeps, container, ..WorldSettings::default() };
+                let settings = WorldSettings {
+                    restitution,
+                    substeps: Some(substeps),
+                    container,
+                    ..WorldSettings::default()
+                };
                 let mut world = world(particles, settings);
                 for step in 0..20 {
                     run(&mut world, STEP, 1);

@@ -65,7 +65,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
         container,
         on_touch,
         method: Method::Brute,
-        substeps: 3,
+        substeps: Some(3),
         tree: Settings { leaf_capacity: 7, max_depth: 30, threads: Some(2) },
     };
     let mut world = World::new(all, settings).expect("valid");
@@ -150,7 +150,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads format 1"
+        "data is a snapshot in format 9; this version of jostle reads format 2"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(

@@ -24,15 +24,23 @@ impl Thermostat {
         Err(Error::of("rate", self.rate, "it must lie between 0 and 1"))
     }
 
-    /// The motion after the bounce off a wall that it has just had.
-    pub fn drive(&self, motion: Motion, h: f32) -> Motion {
-        let [x, y] = motion.velocity.map(f64::from);
+    /// The velocity after the bounce off a wall, from that which the bounce alone gives.
+    pub fn drive(&self, velocity: [f64; 2]) -> [f64; 2] {
+        let [x, y] = velocity;
         let speed = (x * x + y * y).sqrt();
         if speed == 0.0 {
-            return motion;
+            return velocity;
         }
         let new = speed + f64::from(self.rate) * (f64::from(self.speed) - speed);
-        let velocity = [x, y].map(|v| (v * (new / speed)) as f32);
+        velocity.map(|v| v * (new / speed))
+    }
+
+    /// The motion after the bounce off a wall that it has just had.
+    pub fn drive_motion(&self, motion: Motion, h: f32) -> Motion {
+        let velocity = self.drive(motion.velocity.map(f64::from)).map(|v| v as f32);
+        if velocity == motion.velocity {
+            return motion;
+        }
         let left = h - motion.since;
         let way = |k: usize| motion.travel[k] + (velocity[k] - motion.velocity[k]) * left;
         Motion { velocity, travel: [way(0), way(1)], ..motion }

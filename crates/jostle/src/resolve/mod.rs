@@ -126,8 +126,12 @@ pub fn kick(scene: &Scene<'_>, rules: &Rules, accelerations: &[[f32; 2]], h: f32
 
 /// Brings normal and gap of every contact up to date with the positions.
 fn measure_all(scene: &mut Scene<'_>, rules: &Rules) {
-    let motions = scene.motions;
-    scene.contacts.each(rules.threads, |contact| measure(contact, motions));
+    measure_contacts(scene.contacts, scene.motions, rules.threads);
+}
+
+/// As [`measure_all`] for all of some contacts.
+pub fn measure_contacts(contacts: &mut Contacts, motions: &Motions, threads: Option<usize>) {
+    contacts.each(threads, |contact| measure(contact, motions));
 }
 
 /// As [`measure_all`] for those that pushed, for whoever looks at them afterwards.
@@ -186,7 +190,7 @@ fn bounce(scene: &mut Scene<'_>, rules: &Rules, h: f32) -> Result<()> {
                 let radius = particles.radii[place as usize];
                 let bounced = impact::against_walls(motion, radius, restitution, rules, h);
                 if let Some(bounced) = bounced {
-                    let bounced = rules.thermostat.map_or(bounced, |t| t.drive(bounced, h));
+                    let bounced = rules.thermostat.map_or(bounced, |t| t.drive_motion(bounced, h));
                     motions.set(place, Motion { turn: turn(round, walls), ..bounced });
                     any.store(true, Ordering::Relaxed);
                 }
@@ -312,7 +316,8 @@ fn advance(scene: &Scene<'_>, rules: &Rules) {
     });
 }
 
-fn settle(scene: &mut Scene<'_>, rules: &Rules) {
+/// Pushes apart what overlaps, and back inside what overlaps the walls.
+pub fn settle(scene: &mut Scene<'_>, rules: &Rules) {
     let (motions, particles) = (scene.motions, scene.particles);
     scene.contacts.solve(rules.threads, |contact, _| {
         separate::push_apart(contact, motions, &particles.radii)

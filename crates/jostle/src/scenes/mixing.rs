@@ -38,7 +38,7 @@ pub fn thermostat(n: usize, random: &mut Random) -> Start {
     let mut particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
     let masses = particles.masses.iter_mut().enumerate();
     masses.for_each(|(row, mass)| *mass *= DENSITIES[kind(row)]);
-    let settings = WorldSettings { substeps: 1, ..boxed(area) };
+    let settings = WorldSettings { substeps: Some(1), ..boxed(area) };
     Start::new(particles, settings).with(Force::Thermostat(WALLS))
 }
 
@@ -67,7 +67,7 @@ pub fn brownian(n: usize, random: &mut Random) -> Start {
     let mut radii = vec![LARGE; n.min(1)];
     radii.resize(n, SMALL);
     let particles = Particles::new(places, velocities, radii, 1.0);
-    Start::new(particles, WorldSettings { substeps: 1, ..boxed(area) })
+    Start::new(particles, WorldSettings { substeps: Some(1), ..boxed(area) })
 }
 
 /// `count` places on a lattice that leaves a circle free.

@@ -51,7 +51,8 @@ pub fn stars(n: usize, random: &mut Random) -> Start {
         velocities.push([u - y * turn, v + x * turn]);
     }
     let particles = Particles::new(places, velocities, vec![DUST; n], 1.0);
-    let settings = WorldSettings { on_touch: OnTouch::Merge, substeps: 1, ..Default::default() };
+    let settings =
+        WorldSettings { on_touch: OnTouch::Merge, substeps: Some(1), ..Default::default() };
     let pull = Gravitation { g, softening: 2.0 * DUST, theta: 0.7 };
     Start::new(particles, settings).with(Force::Gravitation(pull))
 }

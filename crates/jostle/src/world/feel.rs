@@ -29,6 +29,7 @@ impl World {
     /// Finds out what the forces do in the first sub-step. It does not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn feel(&mut self, dt: f32) -> Result<()> {
+        let substeps = self.substeps();
         let settings = &self.settings;
         let memory = &mut self.memory.forces;
         memory.accelerations.clear();
@@ -37,7 +38,7 @@ impl World {
             return Ok(());
         }
         find_places(&self.forces, &self.rows, &mut memory.places);
-        let h = dt / settings.substeps as f32;
+        let h = dt / substeps as f32;
         let particles = &self.particles;
         if forces::pull(&self.forces) {
             let all = particles.positions.iter().zip(&particles.velocities);

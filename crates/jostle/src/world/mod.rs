@@ -6,6 +6,8 @@
 //! and every sum and every loop runs in an order that comes from the state.
 //! `rows` leads back to the order of adding, which is all that callers see.
 
+mod bounds;
+mod exact;
 mod fast;
 mod feel;
 mod merge;
@@ -21,6 +23,7 @@ use std::ops::Range;
 use crate::contacts::Contacts;
 use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
+use crate::events::Events;
 use crate::forces::{self, Force};
 use crate::integrate::Sweep;
 use crate::motion::Motions;
@@ -63,6 +66,9 @@ pub struct Stats {
     pub depth: usize,
     /// Pairs tested.
     pub tests: u64,
+    /// Particles that had so many collisions in a part of the step that they stood still for the
+    /// rest of it.
+    pub unresolved: u64,
 }
 
 /// Two particles that touched during the last step.
@@ -108,6 +114,14 @@ pub struct World {
 #[derive(Debug, Default)]
 struct Memory {
     sweeps: Vec<Sweep>,
+    /// What the event-driven step needs, see [`exact`].
+    reaches: Vec<f32>,
+    old_reaches: Vec<f32>,
+    grown: bounds::Grown,
+    moving: Vec<bool>,
+    events: Events,
+    /// Pairs that touched in earlier parts of the step.
+    touched_before: Vec<[u32; 2]>,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,

@@ -14,11 +14,12 @@ use crate::shapes::{Each, Shapes};
 /// the first of a pair, moved by minus the offset, is the one that is meant.
 pub(super) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
 
-/// Lists the pairs of shapes that overlap; returns how many were tested.
+/// Lists the pairs of shapes that overlap, sorted if there is memory to sort them in; returns how
+/// many were tested.
 pub(super) fn list(
     tree: &Quadtree<f32>,
     settings: &WorldSettings,
-    sorting: &mut SortScratch,
+    mut sorting: Option<&mut SortScratch>,
     lists: &mut Lists,
 ) -> Result<u64> {
     // Brute force is worth other threads long before a tree is.
@@ -28,7 +29,9 @@ pub(super) fn list(
     let mut tests = 0;
     let mut keep = |image, mut found: pairs::Found| {
         tests += found.tests;
-        pairs::sort_places(&mut found.pairs, tree.len(), sorting)?;
+        if let Some(sorting) = &mut sorting {
+            pairs::sort_places(&mut found.pairs, tree.len(), sorting)?;
+        }
         lists.push((image, found.pairs));
         Ok(())
     };
@@ -80,7 +83,7 @@ impl World {
         let mut tree = Quadtree::default();
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let mut lists = Vec::new();
-        let tests = list(&tree, settings, &mut SortScratch::default(), &mut lists)?;
+        let tests = list(&tree, settings, Some(&mut SortScratch::default()), &mut lists)?;
         let mut found = Vec::new();
         for (image, pairs) in lists {
             for pair in pairs {

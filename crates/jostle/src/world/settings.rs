@@ -33,13 +33,15 @@ pub struct WorldSettings {
     pub on_touch: OnTouch,
     /// How pairs are found. Both give the same world.
     pub method: Method,
-    /// Parts of a step in which contacts are solved, at least 1.
-    pub substeps: usize,
+    /// Parts of a step in which forces act and resting contacts are solved, at least 1. None: as
+    /// many as the scene needs, which is 1 for elastic collisions alone, otherwise
+    /// [`DEFAULT_SUBSTEPS`].
+    pub substeps: Option<usize>,
     /// Leaf capacity, maximum depth and threads.
     pub tree: Settings,
 }
 
-/// Enough for piles to rest; a gas needs only one.
+/// Sub-steps of a world in which contacts can rest: enough for piles.
 pub const DEFAULT_SUBSTEPS: usize = 4;
 
 impl Default for WorldSettings {
@@ -51,7 +53,7 @@ impl Default for WorldSettings {
             container: Container::None,
             on_touch: OnTouch::Bounce,
             method: Method::Quadtree,
-            substeps: DEFAULT_SUBSTEPS,
+            substeps: None,
             tree: Settings::default(),
         }
     }
@@ -69,8 +71,10 @@ impl WorldSettings {
         if !(0.0..=1.0).contains(&self.restitution) {
             return Err(Error::of("restitution", self.restitution, "it must lie between 0 and 1"));
         }
-        if self.substeps == 0 || self.substeps > 1000 {
-            return Err(Error::of("substeps", self.substeps, "it must lie between 1 and 1000"));
+        if let Some(substeps) = self.substeps
+            && !(1..=1000).contains(&substeps)
+        {
+            return Err(Error::of("substeps", substeps, "it must lie between 1 and 1000"));
         }
         self.container.validate()?;
         self.tree.validate()

@@ -17,7 +17,7 @@ use crate::settings::{Method, Settings};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Changes with every change of what follows.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 impl World {
     /// All of the world in bytes that are the same on every machine.
@@ -36,9 +36,10 @@ impl World {
         let mut to = Writer::with_capacity(40 * self.len() + 256);
         put_settings(&mut to, &self.settings);
         to.put(self.time);
-        let Stats { nodes, leaves, depth, tests } = self.stats;
+        let Stats { nodes, leaves, depth, tests, unresolved } = self.stats;
         [nodes, leaves, depth].into_iter().for_each(|number| to.put_count(number));
         to.put(tests);
+        to.put(unresolved);
         to.put_count(self.len());
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
@@ -64,6 +65,7 @@ impl World {
             leaves: from.get_count()?,
             depth: from.get_count()?,
             tests: from.get()?,
+            unresolved: from.get()?,
         };
         let len = from.get_count()?;
         let rows: Vec<u32> = from.get_all(len)?;
@@ -102,7 +104,7 @@ fn put_settings(to: &mut Writer, settings: &WorldSettings) {
         Method::Brute => 1,
     });
     let Settings { leaf_capacity, max_depth, threads } = settings.tree;
-    let numbers = [settings.substeps, leaf_capacity, max_depth, threads.unwrap_or(0)];
+    let numbers = [settings.substeps.unwrap_or(0), leaf_capacity, max_depth, threads.unwrap_or(0)];
     numbers.into_iter().for_each(|number| to.put_count(number));
 }
 
@@ -128,7 +130,7 @@ fn get_settings(from: &mut Reader<'_>) -> Result<WorldSettings> {
         1 => Method::Brute,
         _ => return Err(damaged("there is no such method")),
     };
-    let substeps = from.get_count()?;
+    let substeps = Some(from.get_count()?).filter(|&substeps| substeps > 0);
     let (leaf_capacity, max_depth) = (from.get_count()?, from.get_count()?);
     let threads = Some(from.get_count()?).filter(|&threads| threads > 0);
     let tree = Settings { leaf_capacity, max_depth, threads };

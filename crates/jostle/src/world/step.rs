@@ -76,8 +76,16 @@ impl World {
         parts: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
+        let dt_of_part = dt / parts as f32;
         for _ in 0..parts {
-            self.step_once(dt / parts as f32, watch)?;
+            let splits = if self.is_exact() && self.settings.on_touch == OnTouch::Bounce {
+                self.parts_with_few_candidates(dt_of_part)
+            } else {
+                1.0
+            };
+            for _ in 0..splits as usize {
+                self.step_once(dt_of_part / splits, watch)?;
+            }
         }
         self.move_the_held(dt)
     }
@@ -130,7 +138,12 @@ impl World {
         if !self.forces.is_empty() {
             watch(Stage::Forces);
         }
-        self.sweep(dt);
+        let exact = self.is_exact();
+        if exact {
+            self.bound(dt);
+        } else {
+            self.sweep(dt);
+        }
         watch(Stage::Integrate);
         interrupt::check()?;
         self.build()?;
@@ -139,11 +152,17 @@ impl World {
         self.candidates()?;
         watch(Stage::Pairs);
         interrupt::check()?;
-        self.arrange();
-        self.meet();
-        watch(Stage::Contacts);
-        self.resolve(dt, watch)?;
-        self.break_springs();
+        self.arrange(exact);
+        if exact {
+            self.prepare_events();
+            watch(Stage::Contacts);
+            self.fly(dt)?;
+        } else {
+            self.meet();
+            watch(Stage::Contacts);
+            self.resolve(dt, watch)?;
+            self.break_springs();
+        }
         self.merge();
         watch(Stage::Resolve);
         Ok(())
@@ -195,7 +214,7 @@ impl World {
 
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old
     /// order for [`World::undo`].
-    fn arrange(&mut self) {
+    fn arrange(&mut self, exact: bool) {
         let threads = self.threads();
         let memory = &mut self.memory;
         let order = memory.tree.rows();
@@ -206,9 +225,20 @@ impl World {
         std::mem::swap(particles, &mut self.particles);
         gather(rows, &mut self.rows, order, threads);
         gather(wall_pushes, &mut self.wall_pushes, order, threads);
-        if !memory.before.arranged {
+        memory.touched_before.clear();
+        if memory.before.arranged {
+            let mut indices = vec![0; order.len()];
+            (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
+            let touched = self.contacts.touching().map(|contact| contact.places);
+            let moved = touched.map(|pair| pair.map(|place| indices[place as usize]));
+            memory.touched_before.extend(moved);
+        } else {
             self.contacts.exchange(&mut memory.before.contacts);
             memory.before.arranged = true;
+        }
+        if exact {
+            gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
+            return;
         }
         gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
         if self.forces.is_empty() {
@@ -226,16 +256,20 @@ impl World {
 
     /// The pairs of places whose swept AABBs overlap; none if particles pass through each other.
     fn candidates(&mut self) -> Result<()> {
+        // The events need no order of the pairs.
+        let sorted = !(self.is_exact() && self.settings.on_touch == OnTouch::Bounce);
         let Memory { tree, sorting, pairs, .. } = &mut self.memory;
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {
                 pairs.clear();
                 0
             }
-            OnTouch::Bounce | OnTouch::Merge => search::list(tree, &self.settings, sorting, pairs)?,
+            OnTouch::Bounce | OnTouch::Merge => {
+                search::list(tree, &self.settings, sorted.then_some(sorting), pairs)?
+            }
         };
         let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());
-        self.stats = Stats { nodes, leaves, depth, tests };
+        self.stats = Stats { nodes, leaves, depth, tests, unresolved: 0 };
         Ok(())
     }
 
@@ -258,6 +292,7 @@ impl World {
     }
 
     fn resolve(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
+        let substeps = self.substeps();
         let settings = &self.settings;
         let [gx, gy] = settings.gravity;
         let rules = Rules {
@@ -286,8 +321,8 @@ impl World {
             memory: &mut memory.resolving,
         };
         let forces = &mut memory.forces;
-        let h = dt / settings.substeps as f32;
-        for substep in 0..settings.substeps {
+        let h = dt / substeps as f32;
+        for substep in 0..substeps {
             interrupt::check()?;
             if substep > 0 && forces::pull(&self.forces) {
                 watch(Stage::Resolve);
@@ -310,6 +345,12 @@ impl World {
             merge::note(&mut memory.meetings, motions, rules.threads);
         }
         resolve::measure_touching(&mut scene, &rules);
+        self.store()
+    }
+
+    /// Keeps the impulses for the next step, and the positions and velocities of the motions.
+    pub(super) fn store(&mut self) -> Result<()> {
+        let (threads, settings, memory) = (self.threads(), &self.settings, &self.memory);
         if let Some(contact) = self.contacts.remember(self.particles.len()) {
             return Err(not_finite(
                 "contact_impulses",
@@ -320,7 +361,7 @@ impl World {
         let Particles { positions, velocities, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
         let any = AtomicBool::new(false);
-        parallel::for_chunks_of_two(rules.threads, positions, velocities, |first, p, v| {
+        parallel::for_chunks_of_two(threads, positions, velocities, |first, p, v| {
             for ((position, velocity), place) in p.iter_mut().zip(v).zip(first as u32..) {
                 let limit = particles::FARTHEST;
                 let motion = motions.get(place);

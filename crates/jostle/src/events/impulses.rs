@@ -1,0 +1,101 @@
+//! Impacts at the same time.
+//!
+//! Every contact obeys Newton's law of restitution as an inequality: the surfaces separate with
+//! at least e times the speed of their approach, and an impulse never pulls. The impulses P ≥ 0
+//! solve the linear complementarity problem w' = w + A P ≥ −e w, P ⟂ w' + e w, found by projected
+//! Gauss–Seidel iteration (J. J. Moreau, *Numerical aspects of the sweeping process*, 1999). The
+//! velocities after the impacts are unique, so symmetric impacts have symmetric results.
+
+use crate::trajectory::{Vector, dot, vector};
+
+/// Two surfaces that touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Touch {
+    /// What tells the contact from others: the indices of the discs, and the image or the wall.
+    /// Contacts are solved in the order of their keys.
+    pub key: [u32; 3],
+    /// Which velocities belong to the two; a wall has none.
+    pub bodies: [Option<usize>; 2],
+    /// Unit vector from the first to the second.
+    pub normal: Vector,
+    /// One over the masses; 0 for walls and immovable discs.
+    pub inverse_masses: [f64; 2],
+    /// Coefficient of restitution.
+    pub restitution: f64,
+}
+
+/// Iterations for each contact, at most.
+const MOST_ITERATIONS: usize = 60;
+
+/// Change of speed, relative to the fastest approach, below which the iteration ends.
+const TOLERANCE: f64 = 1e-14;
+
+/// Changes the velocities by the impulses of all `touches`.
+pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
+    touches.sort_unstable_by_key(|touch| touch.key);
+    // For each contact its impulse so far and the speed at which it has to separate.
+    impulses.clear();
+    let mut fastest = 0.0f64;
+    for touch in touches.iter() {
+        let approach = touch.separation_speed(velocities);
+        fastest = fastest.max(-approach);
+        impulses.push([0.0, -touch.restitution * approach.min(0.0)]);
+    }
+    for _ in 0..MOST_ITERATIONS {
+        let mut largest = 0.0f64;
+        for (touch, [impulse, wanted]) in touches.iter().zip(impulses.iter_mut()) {
+            let missing = *wanted - touch.separation_speed(velocities);
+            let weight = touch.inverse_masses[0] + touch.inverse_masses[1];
+            let new = (*impulse + missing / weight).max(0.0);
+            let change = new - *impulse;
+            *impulse = new;
+            touch.push(change, velocities);
+            largest = largest.max(change.abs() * weight);
+        }
+        if touches.len() == 1 || largest <= TOLERANCE * fastest {
+            break;
+        }
+    }
+}
+
+impl Touch {
+    /// The speed at which the two separate.
+    pub fn separation_speed(&self, velocities: &[Vector]) -> f64 {
+        let velocity = |body: Option<usize>| body.map_or([0.0; 2], |body| velocities[body]);
+        let [a, b] = self.bodies.map(velocity);
+        dot(self.normal, vector(|k| b[k] - a[k]))
+    }
+
+    fn push(&self, impulse: f64, velocities: &mut [Vector]) {
+        for (which, sign) in [(0, -1.0), (1, 1.0)] {
+            if let Some(body) = self.bodies[which] {
+                let change = sign * impulse * self.inverse_masses[which];
+                velocities[body] = vector(|k| velocities[body][k] + change * self.normal[k]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_disc_on_two_at_once_leaves_symmetrically() {
+        let (x, y) = (0.75f64.sqrt(), 0.5);
+        let touch = |second, normal| Touch {
+            key: [0, second as u32, 0],
+            bodies: [Some(0), Some(second)],
+            normal,
+            inverse_masses: [1.0; 2],
+            restitution: 1.0,
+        };
+        let mut touches = [touch(1, [x, y]), touch(2, [x, -y])];
+        let mut velocities = [[1.0, 0.0], [0.0; 2], [0.0; 2]];
+        apply(&mut touches, &mut velocities, &mut Vec::new());
+        let expected = [[-0.2, 0.0], [0.6, 0.6 / 3f64.sqrt()], [0.6, -0.6 / 3f64.sqrt()]];
+        for (found, expected) in velocities.iter().zip(expected) {
+            assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-14), "{found:?}");
+        }
+    }
+}

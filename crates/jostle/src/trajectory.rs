@@ -1,0 +1,323 @@
+//! Trajectories of discs between events, and the time of impact of two of them.
+//!
+//! Between two events a disc moves along a parabola (if it falls) or a straight line. The
+//! relative motion of two discs of which both fall, or none, is straight, so the time of impact
+//! is the root of a quadratic equation; otherwise it is the root of a quartic.
+
+use crate::container::Container;
+use crate::roots::first_root;
+
+/// A vector in float64.
+pub type Vector = [f64; 2];
+
+/// The scalar product.
+#[inline(always)]
+pub fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// A vector from its two components.
+#[inline(always)]
+pub fn vector(component: impl Fn(usize) -> f64) -> Vector {
+    [component(0), component(1)]
+}
+
+/// A part of a trajectory without events.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Segment {
+    /// When it begins, in seconds since the beginning of the sub-step.
+    pub time: f64,
+    /// Centre at that time.
+    pub position: Vector,
+    /// Velocity at that time.
+    pub velocity: Vector,
+    /// Whether gravity accelerates the disc.
+    pub falls: bool,
+}
+
+impl Segment {
+    /// Centre and velocity at `time`.
+    #[inline(always)]
+    pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
+        let t = time - self.time;
+        let g = if self.falls { gravity } else { [0.0; 2] };
+        let velocity = vector(|k| self.velocity[k] + g[k] * t);
+        let position = vector(|k| self.position[k] + (self.velocity[k] + 0.5 * g[k] * t) * t);
+        [position, velocity]
+    }
+}
+
+/// What happens when two surfaces meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// They bounce.
+    Bounce,
+    /// Their bounces would be too low to be resolved, so they stay together.
+    Hold,
+}
+
+/// A predicted event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// In seconds since the beginning of the sub-step.
+    pub time: f64,
+    /// What happens.
+    pub kind: Kind,
+}
+
+/// What the prediction for two surfaces has to know besides their motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Events after this time are not looked for.
+    pub until: f64,
+    /// When the sub-step ends.
+    pub end: f64,
+    /// Distance that rounding of the stored positions may change.
+    pub rounding: f64,
+}
+
+/// The motion of a point against another.
+#[derive(Clone, Copy, Debug)]
+pub struct Relative {
+    /// When it begins.
+    pub start: f64,
+    /// Offset at that time.
+    pub offset: Vector,
+    /// Relative velocity at that time.
+    pub velocity: Vector,
+    /// Relative acceleration.
+    pub acceleration: Vector,
+}
+
+impl Relative {
+    /// The motion of the disc on `second` against that on `first`; `image` is added to the offset.
+    /// The first must be the one with the smaller index, so that both compute the same numbers.
+    #[inline(always)]
+    pub fn of(first: &Segment, second: &Segment, image: Vector, gravity: Vector) -> Self {
+        let start = first.time.max(second.time);
+        let ([p, v], [q, w]) = (first.at(start, gravity), second.at(start, gravity));
+        let sign = f64::from(i8::from(second.falls) - i8::from(first.falls));
+        Self {
+            start,
+            offset: vector(|k| q[k] - p[k] + image[k]),
+            velocity: vector(|k| w[k] - v[k]),
+            acceleration: gravity.map(|g| g * sign),
+        }
+    }
+
+    /// Whether two discs in straight relative motion never come closer.
+    #[inline(always)]
+    pub fn separates(&self) -> bool {
+        self.acceleration == [0.0; 2] && dot(self.offset, self.velocity) >= 0.0
+    }
+
+    /// The first impact of two discs whose radii have the sum `reach`.
+    #[inline(always)]
+    pub fn impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {
+        if self.acceleration == [0.0; 2] {
+            self.straight_impact(reach, limits)
+        } else {
+            self.curved_impact(reach, limits)
+        }
+    }
+
+    /// The closest approach is found first and the impact from there, which keeps its accuracy
+    /// when the displacement is a thousand radii long.
+    #[inline(always)]
+    fn straight_impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {
+        let (q, w) = (self.offset, self.velocity);
+        let approach = dot(q, w);
+        if approach >= 0.0 {
+            return None;
+        }
+        let (square, qq) = (reach * reach, dot(q, q));
+        let (wait, normal_speed) = if qq <= square {
+            (0.0, -approach / qq.sqrt().max(f64::MIN_POSITIVE))
+        } else {
+            let ww = dot(w, w);
+            let span = limits.until - self.start;
+            // Still approaching then, and still apart.
+            if -approach > ww * span && qq + (2.0 * approach + ww * span) * span > square {
+                return None;
+            }
+            let closest = -approach / ww;
+            let middle = vector(|k| q[k] + w[k] * closest);
+            let free = square - dot(middle, middle);
+            if free <= 0.0 {
+                return None;
+            }
+            let back = (free / ww).sqrt();
+            ((closest - back).max(0.0), back * ww / reach)
+        };
+        let time = self.start + wait;
+        let slow = normal_speed * (limits.end - time) <= limits.rounding;
+        let within = time <= limits.until;
+        (within && !slow).then_some(Impact { time, kind: Kind::Bounce })
+    }
+
+    /// As [`Relative::straight_impact`], where one of the two falls and the other does not.
+    fn curved_impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {
+        let [q, w, a] = [self.offset, self.velocity, self.acceleration];
+        let span = limits.until - self.start;
+        let square = dot(q, q) - reach * reach;
+        let rate = 2.0 * dot(q, w);
+        let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
+        let wait = if square > 0.0 {
+            first_root([square, rate, rest[0], rest[1], rest[2]], span)?
+        } else if let Some(kind) = self.kind_at(0.0, limits) {
+            return Some(Impact { time: self.start, kind });
+        } else {
+            // They touch and separate: the root at 0 is divided out.
+            first_root([rate.max(f64::MIN_POSITIVE), rest[0], rest[1], rest[2], 0.0], span)?
+        };
+        if wait > span {
+            return None;
+        }
+        let kind = self.kind_at(wait, limits)?;
+        Some(Impact { time: self.start + wait, kind })
+    }
+
+    /// What happens if they touch `wait` seconds after the start; None if they separate.
+    fn kind_at(&self, wait: f64, limits: &Limits) -> Option<Kind> {
+        let [q, w, a] = [self.offset, self.velocity, self.acceleration];
+        let offset = vector(|k| q[k] + (w[k] + 0.5 * a[k] * wait) * wait);
+        let velocity = vector(|k| w[k] + a[k] * wait);
+        let length = dot(offset, offset).sqrt().max(f64::MIN_POSITIVE);
+        let speed = -dot(offset, velocity) / length;
+        kind_of_impact(speed, -dot(offset, a) / length, self.start + wait, limits)
+    }
+}
+
+/// What happens when surfaces touch that approach with `speed` and accelerate towards each other
+/// with `pull`.
+fn kind_of_impact(speed: f64, pull: f64, time: f64, limits: &Limits) -> Option<Kind> {
+    // A bounce with this speed is as high as speed² / (2 · pull), and shorter than the rest of
+    // the sub-step.
+    let low = pull > 0.0 && speed * speed <= 2.0 * pull * limits.rounding;
+    if low {
+        return Some(Kind::Hold);
+    }
+    let slow = speed * (limits.end - time) <= limits.rounding;
+    (!slow).then_some(Kind::Bounce)
+}
+
+/// The first impact on a wall, and the index of the wall; `radius` is that of the disc.
+pub fn wall_impact(
+    segment: &Segment,
+    radius: f64,
+    container: &Container,
+    gravity: Vector,
+    limits: &Limits,
+) -> Option<(Impact, u8)> {
+    match container {
+        Container::None | Container::Torus { .. } => None,
+        Container::Box { min, max } => {
+            let mut first = None::<(Impact, u8)>;
+            for (axis, sign, wall) in
+                [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])]
+            {
+                let gap = sign * (segment.position[axis] - f64::from(wall)) - radius;
+                let speed = sign * segment.velocity[axis];
+                let pull = if segment.falls { -sign * gravity[axis] } else { 0.0 };
+                if let Some(impact) = flat_impact(gap, speed, pull, segment.time, limits)
+                    && first.is_none_or(|(before, _)| impact.time < before.time)
+                {
+                    first = Some((impact, 2 * axis as u8 + u8::from(sign < 0.0)));
+                }
+            }
+            first
+        }
+        Container::Circle { center, radius: outer } => {
+            let q = vector(|k| segment.position[k] - f64::from(center[k]));
+            let reach = (f64::from(*outer) - radius).max(0.0);
+            let acceleration = if segment.falls { gravity } else { [0.0; 2] };
+            round_impact(q, segment.velocity, acceleration, reach, segment.time, limits)
+                .map(|impact| (impact, 0))
+        }
+    }
+}
+
+/// The impact on a flat wall at the distance `gap`, from which the disc moves away with `speed`
+/// and to which it accelerates with `pull`.
+fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> Option<Impact> {
+    let span = limits.until - start;
+    // Far from the wall all the time.
+    let lowest = gap + speed.min(0.0) * span - 0.5 * pull.max(0.0) * span * span;
+    if lowest > 0.0 {
+        return None;
+    }
+    let wait = if gap <= 0.0 {
+        if let Some(kind) = kind_of_impact(-speed, pull, start, limits) {
+            return Some(Impact { time: start, kind });
+        }
+        if pull <= 0.0 || speed <= 0.0 {
+            return None;
+        }
+        2.0 * speed / pull
+    } else if pull == 0.0 {
+        if speed >= 0.0 {
+            return None;
+        }
+        gap / -speed
+    } else {
+        // gap + speed t − ½ pull t² = 0; the root that is not lost by cancellation.
+        let discriminant = speed * speed + 2.0 * pull * gap;
+        if discriminant < 0.0 {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        let wait = if speed > 0.0 { (speed + root) / pull } else { 2.0 * gap / (root - speed) };
+        if wait < 0.0 {
+            return None;
+        }
+        wait
+    };
+    if wait > span {
+        return None;
+    }
+    let kind = kind_of_impact(pull * wait - speed, pull, start + wait, limits)?;
+    Some(Impact { time: start + wait, kind })
+}
+
+/// The impact of a point inside a circle of radius `reach` around the origin.
+fn round_impact(
+    q: Vector,
+    v: Vector,
+    a: Vector,
+    reach: f64,
+    start: f64,
+    limits: &Limits,
+) -> Option<Impact> {
+    let span = limits.until - start;
+    let inside = reach * reach - dot(q, q);
+    let kind_at = |wait: f64| {
+        let offset = vector(|k| q[k] + (v[k] + 0.5 * a[k] * wait) * wait);
+        let velocity = vector(|k| v[k] + a[k] * wait);
+        let length = dot(offset, offset).sqrt().max(f64::MIN_POSITIVE);
+        let [speed, pull] = [dot(offset, velocity) / length, dot(offset, a) / length];
+        kind_of_impact(speed, pull, start + wait, limits)
+    };
+    let rate = -2.0 * dot(q, v);
+    let rest = [-dot(v, v) - dot(q, a), -dot(v, a), -0.25 * dot(a, a)];
+    let wait = if inside > 0.0 {
+        first_root([inside, rate, rest[0], rest[1], rest[2]], span)?
+    } else if let Some(kind) = kind_at(0.0) {
+        return Some(Impact { time: start, kind });
+    } else {
+        first_root([rate.max(f64::MIN_POSITIVE), rest[0], rest[1], rest[2], 0.0], span)?
+    };
+    let kind = kind_at(wait)?;
+    Some(Impact { time: start + wait, kind })
+}
+
+/// Unit normal of a wall at a position, pointing inwards.
+pub fn wall_normal(container: &Container, wall: u8, position: Vector) -> Vector {
+    match container {
+        Container::Circle { center, .. } => {
+            let out = vector(|k| f64::from(center[k]) - position[k]);
+            let length = dot(out, out).sqrt();
+            if length > 0.0 { out.map(|v| v / length) } else { [1.0, 0.0] }
+        }
+        _ => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]][usize::from(wall)],
+    }
+}

@@ -1,0 +1,142 @@
+//! The step of a world of elastic collisions: events in the order of time.
+
+use super::settings::DEFAULT_SUBSTEPS;
+use super::{Memory, OnTouch, World, merge};
+use crate::error::Result;
+use crate::events::Flight;
+use crate::flow::Flow;
+use crate::forces;
+use crate::interrupt;
+use crate::motion::Motion;
+use crate::parallel;
+use crate::resolve::{self, Rules, Scene};
+
+use super::bounds::StepBounds;
+
+/// Overlap, as a share of the sum of radii, from which positions are corrected.
+const OVERLAP: f32 = 0.003;
+
+impl World {
+    /// Whether all that happens in a step are elastic collisions: no restitution is below 1, and no
+    /// force but a thermostat acts. Then no contact can rest.
+    pub(super) fn is_exact(&self) -> bool {
+        let elastic = |&restitution: &f32| restitution == 1.0;
+        self.settings.restitution == 1.0
+            && self.particles.restitutions.iter().all(elastic)
+            && self.forces.iter().all(forces::Force::is_thermostat)
+    }
+
+    /// Sub-steps of a step: those of the settings, or as many as the scene needs.
+    pub fn substeps(&self) -> usize {
+        self.settings.substeps.unwrap_or(if self.is_exact() { 1 } else { DEFAULT_SUBSTEPS })
+    }
+
+    /// The neighbours of all particles from the candidate pairs. Pairs that overlap more than
+    /// rounding explains become contacts, whose positions are corrected.
+    pub(super) fn prepare_events(&mut self) {
+        let threads = self.threads();
+        let Memory { tree, pairs, meetings, fast, moving, events, .. } = &mut self.memory;
+        moving.clone_from(&self.particles.movable);
+        meetings.clear();
+        if self.settings.on_touch == OnTouch::Merge {
+            merge::expect(pairs, &self.particles, meetings);
+            pairs.clear();
+        }
+        if !fast.held.is_empty() {
+            let (rows, held) = (&self.rows, &fast.held);
+            let is_free = |place: usize| !held[rows[place] as usize];
+            let free = |pair: &[u32; 2]| pair.iter().all(|&place| is_free(place as usize));
+            pairs.iter_mut().for_each(|(_, pairs)| pairs.retain(free));
+            moving.iter_mut().enumerate().for_each(|(place, moves)| *moves &= is_free(place));
+        }
+        let (particles, restitution) = (&self.particles, self.settings.restitution);
+        let overlaps = |&[a, b]: &[u32; 2], image: [f32; 2]| {
+            let [p, q] = [a, b].map(|place| particles.positions[place as usize]);
+            let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+            let reach = particles.radii[a as usize] + particles.radii[b as usize];
+            let reach = reach * (1.0 - OVERLAP);
+            x * x + y * y < reach * reach
+        };
+        events.neighbors.fill(particles.len(), pairs);
+        for (image, pairs) in pairs.iter_mut() {
+            pairs.retain(|pair| overlaps(pair, *image));
+            pairs.sort_unstable();
+        }
+        self.contacts.collect(pairs, particles, restitution, tree.rows(), threads);
+    }
+
+    /// Moves the particles through the sub-steps and stores where they are then.
+    pub(super) fn fly(&mut self, dt: f32) -> Result<()> {
+        let (threads, substeps) = (self.threads(), self.substeps());
+        let settings = &self.settings;
+        let rules = Rules {
+            gravity: settings.gravity,
+            drag: settings.drag,
+            restitution: settings.restitution,
+            container: settings.container,
+            rest_speed: 0.0,
+            thermostat: forces::thermostat(&self.forces),
+            threads,
+        };
+        self.wall_pushes.fill(Default::default());
+        let memory = &mut self.memory;
+        memory.motions.resize(self.particles.len());
+        let (motions, particles) = (&memory.motions, &self.particles);
+        parallel::for_rows(threads, particles.len(), |place| {
+            let (position, velocity) = (particles.positions[place], particles.velocities[place]);
+            motions.set(place as u32, Motion { position, velocity, ..Motion::default() });
+        });
+        let mut bounds = StepBounds::new(
+            &memory.tree,
+            particles,
+            &mut memory.reaches,
+            &mut memory.grown,
+            settings.container,
+        );
+        let mut scene = Scene {
+            particles,
+            motions,
+            sweeps: &[],
+            contacts: &mut self.contacts,
+            wall_pushes: &mut self.wall_pushes,
+            memory: &mut memory.resolving,
+        };
+        memory.events.bounced.clear();
+        memory.events.unresolved = 0;
+        let h = f64::from(dt) / substeps as f64;
+        let flow = Flow::new(h, settings.gravity, settings.drag);
+        for substep in 0..substeps {
+            interrupt::check()?;
+            let flight = Flight {
+                particles,
+                movable: &memory.moving,
+                motions,
+                gravity: flow.gravity,
+                end: flow.duration,
+                flow,
+                last: true,
+                bounded: substep == 0,
+                container: settings.container,
+                restitution: settings.restitution,
+                thermostat: rules.thermostat,
+                pairs: settings.on_touch == OnTouch::Bounce,
+                threads,
+            };
+            memory.events.fly(&flight, &mut bounds)?;
+            resolve::settle(&mut scene, &rules);
+            merge::note(&mut memory.meetings, motions, threads);
+        }
+        self.stats.unresolved = memory.events.unresolved;
+        let touched = memory.events.bounced.iter().chain(&memory.touched_before);
+        let touched = touched.map(|&[a, b]| {
+            let pair = [a.min(b), a.max(b)];
+            let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
+            let offset = [0, 1].map(|k| q[k] - p[k]);
+            let nearest = settings.container.short_way(offset);
+            (pair, [0, 1].map(|k| (nearest[k] - offset[k]) as f32))
+        });
+        self.contacts.keep_lasting(touched, particles, particles.len());
+        resolve::measure_contacts(&mut self.contacts, motions, threads);
+        self.store()
+    }
+}
