@@ -11,11 +11,15 @@ use std::collections::BinaryHeap;
 use super::Flight;
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors};
+use crate::interrupt::Stop;
 use crate::trajectory::{Impact, Kind, Segment, Vector, dot, vector, wall_normal};
 
 /// Events of one disc in a window, at most. A disc that has had them stands still until the
 /// window ends.
 const MOST_EVENTS: u32 = 1024;
+
+/// Events of a large island between two polls.
+const POLL_EVERY: u32 = 256;
 
 /// Islands up to this size do without the heap.
 const SMALL: usize = 12;
@@ -205,8 +209,14 @@ impl Island<'_> {
         for member in 0..discs.len() as u32 {
             self.predict(member, true);
         }
+        let stop = (discs.len() > SMALL).then(Stop::current);
+        let mut events = 0u32;
         while let Some(member) = self.earliest() {
             self.happen(member);
+            events = events.wrapping_add(1);
+            if events.is_multiple_of(POLL_EVERY) && stop.as_ref().is_some_and(Stop::is_set) {
+                break;
+            }
         }
         self.record();
     }

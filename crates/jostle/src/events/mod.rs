@@ -15,7 +15,7 @@ use crate::container::{Container, MAX_WALLS};
 use crate::error::Result;
 use crate::flow::Flow;
 use crate::forces::Thermostat;
-use crate::interrupt;
+use crate::interrupt::{self, Stop};
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
@@ -354,12 +354,15 @@ impl Events {
             if flight.bounded { Vec::new() } else { self.outside_at_start(flight, bounds) };
         self.grow(flight, bounds, &outside)?;
         let window = self.find_first_impacts(flight, shortest);
+        interrupt::check()?;
         let flight = &Flight { end: window, last: window == flight.end, ..*flight };
         while !self.hot.is_empty() {
             interrupt::check()?;
             let first = self.make_islands(flight);
             self.simulate(flight, first);
+            interrupt::check()?;
             let findings = self.test(flight, bounds, first);
+            interrupt::check()?;
             self.reopen(&findings.links);
             self.grow(flight, bounds, &findings.outside)?;
         }
@@ -409,8 +412,12 @@ impl Events {
         let len = flight.particles.len();
         let neighbors = &self.neighbors;
         let tasks = len.div_ceil(TASK);
+        let stop = Stop::current();
         let found = parallel::map(flight.threads, tasks, |task| {
             let mut found = Vec::new();
+            if stop.is_set() {
+                return found;
+            }
             let discs = (task * TASK) as u32..len.min((task + 1) * TASK) as u32;
             if flight.container.has_walls() {
                 for index in discs.clone().filter(|&index| flight.may_hit_walls(index)) {
@@ -509,8 +516,12 @@ impl Events {
     /// Finds the histories of the islands from `first` on.
     fn simulate(&mut self, flight: &Flight<'_>, first: usize) {
         let tasks = self.tasks(first);
+        let stop = Stop::current();
         let histories = parallel::map(flight.threads, tasks.len(), |task| {
             let (mut history, mut scratch) = (History::default(), Scratch::default());
+            if stop.is_set() {
+                return history;
+            }
             for id in tasks[task].clone() {
                 let [start, end] = self.islands[id];
                 let island = Island {
@@ -550,8 +561,12 @@ impl Events {
     /// and those of none, and against their own bounds.
     fn test(&self, flight: &Flight<'_>, bounds: &dyn Bounds, first: usize) -> Findings {
         let tasks = self.tasks(first);
+        let stop = Stop::current();
         let links = parallel::map(flight.threads, tasks.len(), |task| {
             let mut links = Vec::new();
+            if stop.is_set() {
+                return links;
+            }
             for &[start, end] in &self.islands[tasks[task].clone()] {
                 for &index in &self.members[start as usize..end as usize] {
                     if !flight.pairs {
