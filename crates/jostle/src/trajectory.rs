@@ -41,9 +41,22 @@ impl Segment {
     pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
-        let velocity = vector(|k| self.velocity[k] + g[k] * t);
-        let position = vector(|k| self.position[k] + (self.velocity[k] + 0.5 * g[k] * t) * t);
-        [position, velocity]
+        [self.place_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
+    }
+
+    /// The rest of the segment from `time` on.
+    #[inline(always)]
+    pub fn moved(&self, time: f64, gravity: Vector) -> Self {
+        let [position, velocity] = self.at(time, gravity);
+        Self { time, position, velocity, falls: self.falls }
+    }
+
+    /// Centre at `time`.
+    #[inline(always)]
+    pub fn place_at(&self, time: f64, gravity: Vector) -> Vector {
+        let t = time - self.time;
+        let g = if self.falls { gravity } else { [0.0; 2] };
+        vector(|k| self.position[k] + (self.velocity[k] + 0.5 * g[k] * t) * t)
     }
 }
 

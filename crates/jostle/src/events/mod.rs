@@ -1,39 +1,49 @@
 //! The events of a sub-step in the order of time.
 //!
-//! Discs that meet along their first segments form islands. Each island finds the history of its
-//! discs by itself, then the new trajectories are tested against all discs near them. Where a
-//! trajectory meets a disc of another island, the two islands become one and begin again; where
-//! it leaves the bounds of its disc, the bounds grow. When no test finds anything, every
-//! trajectory has been tested against everything that it can reach, so the histories together are
-//! the true one. It does not depend on threads, nor on how pairs were found.
+//! The discs are divided into blocks, and each block is simulated by itself. Then the trajectories
+//! of its discs are tested against the discs of other blocks. Where two trajectories meet, the
+//! discs whose histories depend on them are simulated again, together. When no test finds
+//! anything, every trajectory has been tested against everything that it can reach, so the
+//! histories together are the true one. It does not depend on blocks or threads, nor on how pairs
+//! were found.
 
+mod flight;
+mod history;
 mod impulses;
-mod island;
 mod neighbors;
+mod queue;
+mod simulation;
 
-use crate::container::{Container, MAX_WALLS};
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use crate::error::Result;
-use crate::flow::Flow;
-use crate::forces::Thermostat;
 use crate::interrupt::{self, Stop};
-use crate::motion::Motions;
 use crate::parallel;
-use crate::particles::Particles;
-use crate::trajectory::{
-    Impact, Limits, Relative, Segment, Vector, dot, vector, wall_impact, wall_normal,
-};
-use island::{Bounce, Course, History, Island, NO_ISLAND, Place, Scratch};
-use neighbors::Neighbor;
+use crate::trajectory::{Segment, Vector};
+pub use flight::Flight;
+use flight::{Start, Window};
+use history::{Course, History, NONE, Trajectory};
 pub use neighbors::Neighbors;
+use neighbors::opposite;
+use queue::Event;
+use simulation::{Scratch, Simulation};
 
-/// Members of islands that one task simulates.
-const TASK: usize = 1024;
+/// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
+/// the most part. Large blocks have fewer trajectories to test against other blocks.
+const BLOCK: Range<usize> = 1024..8192;
 
-/// Relative size of the rounding of positions in float32, with a reserve for sums.
-const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+/// Blocks for other threads to share, at least, if they are not too small.
+const SHARED: usize = 16;
+
+/// Candidate pairs that one task tests.
+const PAIRS: usize = 4096;
+
+/// Marks courses of discs that were simulated again.
+const AGAIN: u32 = 1 << 31;
 
 /// Discs for each first impact in a window, at least.
-const DISCS_PER_IMPACT: usize = 4;
+const DISCS_PER_IMPACT: usize = 3;
 
 /// So few discs can all have impacts in one window.
 const FEW: usize = 64;
@@ -41,245 +51,11 @@ const FEW: usize = 64;
 /// Windows of a sub-step at most, apart from the last of all.
 const MOST_WINDOWS: f64 = 1024.0;
 
-/// Relative error, with a large reserve, of the tests in float32.
-const MARGIN: f32 = 1e-4;
-
-/// How a disc begins a sub-step.
-struct Start {
-    position: [f32; 2],
-    velocity: [f32; 2],
-    radius: f32,
-    /// Whether it cannot move.
-    is_still: bool,
-}
-
-/// What all discs of a sub-step have in common, and how they begin it.
-#[derive(Clone, Copy)]
-pub struct Flight<'a> {
-    /// The discs.
-    pub particles: &'a Particles,
-    /// Which of them move.
-    pub movable: &'a [bool],
-    /// Positions and velocities at the beginning.
-    pub motions: &'a Motions,
-    /// Acceleration.
-    pub gravity: Vector,
-    /// Duration of the flight.
-    pub end: f64,
-    /// What linear damping does to the velocities after the flight.
-    pub flow: Flow,
-    /// Whether the flight ends the sub-step.
-    pub last: bool,
-    /// The walls.
-    pub container: Container,
-    /// Coefficient of restitution of the world.
-    pub restitution: f32,
-    /// What walls do to speeds.
-    pub thermostat: Option<Thermostat>,
-    /// Whether discs bounce off each other.
-    pub pairs: bool,
-    /// Whether all discs stay in their bounds as long as they have no events.
-    pub bounded: bool,
-    /// Threads to use.
-    pub threads: Option<usize>,
-}
-
-impl Flight<'_> {
-    fn is_movable(&self, index: u32) -> bool {
-        self.movable[index as usize]
-    }
-
-    fn inverse_mass(&self, index: u32) -> f64 {
-        if self.is_movable(index) {
-            1.0 / f64::from(self.particles.masses[index as usize])
-        } else {
-            0.0
-        }
-    }
-
-    fn radius(&self, index: u32) -> f64 {
-        f64::from(self.particles.radii[index as usize])
-    }
-
-    /// The first segment of a disc.
-    #[inline(always)]
-    fn segment(&self, index: u32) -> Segment {
-        let falls = self.gravity != [0.0; 2] && self.is_movable(index);
-        Segment {
-            time: 0.0,
-            position: self.motions.position(index).map(f64::from),
-            velocity: self.motions.velocity(index).map(f64::from),
-            falls,
-        }
-    }
-
-    /// How a disc begins, in float32.
-    #[inline(always)]
-    fn start(&self, index: u32) -> Start {
-        Start {
-            position: self.motions.position(index),
-            velocity: self.motions.velocity(index),
-            radius: self.particles.radii[index as usize],
-            is_still: !self.is_movable(index),
-        }
-    }
-
-    /// A test in float32 that is false only if two discs certainly do not meet along their first
-    /// segments.
-    #[inline(always)]
-    fn may_meet(&self, own: &Start, index: u32, image: Vector) -> bool {
-        let other = self.start(index);
-        if own.is_still != other.is_still && self.gravity != [0.0; 2] {
-            return true;
-        }
-        let q = [0, 1].map(|k| other.position[k] - own.position[k] + image[k] as f32);
-        let w = [0, 1].map(|k| other.velocity[k] - own.velocity[k]);
-        let (approach, ww) = (q[0] * w[0] + q[1] * w[1], w[0] * w[0] + w[1] * w[1]);
-        if approach > MARGIN * (q[0] * w[0]).abs() {
-            return false;
-        }
-        let (qq, end) = (q[0] * q[0] + q[1] * q[1], self.end as f32);
-        let reach = own.radius + other.radius;
-        let sizes = own.position[0].abs() + own.position[1].abs() + reach;
-        // Squared distance, less than any rounding of the numbers above can make it.
-        let square = if -approach >= ww * end {
-            qq + 2.0 * approach * end + ww * end * end
-        } else {
-            qq - approach * approach / ww
-        };
-        let error = MARGIN * (qq + reach * sizes);
-        // Not a number, where there are overflows, counts as near.
-        square <= reach * reach + error || square.is_nan() || error.is_nan()
-    }
-
-    /// A test in float32 that is false only if a disc certainly does not get to a flat wall.
-    fn may_hit_walls(&self, index: u32) -> bool {
-        let Container::Box { min, max } = self.container else {
-            return self.container.has_walls();
-        };
-        let Start { position, velocity, radius, .. } = self.start(index);
-        let end = self.end as f32;
-        let near = |k: usize| {
-            let far = velocity[k].abs() * end + 0.5 * self.gravity[k].abs() as f32 * end * end;
-            let far = (far + radius) * (1.0 + MARGIN) + MARGIN * position[k].abs();
-            !(position[k] - min[k] > far && max[k] - position[k] > far)
-        };
-        near(0) || near(1)
-    }
-
-    /// The velocity after the sub-step from that at the end of the flight.
-    #[inline(always)]
-    fn after(&self, falls: bool, velocity: Vector) -> Vector {
-        if !self.last {
-            return velocity;
-        }
-        let Flow { decay, correction, .. } = self.flow;
-        let added = if falls { correction } else { [0.0; 2] };
-        vector(|k| velocity[k] * decay + added[k])
-    }
-
-    /// A segment that begins later.
-    fn moved(&self, segment: &Segment, time: f64) -> Segment {
-        let [position, velocity] = segment.at(time, self.gravity);
-        Segment { time, position, velocity, falls: segment.falls }
-    }
-
-    fn pair_restitution(&self, a: u32, b: u32) -> f64 {
-        let own = self.particles.restitutions[a as usize] * self.particles.restitutions[b as usize];
-        f64::from(self.restitution * own)
-    }
-
-    fn wall_restitution(&self, index: u32) -> f64 {
-        f64::from(self.restitution * self.particles.restitutions[index as usize])
-    }
-
-    #[inline(always)]
-    fn limits(&self, until: f64, position: Vector, reach: f64) -> Limits {
-        let rounding = ROUNDING * (position[0].abs() + position[1].abs() + reach);
-        Limits { until, end: self.end, rounding }
-    }
-
-    /// The next impact of two discs before `until`; `image` is added to the second.
-    #[inline(always)]
-    fn impact(
-        &self,
-        (a, first): (u32, &Segment),
-        (b, second): (u32, &Segment),
-        image: Vector,
-        until: f64,
-    ) -> Option<Impact> {
-        // From the smaller index to the larger, so that both give the same numbers.
-        let relative = if a < b {
-            Relative::of(first, second, image, self.gravity)
-        } else {
-            Relative::of(second, first, image.map(|v| -v), self.gravity)
-        };
-        let reach = self.radius(a) + self.radius(b);
-        if relative.separates() {
-            return None;
-        }
-        let position = if a < b { first.position } else { second.position };
-        let limits = self.limits(until, position, reach);
-        relative.impact(reach, &limits)
-    }
-
-    /// The next impact of a disc on a wall.
-    fn wall_impact(&self, index: u32, segment: &Segment) -> Option<(Impact, u8)> {
-        if !self.container.has_walls() || !self.is_movable(index) {
-            return None;
-        }
-        let radius = self.radius(index);
-        let limits = self.limits(self.end, segment.position, radius);
-        wall_impact(segment, radius, &self.container, self.gravity, &limits)
-    }
-
-    /// Whether two discs that begin segments now touch and approach.
-    fn touch_now(
-        &self,
-        (a, first): (u32, &Segment),
-        (b, second): (u32, &Segment),
-        image: Vector,
-    ) -> bool {
-        let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
-        let reach = self.radius(a) + self.radius(b);
-        let position = if a < b { first.position } else { second.position };
-        let limits = self.limits(self.end, position, reach);
-        let (length, near) = (dot(offset, offset).sqrt(), reach + limits.rounding);
-        let speed = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k])) / length;
-        length <= near && is_fast(speed, first.time, &limits)
-    }
-
-    /// The walls that a disc touches and approaches as it begins a segment.
-    fn touched_walls(&self, index: u32, now: &Segment) -> [Option<u8>; MAX_WALLS] {
-        let mut touched = [None; MAX_WALLS];
-        if !self.container.has_walls() {
-            return touched;
-        }
-        let radius = self.radius(index);
-        let limits = self.limits(self.end, now.position, radius);
-        let gaps = self.container.gaps(now.position, radius);
-        for (wall, gap) in gaps.into_iter().enumerate() {
-            let Some(gap) = gap else { continue };
-            let normal = wall_normal(&self.container, wall as u8, now.position);
-            let fast = is_fast(-dot(normal, now.velocity), now.time, &limits);
-            if gap <= limits.rounding && fast {
-                touched[wall] = Some(wall as u8);
-            }
-        }
-        touched
-    }
-}
-
-/// Whether surfaces that touch bounce.
-fn is_fast(speed: f64, time: f64, limits: &Limits) -> bool {
-    speed * (limits.end - time) > limits.rounding
-}
-
 /// Where discs may be during a step, and how to find others that may be there too.
 pub trait Bounds {
-    /// Distance from its position at the beginning of the step within which a disc was searched
-    /// for neighbours.
-    fn reach(&self, index: u32) -> f64;
+    /// Distances from their positions at the beginning of the step within which discs were
+    /// searched for neighbours.
+    fn reaches(&self) -> &[f32];
     /// Lets the bounds of discs grow to the given distances, and returns the pairs that may
     /// meet in them: the second, moved by the offset, is near the first.
     fn grow(&mut self, distances: &[(u32, f64)]) -> Result<Vec<(u32, u32, Vector)>>;
@@ -294,436 +70,425 @@ pub struct Events {
     pub bounced: Vec<[u32; 2]>,
     /// Discs that had too many events and stood still for the rest of a sub-step.
     pub unresolved: u64,
-    places: Vec<Place>,
-    /// Members of all islands, and for each island which of them.
-    members: Vec<u32>,
-    islands: Vec<[u32; 2]>,
-    /// Which of `courses` is that of a disc in an island.
+    starts: Vec<Start>,
+    blocks: Vec<Block>,
+    /// Discs of each block but the last.
+    size: usize,
+    /// The number of the course of each disc: in the history of its block, or in that of the discs
+    /// that were simulated again, if it has the mark [`AGAIN`].
     course_of: Vec<u32>,
-    courses: Vec<Course>,
-    segments: Vec<Segment>,
-    bounces: Vec<Bounce>,
-    hot: Vec<u32>,
+    /// The courses of discs that were simulated again.
+    again: History,
+    scratch: Mutex<Vec<Scratch>>,
 }
 
-/// What a test of trajectories found.
-#[derive(Default)]
-struct Findings {
-    links: Vec<(u32, Neighbor)>,
-    outside: Vec<(u32, f64)>,
+/// A range of discs that are simulated together.
+#[derive(Debug, Default)]
+struct Block {
+    range: Range<u32>,
+    /// Impacts along the first segments.
+    first: Vec<Event>,
+    /// The same with discs of other blocks.
+    crossing: Vec<Event>,
+    history: History,
 }
 
 impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
     pub fn fly(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
-        let (mut left, mut bounded) = (flight.end, flight.bounded);
+        // Windows are not shorter than this, so that there are not too many.
+        let shortest = flight.end / MOST_WINDOWS;
+        let mut rest = *flight;
+        let mut starts = std::mem::take(&mut self.starts);
         loop {
-            let window = Flight { end: left, bounded, ..*flight };
-            // Windows are not shorter than this, so that there are not too many.
-            let done = self.fly_window(&window, bounds, flight.end / MOST_WINDOWS)?;
-            if done == left {
+            rest.fill(&mut starts);
+            let window = Window { flight: &rest, starts: &starts, end: rest.end };
+            let end = self.fly_window(window, bounds, shortest)?;
+            if end == rest.end {
+                self.starts = starts;
                 return Ok(());
             }
-            left -= done;
-            bounded = false;
+            rest.end -= end;
+            rest.bounded = false;
         }
     }
 
-    /// Moves all discs to the end of the window that `flight` describes, or of a shorter one, and
-    /// returns its length.
+    /// Moves all discs to the end of the window, or of a shorter one, and returns its end.
     fn fly_window(
         &mut self,
-        flight: &Flight<'_>,
+        mut window: Window<'_>,
         bounds: &mut dyn Bounds,
         shortest: f64,
     ) -> Result<f64> {
-        let len = flight.particles.len();
-        let nowhere = Place { island: NO_ISLAND, member: 0 };
-        self.places.clear();
-        self.places.resize(len, nowhere);
-        self.course_of.resize(len, 0);
-        for list in [&mut self.members, &mut self.hot] {
-            list.clear();
+        self.prepare(window.starts.len(), window.flight.threads);
+        if !window.flight.bounded {
+            let outside = outside_at_start(&window, bounds.reaches());
+            self.grow(&window, &outside, bounds)?;
         }
-        self.islands.clear();
-        self.courses.clear();
-        self.segments.clear();
-        self.bounces.clear();
-        self.neighbors.unlink();
-        let outside =
-            if flight.bounded { Vec::new() } else { self.outside_at_start(flight, bounds) };
-        self.grow(flight, bounds, &outside)?;
-        let window = self.find_first_impacts(flight, shortest);
+        self.find_first_impacts(&window);
         interrupt::check()?;
-        let flight = &Flight { end: window, last: window == flight.end, ..*flight };
-        while !self.hot.is_empty() {
+        window.end = self.end_of_window(&window, shortest);
+        self.simulate(&window, bounds.reaches());
+        interrupt::check()?;
+        let mut conflicts = self.crossing(&window);
+        conflicts.extend(self.tests(&window));
+        let outside: Vec<_> =
+            self.blocks.iter().flat_map(|block| &block.history.outside).copied().collect();
+        conflicts.extend(self.grow(&window, &outside, bounds)?);
+        while !conflicts.is_empty() {
             interrupt::check()?;
-            let first = self.make_islands(flight);
-            self.simulate(flight, first);
-            interrupt::check()?;
-            let findings = self.test(flight, bounds, first);
-            interrupt::check()?;
-            self.reopen(&findings.links);
-            self.grow(flight, bounds, &findings.outside)?;
+            conflicts = self.simulate_again(&window, &conflicts, bounds)?;
         }
-        self.finish(flight);
-        Ok(window)
+        self.finish(&window);
+        Ok(window.end)
     }
 
-    /// The discs whose first segment leaves their bounds, and how far it gets.
-    fn outside_at_start(&self, flight: &Flight<'_>, bounds: &dyn Bounds) -> Vec<(u32, f64)> {
-        let leaves = |index: &u32| {
-            let segment = flight.segment(*index);
-            let distance = distance_of(flight, *index, &segment, flight.end);
-            (distance > bounds.reach(*index)).then_some((*index, distance))
-        };
-        let all = 0..flight.particles.len() as u32;
-        all.filter(|&index| flight.is_movable(index)).filter_map(|index| leaves(&index)).collect()
+    /// Makes blocks of all discs.
+    fn prepare(&mut self, len: usize, threads: Option<usize>) {
+        let least = if parallel::is_parallel(threads) { SHARED } else { 1 };
+        self.size = len.div_ceil(least).clamp(BLOCK.start, BLOCK.end);
+        self.again.clear();
+        self.blocks.resize_with(len.div_ceil(self.size), Block::default);
+        for (block, start) in self.blocks.iter_mut().zip((0..).step_by(self.size)) {
+            block.range = start..(len as u32).min(start + self.size as u32);
+            block.first.clear();
+            block.crossing.clear();
+            block.history.clear();
+        }
+        self.course_of.clear();
+        self.course_of.resize(len, NONE);
     }
 
-    /// Adds the neighbours that discs have in larger bounds; those that their trajectories meet
-    /// are linked.
-    fn grow(
-        &mut self,
-        flight: &Flight<'_>,
-        bounds: &mut dyn Bounds,
-        outside: &[(u32, f64)],
-    ) -> Result<()> {
-        if outside.is_empty() || !flight.pairs {
-            return Ok(());
-        }
-        let pairs = bounds.grow(outside)?;
-        self.neighbors.add(&pairs);
-        let mut links = Vec::new();
-        for &(index, _) in outside {
-            self.neighbors.of(index, |neighbor| {
-                if !neighbor.linked && self.meet(flight, index, neighbor, true) {
-                    links.push((index, *neighbor));
-                }
+    /// Finds the impacts along the first segments.
+    fn find_first_impacts(&mut self, window: &Window<'_>) {
+        let (flight, stop) = (window.flight, Stop::current());
+        if flight.container.has_walls() {
+            parallel::for_each(flight.threads, &mut self.blocks, |block| {
+                block.find_walls(window);
             });
         }
-        self.reopen(&links);
-        Ok(())
+        if !flight.pairs {
+            return;
+        }
+        let later = self.neighbors.later();
+        let lists = flight.candidates.iter().chain(&later);
+        let tasks: Vec<_> = lists
+            .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(|pairs| (*image, pairs)))
+            .collect();
+        let neighbors = &self.neighbors;
+        let found = parallel::map(flight.threads, tasks.len(), |task| {
+            let (image, pairs) = tasks[task];
+            if stop.is_set() { Vec::new() } else { first_impacts(window, neighbors, image, pairs) }
+        });
+        for event in found.into_iter().flatten() {
+            let [a, b] = event.pair.map(|index| index as usize / self.size);
+            let is_inside = a == b || !window.starts[event.pair[1] as usize].is_movable();
+            let block = &mut self.blocks[a];
+            if is_inside { &mut block.first } else { &mut block.crossing }.push(event);
+        }
     }
 
-    /// Links the discs that meet along their first segments, and collects those with events.
-    /// Returns the end of a window in which few discs have events, so that islands stay small.
-    fn find_first_impacts(&mut self, flight: &Flight<'_>, shortest: f64) -> f64 {
-        let len = flight.particles.len();
-        let neighbors = &self.neighbors;
-        let tasks = len.div_ceil(TASK);
+    /// The longest of `end`, `end`/2, `end`/4 … before which at most one first impact for so many
+    /// discs happens, but not less than `shortest`. It depends on the state alone.
+    fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> f64 {
+        let most = window.starts.len().max(FEW) / DISCS_PER_IMPACT;
+        let mut end = window.end;
+        while 0.5 * end >= shortest {
+            let early = self.blocks.iter().map(|block| block.impacts_before(end)).sum::<usize>();
+            if early <= most {
+                break;
+            }
+            end *= 0.5;
+        }
+        end
+    }
+
+    /// Simulates each block by itself.
+    fn simulate(&mut self, window: &Window<'_>, reaches: &[f32]) {
+        let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
+        let mut blocks: Vec<_> =
+            self.blocks.iter_mut().zip(self.course_of.chunks_mut(self.size)).collect();
+        parallel::for_each(window.flight.threads, &mut blocks, |(block, course_of)| {
+            if stop.is_set() || block.impacts_before(window.end) == 0 {
+                return;
+            }
+            let mut scratch = locked(pool).pop().unwrap_or_default();
+            let (range, history) = (block.range.clone(), &mut block.history);
+            let (mark, base) = (0, 0);
+            let simulation = Simulation {
+                window,
+                neighbors,
+                range,
+                course_of,
+                reaches,
+                history,
+                mark,
+                base,
+                scratch: &mut scratch,
+            };
+            simulation.run(&block.first, &[]);
+            locked(pool).push(scratch);
+        });
+    }
+
+    /// The pairs of different blocks that meet along their first segments.
+    fn crossing(&self, window: &Window<'_>) -> Vec<[u32; 2]> {
+        let all = self.blocks.iter().flat_map(|block| &block.crossing);
+        all.filter(|event| event.time <= window.end).map(|event| event.pair).collect()
+    }
+
+    /// The pairs of different blocks whose trajectories meet after an event.
+    fn tests(&self, window: &Window<'_>) -> Vec<[u32; 2]> {
+        if !window.flight.pairs || self.blocks.len() < 2 {
+            return Vec::new();
+        }
         let stop = Stop::current();
-        let found = parallel::map(flight.threads, tasks, |task| {
+        let conflicts = parallel::map(window.flight.threads, self.blocks.len(), |block| {
             let mut found = Vec::new();
+            let Block { range, history, .. } = &self.blocks[block];
             if stop.is_set() {
                 return found;
             }
-            let discs = (task * TASK) as u32..len.min((task + 1) * TASK) as u32;
-            if flight.container.has_walls() {
-                for index in discs.clone().filter(|&index| flight.may_hit_walls(index)) {
-                    if let Some((impact, _)) = flight.wall_impact(index, &flight.segment(index)) {
-                        found.push((impact.time, index, None));
-                    }
-                }
-            }
-            if !flight.pairs {
-                return found;
-            }
-            for index in discs {
-                let movable = flight.is_movable(index);
-                let motion = flight.start(index);
-                neighbors.of(index, |neighbor| {
-                    let image = neighbors.image(neighbor);
-                    if neighbor.index <= index || !flight.may_meet(&motion, neighbor.index, image) {
+            for course in &history.courses {
+                self.neighbors.of(course.index, |neighbor| {
+                    let is_movable = window.starts[neighbor.index as usize].is_movable();
+                    if range.contains(&neighbor.index) || !is_movable {
                         return;
                     }
-                    if !movable && !flight.is_movable(neighbor.index) {
-                        return;
-                    }
-                    let own = flight.segment(index);
-                    let other = flight.segment(neighbor.index);
-                    let (own, other) = ((index, &own), (neighbor.index, &other));
-                    if let Some(impact) = flight.impact(own, other, image, flight.end) {
-                        found.push((impact.time, index, Some(*neighbor)));
+                    let image = self.neighbors.image(neighbor);
+                    let pair = [course.index, neighbor.index];
+                    if self.meet(window, pair, image, false) {
+                        found.push(pair);
                     }
                 });
             }
             found
         });
-        let window = window(&found, len, flight.end, shortest);
-        for (time, index, neighbor) in found.into_iter().flatten() {
-            if time > window {
-                continue;
-            }
-            self.hot.push(index);
-            if let Some(neighbor) = neighbor {
-                self.neighbors.link(index, neighbor);
-                self.hot.push(neighbor.index);
-            }
-        }
-        self.hot.retain(|&disc| flight.is_movable(disc));
-        window
+        conflicts.concat()
     }
 
-    /// Makes islands of the discs in `hot`, which are in none, and of all that are linked to
-    /// them. Returns the number of the first new island.
-    fn make_islands(&mut self, flight: &Flight<'_>) -> usize {
-        let Self { neighbors, places, members, islands, hot, .. } = self;
-        let first = islands.len();
-        for seed in hot.drain(..) {
-            if places[seed as usize].island != NO_ISLAND {
-                continue;
-            }
-            let (island, start) = (islands.len() as u32, members.len());
-            let mut join = |index: u32, members: &mut Vec<u32>| {
-                let place = &mut places[index as usize];
-                if place.island == NO_ISLAND && flight.is_movable(index) {
-                    *place = Place { island, member: (members.len() - start) as u32 };
-                    members.push(index);
+    /// Simulates the discs of some pairs again, with all whose histories depend on theirs. Returns
+    /// the pairs of these discs and others whose trajectories meet.
+    fn simulate_again(
+        &mut self,
+        window: &Window<'_>,
+        conflicts: &[[u32; 2]],
+        bounds: &mut dyn Bounds,
+    ) -> Result<Vec<[u32; 2]>> {
+        let discs = self.reopen(window, conflicts);
+        let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
+        let base = self.again.courses.len() as u32;
+        let simulation = Simulation {
+            window,
+            neighbors: &self.neighbors,
+            range: 0..window.starts.len() as u32,
+            course_of: &mut self.course_of,
+            reaches: bounds.reaches(),
+            history: &mut self.again,
+            mark: AGAIN,
+            base,
+            scratch: &mut scratch,
+        };
+        simulation.run(&[], &discs);
+        locked(&self.scratch).push(scratch);
+        let mut found = Vec::new();
+        for Course { index, .. } in &self.again.courses[base as usize..] {
+            self.neighbors.of(*index, |neighbor| {
+                let number = self.course_of[neighbor.index as usize];
+                let is_new = number & AGAIN != 0 && number & !AGAIN >= base;
+                let pair = [*index, neighbor.index];
+                let image = self.neighbors.image(neighbor);
+                if number != NONE && !is_new && self.meet(window, pair, image, true) {
+                    found.push(pair);
                 }
+            });
+        }
+        let outside = std::mem::take(&mut self.again.outside);
+        found.extend(self.grow(window, &outside, bounds)?);
+        Ok(found)
+    }
+
+    /// Removes the courses of the discs of some pairs, and of all that depend on theirs. Returns
+    /// these discs.
+    fn reopen(&mut self, window: &Window<'_>, conflicts: &[[u32; 2]]) -> Vec<u32> {
+        let mut discs = Vec::new();
+        // The islands of each history, by its number; that of `again` comes last.
+        let last = self.blocks.len();
+        let mut islands = Vec::new();
+        let mut ends = conflicts.concat();
+        ends.sort_unstable();
+        ends.dedup();
+        for index in ends {
+            match self.course_of[index as usize] {
+                NONE => discs.push(index),
+                number if number & AGAIN != 0 => {
+                    let course = &self.again.courses[(number & !AGAIN) as usize];
+                    islands.push((last, course.island));
+                }
+                number => {
+                    let block = index as usize / self.size;
+                    let course = &self.blocks[block].history.courses[number as usize];
+                    islands.push((block, course.island));
+                }
+            }
+        }
+        discs.retain(|&index| window.starts[index as usize].is_movable());
+        islands.sort_unstable();
+        islands.dedup();
+        for same in islands.chunk_by(|a, b| a.0 == b.0) {
+            let number = same[0].0;
+            let (history, mark) = match self.blocks.get(number) {
+                Some(block) => (&block.history, 0),
+                None => (&self.again, AGAIN),
             };
-            join(seed, members);
-            let mut next = start;
-            while next < members.len() {
-                let index = members[next];
-                neighbors.of(index, |neighbor| {
-                    if neighbor.linked {
-                        join(neighbor.index, members);
-                    }
-                });
-                next += 1;
+            let reopened = (0..).zip(&history.courses).filter(|(at, course)| {
+                let is_bad = same.binary_search(&(number, course.island)).is_ok();
+                is_bad && self.course_of[course.index as usize] == mark | at
+            });
+            let first = discs.len();
+            discs.extend(reopened.map(|(_, course)| course.index));
+            for &index in &discs[first..] {
+                self.course_of[index as usize] = NONE;
             }
-            islands.push([start as u32, members.len() as u32]);
         }
-        first
+        discs
     }
 
-    /// Tasks of about equal size, as ranges of islands.
-    fn tasks(&self, first: usize) -> Vec<std::ops::Range<usize>> {
-        let mut tasks = Vec::new();
-        let (mut start, mut size) = (first, 0);
-        for island in first..self.islands.len() {
-            let [from, to] = self.islands[island];
-            size += (to - from) as usize;
-            if size >= TASK || island + 1 == self.islands.len() {
-                tasks.push(start..island + 1);
-                (start, size) = (island + 1, 0);
-            }
+    /// The trajectory of a disc.
+    fn trajectory(&self, window: &Window<'_>, index: u32) -> Trajectory<'_> {
+        let number = self.course_of[index as usize];
+        if number == NONE {
+            return Trajectory::free(window.segment(index), window.end);
         }
-        tasks
-    }
-
-    /// Finds the histories of the islands from `first` on.
-    fn simulate(&mut self, flight: &Flight<'_>, first: usize) {
-        let tasks = self.tasks(first);
-        let stop = Stop::current();
-        let histories = parallel::map(flight.threads, tasks.len(), |task| {
-            let (mut history, mut scratch) = (History::default(), Scratch::default());
-            if stop.is_set() {
-                return history;
-            }
-            for id in tasks[task].clone() {
-                let [start, end] = self.islands[id];
-                let island = Island {
-                    flight,
-                    neighbors: &self.neighbors,
-                    places: &self.places,
-                    id: id as u32,
-                    history: &mut history,
-                    scratch: &mut scratch,
-                };
-                island.run(&self.members[start as usize..end as usize]);
-            }
-            history
-        });
-        for History { courses, segments, bounces } in histories {
-            let before = self.segments.len() as u32;
-            self.segments.extend(segments);
-            self.bounces.extend(bounces);
-            for course in courses {
-                self.course_of[course.index as usize] = self.courses.len() as u32;
-                self.courses.push(Course { start: course.start + before, ..course });
-            }
-        }
-    }
-
-    /// The trajectory of a disc in an island.
-    #[inline(always)]
-    fn course(&self, index: u32) -> Option<(&Course, &[Segment])> {
-        if self.places[index as usize].island == NO_ISLAND {
-            return None;
-        }
-        let course = &self.courses[self.course_of[index as usize] as usize];
-        Some((course, &self.segments[course.start as usize..(course.start + course.len) as usize]))
-    }
-
-    /// Tests the trajectories of the islands from `first` on against the discs of other islands
-    /// and those of none, and against their own bounds.
-    fn test(&self, flight: &Flight<'_>, bounds: &dyn Bounds, first: usize) -> Findings {
-        let tasks = self.tasks(first);
-        let stop = Stop::current();
-        let links = parallel::map(flight.threads, tasks.len(), |task| {
-            let mut links = Vec::new();
-            if stop.is_set() {
-                return links;
-            }
-            for &[start, end] in &self.islands[tasks[task].clone()] {
-                for &index in &self.members[start as usize..end as usize] {
-                    if !flight.pairs {
-                        continue;
-                    }
-                    let island = self.places[index as usize].island;
-                    self.neighbors.of(index, |neighbor| {
-                        let outside = self.places[neighbor.index as usize].island != island;
-                        let movable = flight.is_movable(neighbor.index);
-                        if outside && movable && self.meet(flight, index, neighbor, false) {
-                            links.push((index, *neighbor));
-                        }
-                    });
-                }
-            }
-            links
-        });
-        let mut findings = Findings { links: links.concat(), ..Findings::default() };
-        for &[start, end] in &self.islands[first..] {
-            for &index in &self.members[start as usize..end as usize] {
-                let Some((_, segments)) = self.course(index) else { continue };
-                let ends = segments[1..].iter().map(|next| next.time).chain([flight.end]);
-                let distances = segments
-                    .iter()
-                    .zip(ends)
-                    .map(|(segment, end)| distance_of(flight, index, segment, end));
-                let farthest = distances.fold(0.0, f64::max);
-                if farthest > bounds.reach(index) {
-                    findings.outside.push((index, farthest));
-                }
-            }
-        }
-        findings
+        let history = match number & AGAIN {
+            0 => &self.blocks[index as usize / self.size].history,
+            _ => &self.again,
+        };
+        Trajectory::of(history, &history.courses[(number & !AGAIN) as usize], window.end)
     }
 
     /// Whether the trajectories of two discs meet; the first segments are tested against each
     /// other only if `first` says so.
-    fn meet(&self, flight: &Flight<'_>, index: u32, neighbor: &Neighbor, first: bool) -> bool {
-        let (own_first, other_first);
-        let own = match self.course(index) {
-            Some((_, segments)) => segments,
-            None => {
-                own_first = [flight.segment(index)];
-                &own_first
-            }
-        };
-        let other = match self.course(neighbor.index) {
-            Some((_, segments)) => segments,
-            None => {
-                other_first = [flight.segment(neighbor.index)];
-                &other_first
-            }
-        };
-        if !first && own.len() == 1 && other.len() == 1 {
-            return false;
-        }
-        let image = self.neighbors.image(neighbor);
-        let end_of = |segments: &[Segment], k: usize| {
-            segments.get(k + 1).map_or(flight.end, |next| next.time)
-        };
-        for (i, a) in own.iter().enumerate() {
-            let a_end = end_of(own, i);
-            for (j, b) in other.iter().enumerate() {
-                if !first && i == 0 && j == 0 {
-                    continue;
+    fn meet(&self, window: &Window<'_>, [a, b]: [u32; 2], image: Vector, first: bool) -> bool {
+        let others = self.trajectory(window, b);
+        self.trajectory(window, a).any(|own| {
+            others.clone().any(|other| {
+                let until = own.end.min(other.end);
+                let is_tested = first || !own.is_first || !other.is_first;
+                is_tested && own.segment.time.max(other.segment.time) < until && {
+                    let both = ((a, &own.segment), (b, &other.segment));
+                    window.impact(both.0, both.1, image, until).is_some()
                 }
-                let until = a_end.min(end_of(other, j));
-                let both = ((index, a), (neighbor.index, b));
-                if a.time.max(b.time) < until
-                    && flight.impact(both.0, both.1, image, until).is_some()
-                {
-                    return true;
-                }
-            }
-        }
-        false
+            })
+        })
     }
 
-    /// Links discs that meet. Their islands end; all their discs begin again.
-    fn reopen(&mut self, links: &[(u32, Neighbor)]) {
-        for &(index, neighbor) in links {
-            self.neighbors.link(index, neighbor);
-            for disc in [index, neighbor.index] {
-                let island = self.places[disc as usize].island;
-                if island == NO_ISLAND {
-                    self.hot.push(disc);
-                    continue;
-                }
-                let [start, end] = self.islands[island as usize];
-                for &member in &self.members[start as usize..end as usize] {
-                    self.places[member as usize].island = NO_ISLAND;
-                    self.hot.push(member);
-                }
-            }
+    /// Adds the neighbours that discs have in larger bounds. Returns the new pairs whose
+    /// trajectories meet.
+    fn grow(
+        &mut self,
+        window: &Window<'_>,
+        outside: &[(u32, f64)],
+        bounds: &mut dyn Bounds,
+    ) -> Result<Vec<[u32; 2]>> {
+        if outside.is_empty() || !window.flight.pairs {
+            return Ok(Vec::new());
         }
+        let mut new = bounds.grow(outside)?;
+        self.neighbors.add(&mut new);
+        new.retain(|&(a, b, image)| self.meet(window, [a, b], image, true));
+        Ok(new.into_iter().map(|(a, b, _)| [a, b]).collect())
     }
 
-    /// Writes positions, velocities and displacements at the end of the sub-step.
-    fn finish(&mut self, flight: &Flight<'_>) {
-        let motions = flight.motions;
-        let mut unresolved = 0;
-        for index in 0..flight.particles.len() as u32 {
-            if !flight.is_movable(index) {
-                continue;
-            }
-            let mut last = flight.segment(index);
-            let mut stopped = None;
-            if let Some((course, segments)) = self.course(index) {
-                last = *segments.last().expect("a trajectory has a segment");
-                stopped = course.stopped;
-                unresolved += u64::from(stopped.is_some());
-            }
-            let [position, velocity] = last.at(flight.end, flight.gravity);
-            let end = flight.after(last.falls, stopped.unwrap_or(velocity));
+    /// Writes positions, velocities and displacements at the end of the window.
+    fn finish(&mut self, window: &Window<'_>) {
+        let (motions, gravity) = (window.flight.motions, window.gravity());
+        let advance = |index: u32, last: &Segment, stopped: Option<Vector>| {
+            let [position, velocity] = last.at(window.end, gravity);
+            let end = window.after(last.falls, stopped.unwrap_or(velocity));
             motions.advance(index, position, end);
-        }
-        self.unresolved += unresolved;
-        let alive = |bounce: &&Bounce| {
-            self.places[bounce.pair[0] as usize].island == bounce.island
-                || self.places[bounce.pair[1] as usize].island == bounce.island
         };
-        let bounced = self.bounces.iter().filter(alive).map(|bounce| bounce.pair);
-        self.bounced.extend(bounced);
-    }
-}
-
-/// The longest of `end`, `end`/2, `end`/4 … before which at most one first impact for so many
-/// discs happens, but not less than `shortest`. It depends on the state alone.
-fn window(found: &[Vec<Found>], len: usize, end: f64, shortest: f64) -> f64 {
-    let mut window = end;
-    while 0.5 * window >= shortest {
-        let early = found.iter().flatten().filter(|&&(time, ..)| time <= window).count();
-        if early * DISCS_PER_IMPACT <= len.max(FEW) {
-            break;
+        parallel::for_each(window.flight.threads, &mut self.blocks, |block| {
+            for index in block.range.clone() {
+                if self.course_of[index as usize] == NONE
+                    && window.starts[index as usize].is_movable()
+                {
+                    advance(index, &window.segment(index), None);
+                }
+            }
+        });
+        let histories = self.blocks.iter().map(|block| (&block.history, 0));
+        for (history, mark) in histories.chain([(&self.again, AGAIN)]) {
+            for (number, course) in (0..).zip(&history.courses) {
+                if self.course_of[course.index as usize] == mark | number {
+                    advance(course.index, &course.segment, course.stopped);
+                    self.unresolved += u64::from(course.stopped.is_some());
+                }
+            }
+            let happened = history.bounces.iter().filter(|bounce| {
+                let index = history.courses[bounce.course as usize].index;
+                self.course_of[index as usize] == mark | bounce.course
+            });
+            self.bounced.extend(happened.map(|bounce| bounce.pair));
         }
-        window *= 0.5;
     }
-    window
 }
 
-/// The time of a first impact, the disc, and the neighbour that it meets; none for a wall.
-type Found = (f64, u32, Option<Neighbor>);
-
-/// How far a disc gets from its position at the beginning of the step while it moves along a
-/// segment.
-fn distance_of(flight: &Flight<'_>, index: u32, segment: &Segment, end: f64) -> f64 {
-    let anchor = flight.particles.positions[index as usize].map(f64::from);
-    let distance = |p: Vector| {
-        let offset = vector(|k| p[k] - anchor[k]);
-        dot(offset, offset).sqrt()
-    };
-    let [last, _] = segment.at(end, flight.gravity);
-    let longest = distance(segment.position).max(distance(last));
-    if !segment.falls {
-        return longest;
+impl Block {
+    /// Finds the impacts on walls along the first segments.
+    fn find_walls(&mut self, window: &Window<'_>) {
+        for index in self.range.clone() {
+            if window.may_hit_walls(&window.starts[index as usize]) {
+                self.first.extend(window.wall_event(index, &window.segment(index), 0));
+            }
+        }
     }
-    // A parabola leaves its chord by at most g t² / 8.
-    let t = end - segment.time;
-    longest + 0.125 * dot(flight.gravity, flight.gravity).sqrt() * t * t
+
+    fn impacts_before(&self, end: f64) -> usize {
+        let inside = self.first.iter().filter(|event| event.time <= end).count();
+        inside + self.crossing.iter().filter(|event| event.time <= end).count()
+    }
+}
+
+/// The impacts of some pairs along their first segments; `image` is added to the second.
+fn first_impacts(
+    window: &Window<'_>,
+    neighbors: &Neighbors,
+    image: [f32; 2],
+    pairs: &[[u32; 2]],
+) -> Vec<Event> {
+    let start = |index: u32| &window.starts[index as usize];
+    // Without branches, because they would often be predicted wrongly.
+    let mut near = vec![[0; 2]; pairs.len()];
+    let mut count = 0;
+    for &[a, b] in pairs {
+        near[count] = [a, b];
+        count += usize::from(window.may_meet(start(a), start(b), image));
+    }
+    let mut found = Vec::with_capacity(count);
+    let code = neighbors.code(image.map(f64::from));
+    for &[a, b] in &near[..count] {
+        if !start(a).is_movable() && !start(b).is_movable() {
+            continue;
+        }
+        let [p, q] = [a, b].map(|disc| window.segment(disc));
+        let impact = window.impact((a, &p), (b, &q), image.map(f64::from), window.end);
+        // The first of an event can move.
+        let (pair, code) =
+            if start(a).is_movable() { ([a, b], code) } else { ([b, a], opposite(code)) };
+        found.extend(impact.map(|impact| Event::of_discs(impact, pair, code, [0; 2])));
+    }
+    found
+}
+
+/// The discs whose first segment leaves their bounds, and how far it gets.
+fn outside_at_start(window: &Window<'_>, reaches: &[f32]) -> Vec<(u32, f64)> {
+    let movable = (0..).zip(window.starts).filter(|(_, start)| start.is_movable());
+    let all = movable
+        .map(|(index, _)| (index, window.longest_square(index, &window.segment(index)).sqrt()));
+    all.filter(|&(index, distance)| distance > f64::from(reaches[index as usize])).collect()
+}
+
+fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }

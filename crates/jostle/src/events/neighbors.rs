@@ -11,8 +11,6 @@ pub struct Neighbor {
     pub index: u32,
     /// Which of [`Neighbors::images`] is added to its position.
     pub image: u16,
-    /// Whether the two meet, as far as is known.
-    pub linked: bool,
 }
 
 /// The neighbours of all discs.
@@ -53,7 +51,7 @@ impl Neighbors {
             for &[a, b] in pairs {
                 let mut put = |at: u32, index, image| {
                     let next = &mut starts[at as usize + 1];
-                    all[*next as usize] = Neighbor { index, image, linked: false };
+                    all[*next as usize] = Neighbor { index, image };
                     *next += 1;
                 };
                 put(a, b, code);
@@ -81,6 +79,22 @@ impl Neighbors {
         first..first + len
     }
 
+    /// The pairs that were added, a list for each image.
+    pub fn later(&self) -> Vec<([f32; 2], Vec<[u32; 2]>)> {
+        let mut lists: Vec<_> = self.images.iter().map(|&image| (image, Vec::new())).collect();
+        for (of, Neighbor { index, image }) in self.later.iter().filter(|(of, n)| *of < n.index) {
+            lists[usize::from(*image)].1.push([*of, *index]);
+        }
+        lists.retain(|(_, pairs)| !pairs.is_empty());
+        lists.into_iter().map(|(image, pairs)| (image.map(|v| v as f32), pairs)).collect()
+    }
+
+    /// The number of an image that is there.
+    pub fn code(&self, image: Vector) -> u16 {
+        let found = self.images.iter().position(|&known| known == image);
+        found.expect("all images of candidate pairs are there") as u16
+    }
+
     /// The offset that is added to the position of a neighbour.
     #[inline(always)]
     pub fn image(&self, neighbor: &Neighbor) -> Vector {
@@ -93,43 +107,19 @@ impl Neighbors {
         self.images[usize::from(code)]
     }
 
-    /// Marks two discs as meeting, in both directions.
-    pub fn link(&mut self, a: u32, neighbor: Neighbor) {
-        let (b, code) = (neighbor.index, neighbor.image);
-        for (of, index, image) in [(a, b, code), (b, a, opposite(code))] {
-            let range = self.starts[of as usize] as usize..self.starts[of as usize + 1] as usize;
-            let wanted = |found: &&mut Neighbor| found.index == index && found.image == image;
-            if let Some(found) = self.all[range].iter_mut().find(wanted) {
-                found.linked = true;
-                continue;
-            }
-            let later = self.later_of(of);
-            let mut later = self.later[later].iter_mut().map(|(_, found)| found);
-            if let Some(found) = later.find(wanted) {
-                found.linked = true;
-            }
-        }
-    }
-
-    /// Forgets which discs meet.
-    pub fn unlink(&mut self) {
-        self.all.iter_mut().for_each(|neighbor| neighbor.linked = false);
-        self.later.iter_mut().for_each(|(_, neighbor)| neighbor.linked = false);
-    }
-
-    /// Adds pairs that are not yet there: the second, moved by the offset, is near the first.
-    pub fn add(&mut self, pairs: &[(u32, u32, Vector)]) {
-        let mut new = Vec::new();
-        for &(a, b, image) in pairs {
-            let code = image_code(&mut self.images, image);
+    /// Adds pairs: the second, moved by the offset, is near the first. Keeps those in the list that
+    /// are new.
+    pub fn add(&mut self, pairs: &mut Vec<(u32, u32, Vector)>) {
+        pairs.retain(|&(a, b, image)| {
             let mut known = false;
             self.of(a, |found| known |= found.index == b && self.image(found) == image);
-            if !known {
-                new.push((a, Neighbor { index: b, image: code, linked: false }));
-                new.push((b, Neighbor { index: a, image: opposite(code), linked: false }));
-            }
+            !known
+        });
+        for &(a, b, image) in pairs.iter() {
+            let code = image_code(&mut self.images, image);
+            self.later.push((a, Neighbor { index: b, image: code }));
+            self.later.push((b, Neighbor { index: a, image: opposite(code) }));
         }
-        self.later.extend(new);
         self.later.sort_unstable_by_key(|(of, found)| (*of, found.index, found.image));
         self.later.dedup_by_key(|(of, found)| (*of, found.index, found.image));
         self.has_later.resize(self.starts.len() - 2, false);
@@ -147,6 +137,7 @@ fn image_code(images: &mut Vec<Vector>, image: Vector) -> u16 {
     code as u16
 }
 
-fn opposite(code: u16) -> u16 {
+/// The number of the opposite image.
+pub fn opposite(code: u16) -> u16 {
     code ^ 1
 }

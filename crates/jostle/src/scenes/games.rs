@@ -37,7 +37,7 @@ pub fn shots(n: usize, random: &mut Random) -> Start {
     let radii = (0..n).map(|i| if i < pegs { PEG_RADIUS } else { SHOT_RADIUS }).collect();
     let mut particles = Particles::new(places, velocities, radii, 1.0);
     particles.movable[..pegs].fill(false);
-    Start::new(particles, WorldSettings { substeps: Some(2), ..boxed(area) })
+    Start::new(particles, boxed(area))
 }
 
 const BALL_RADIUS: f32 = 10.0;
@@ -115,7 +115,6 @@ pub fn orbit(n: usize, random: &mut Random) -> Start {
         .collect();
     let settings = WorldSettings {
         container: Container::Circle { center: [0.0; 2], radius },
-        substeps: Some(2),
         ..WorldSettings::default()
     };
     Start::new(Particles::new(inside, velocities, vec![ORBIT_RADIUS; n], 1.0), settings)

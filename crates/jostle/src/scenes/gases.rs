@@ -4,7 +4,6 @@ use super::placing::{Area, lattice, scatter};
 use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
 use crate::particles::Particles;
-use crate::world::WorldSettings;
 
 /// Share of the area that the discs of a gas cover.
 const COVERAGE: f32 = 0.4;
@@ -33,7 +32,7 @@ pub fn gas(n: usize, random: &mut Random) -> Start {
     let gap = area[2] / (n as f32).sqrt().ceil().max(1.0) / 2.0 - RADIUS;
     let places = lattice(n, area, 0.9 * gap.max(0.0), random);
     let velocities = velocities(n, random);
-    let settings = WorldSettings { substeps: Some(1), ..boxed(area) };
+    let settings = boxed(area);
     Start::new(Particles::new(places, velocities, vec![RADIUS; n], 1.0), settings)
 }
 
@@ -63,7 +62,7 @@ pub fn mixed(n: usize, random: &mut Random) -> Start {
     let places = scatter(&radii, area, random);
     let velocities = velocities(n, random);
     let particles = Particles::new(places, velocities, radii, 1.0);
-    Start::new(particles, WorldSettings { substeps: Some(2), ..boxed(area) })
+    Start::new(particles, boxed(area))
 }
 
 pub fn clusters_view(n: usize) -> Area {
@@ -90,5 +89,5 @@ pub fn clusters(n: usize, random: &mut Random) -> Start {
     places.extend(lattice(n - gathered, area, 0.0, random));
     let velocities = velocities(n, random);
     let particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
-    Start::new(particles, WorldSettings { substeps: Some(1), ..boxed(area) })
+    Start::new(particles, boxed(area))
 }

@@ -5,7 +5,6 @@ use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
 use crate::forces::{Force, Thermostat};
 use crate::particles::Particles;
-use crate::world::WorldSettings;
 
 /// Radius and coverage of both gases.
 const RADIUS: f32 = 4.0;
@@ -38,7 +37,7 @@ pub fn thermostat(n: usize, random: &mut Random) -> Start {
     let mut particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
     let masses = particles.masses.iter_mut().enumerate();
     masses.for_each(|(row, mass)| *mass *= DENSITIES[kind(row)]);
-    let settings = WorldSettings { substeps: Some(1), ..boxed(area) };
+    let settings = boxed(area);
     Start::new(particles, settings).with(Force::Thermostat(WALLS))
 }
 
@@ -67,7 +66,7 @@ pub fn brownian(n: usize, random: &mut Random) -> Start {
     let mut radii = vec![LARGE; n.min(1)];
     radii.resize(n, SMALL);
     let particles = Particles::new(places, velocities, radii, 1.0);
-    Start::new(particles, WorldSettings { substeps: Some(1), ..boxed(area) })
+    Start::new(particles, boxed(area))
 }
 
 /// `count` places on a lattice that leaves a circle free.

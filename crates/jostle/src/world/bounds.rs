@@ -10,15 +10,15 @@ use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::query::{self, Circle};
-use crate::shapes::Each;
-use crate::trajectory::{Vector, dot, vector};
+use crate::shapes::{Each, Shapes};
+use crate::trajectory::{Vector, dot};
 
-/// Displacement for which bounds have room, in root mean square displacements: collisions make
-/// slow particles faster.
-const USUAL: f32 = 1.5;
+/// Displacement for which bounds have room, in mean displacements: collisions make slow particles
+/// faster.
+const USUAL: f32 = 1.7;
 
 /// Candidate pairs that a particle may have because it moves, in a dilute gas.
-const CANDIDATES: f64 = 3.0;
+const CANDIDATES: f64 = 1.5;
 
 /// Parts into which a step is cut at most so that there are few candidate pairs.
 const MOST_SPLITS: f64 = 4096.0;
@@ -33,8 +33,8 @@ impl World {
     /// the bounds.
     pub(super) fn bound(&mut self, dt: f32) {
         let threads = self.threads();
-        let usual = USUAL * self.typical_speed();
-        let super::Memory { reaches, shapes, fast, .. } = &mut self.memory;
+        let super::Memory { reaches, shapes, fast, usual_speed, .. } = &mut self.memory;
+        let usual = *usual_speed;
         let held = |place: usize| !fast.held.is_empty() && fast.held[self.rows[place] as usize];
         let (particles, settings) = (&self.particles, &self.settings);
         let [gx, gy] = settings.gravity;
@@ -64,11 +64,14 @@ impl World {
         });
     }
 
-    /// Root mean square of the speeds of all particles that are not held.
-    fn typical_speed(&self) -> f32 {
-        let all = self.rows.iter().zip(&self.particles.velocities);
-        let free = all.filter(|&(&row, _)| !self.is_held(row));
-        root_mean(free.map(|(_, v)| dot(v.map(f64::from), v.map(f64::from)))) as f32
+    /// The speed for which bounds have room.
+    pub(super) fn usual_speed(&self) -> f32 {
+        let all = (0..self.len()).filter(|&place| !self.is_held(self.rows[place]));
+        let square = |place: usize| {
+            let v = self.particles.velocities[place].map(f64::from);
+            dot(v, v)
+        };
+        USUAL * mean(all.map(|place| square(place).sqrt())) as f32
     }
 
     /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
@@ -78,8 +81,8 @@ impl World {
         let Particles { positions, radii, .. } = &self.particles;
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let (dt, fall) = (f64::from(dt), (gx * gx + gy * gy).sqrt());
-        let displacement = f64::from(USUAL * self.typical_speed()) * dt + 0.5 * fall * dt * dt;
-        let radius = root_mean(radii.iter().map(|&r| f64::from(r) * f64::from(r)));
+        let displacement = f64::from(self.memory.usual_speed) * dt + 0.5 * fall * dt * dt;
+        let radius = mean(radii.iter().map(|&radius| f64::from(radius)));
         let area = self.settings.container.area().unwrap_or_else(|| extent(positions));
         let density = positions.len() as f64 / area;
         let least = TAU * density * radius * radius;
@@ -91,16 +94,17 @@ impl World {
     }
 }
 
-/// The square root of the mean of some numbers, the same whatever their order.
-fn root_mean(squares: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = squares.clone().fold(0.0, f64::max);
+/// The mean of some numbers, none negative; the same whatever their order.
+fn mean(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = numbers.clone().fold(0.0, f64::max);
     if largest == 0.0 {
         return 0.0;
     }
     // Whole numbers have sums without rounding.
-    let share = |square: f64| (square / largest * (1u64 << 40) as f64) as u128;
-    let (sum, count) = squares.fold((0, 0u32), |(sum, count), v| (sum + share(v), count + 1));
-    (largest * (sum as f64 / (1u64 << 40) as f64 / f64::from(count))).sqrt()
+    let scale = f64::from(u32::MAX) / largest;
+    let add = |(sum, count), number| (sum + (number * scale) as u64, count + 1);
+    let (sum, count) = numbers.fold((0, 0u32), add);
+    sum as f64 / scale / f64::from(count)
 }
 
 /// Area of the smallest AABB around some points.
@@ -154,8 +158,8 @@ impl<'a> StepBounds<'a> {
 }
 
 impl Bounds for StepBounds<'_> {
-    fn reach(&self, index: u32) -> f64 {
-        f64::from(self.reaches[index as usize])
+    fn reaches(&self) -> &[f32] {
+        self.reaches
     }
 
     fn grow(&mut self, distances: &[(u32, f64)]) -> Result<Vec<(u32, u32, Vector)>> {
@@ -166,44 +170,45 @@ impl Bounds for StepBounds<'_> {
             }
         }
         for &(index, distance) in distances {
-            self.reaches[index as usize] = (distance * GROWTH) as f32;
-            self.grown.list.push(index);
+            let reach = &mut self.reaches[index as usize];
+            *reach = reach.max((distance * GROWTH) as f32);
         }
+        let mut new: Vec<u32> = distances.iter().map(|&(index, _)| index).collect();
+        new.sort_unstable();
+        new.dedup();
+        self.grown.list.extend(&new);
         self.grown.list.sort_unstable();
         self.grown.list.dedup();
-        let Particles { positions, radii, .. } = self.particles;
+        let position = |index: u32| self.particles.positions[index as usize];
+        let radius =
+            |index: u32| self.particles.radii[index as usize] + self.reaches[index as usize];
         // A circle for each disc and each image: the images of the others at +offset are around
         // the disc at −offset.
-        let (mut of, mut centers, mut wide) = (Vec::new(), Vec::new(), Vec::new());
-        for &(index, _) in distances {
-            let own = index as usize;
-            let radius = radii[own] + self.reaches[own];
-            for offset in self.offsets(2.0 * radius) {
+        let (mut of, mut centers, mut radii) = (Vec::new(), Vec::new(), Vec::new());
+        for index in new {
+            for offset in self.offsets(2.0 * radius(index)) {
                 of.push((index, offset.map(f64::from)));
-                centers.push([0, 1].map(|k| positions[own][k] - offset[k]));
-                wide.push(radius);
+                centers.push([0, 1].map(|k| position(index)[k] - offset[k]));
+                radii.push(radius(index));
             }
         }
-        let circles = Circle::all(&Each::Rows(centers), &Each::Rows(wide))?;
+        let circles = Circle::all(&Each::Rows(centers), &Each::Rows(radii))?;
         let found = query::search(self.tree, &circles, None)?;
+        // That tree knows the old bounds of discs whose bounds have grown.
+        let list = &self.grown.list;
+        let grown = Shapes {
+            centers: list.iter().map(|&index| position(index)).collect(),
+            radii: Each::Rows(list.iter().map(|&index| radius(index)).collect()),
+            ..Shapes::default()
+        };
+        let grown = Quadtree::new(&grown, self.tree.settings())?;
+        let found_grown = query::search(&grown, &circles, None)?;
         let mut pairs = Vec::new();
-        for (question, &(index, image)) in of.iter().enumerate() {
-            let others = found.of(question).iter().map(|&row| self.grown.indices[row as usize]);
-            pairs.extend(others.filter(|&other| other != index).map(|o| (index, o, image)));
-            // The tree knows the old bounds of discs whose bounds have grown.
-            let own = index as usize;
-            let radius = radii[own] + self.reaches[own];
-            for &other in self.grown.list.iter().filter(|&&other| other != index) {
-                let q = vector(|k| {
-                    let [a, b] = [positions[own][k], positions[other as usize][k]];
-                    f64::from(b) - f64::from(a) + image[k]
-                });
-                let other = other as usize;
-                let reach = f64::from(radius) + f64::from(radii[other] + self.reaches[other]);
-                if dot(q, q) <= reach * reach {
-                    pairs.push((index, other as u32, image));
-                }
-            }
+        for (circle, &(index, image)) in of.iter().enumerate() {
+            let old = found.of(circle).iter().map(|&row| self.grown.indices[row as usize]);
+            let new = found_grown.of(circle).iter().map(|&row| list[row as usize]);
+            let others = old.chain(new).filter(|&other| other != index);
+            pairs.extend(others.map(|other| (index, other, image)));
         }
         Ok(pairs)
     }

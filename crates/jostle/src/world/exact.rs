@@ -35,7 +35,7 @@ impl World {
     /// rounding explains become contacts, whose positions are corrected.
     pub(super) fn prepare_events(&mut self) {
         let threads = self.threads();
-        let Memory { tree, pairs, meetings, fast, moving, events, .. } = &mut self.memory;
+        let Memory { tree, pairs, overlaps, meetings, fast, moving, events, .. } = &mut self.memory;
         moving.clone_from(&self.particles.movable);
         meetings.clear();
         if self.settings.on_touch == OnTouch::Merge {
@@ -50,7 +50,7 @@ impl World {
             moving.iter_mut().enumerate().for_each(|(place, moves)| *moves &= is_free(place));
         }
         let (particles, restitution) = (&self.particles, self.settings.restitution);
-        let overlaps = |&[a, b]: &[u32; 2], image: [f32; 2]| {
+        let overlap = |[a, b]: [u32; 2], image: [f32; 2]| {
             let [p, q] = [a, b].map(|place| particles.positions[place as usize]);
             let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
             let reach = particles.radii[a as usize] + particles.radii[b as usize];
@@ -58,11 +58,14 @@ impl World {
             x * x + y * y < reach * reach
         };
         events.neighbors.fill(particles.len(), pairs);
-        for (image, pairs) in pairs.iter_mut() {
-            pairs.retain(|pair| overlaps(pair, *image));
-            pairs.sort_unstable();
+        overlaps.clear();
+        for (image, pairs) in pairs.iter() {
+            let mut found = pairs.clone();
+            found.retain(|&pair| overlap(pair, *image));
+            found.sort_unstable();
+            overlaps.push((*image, found));
         }
-        self.contacts.collect(pairs, particles, restitution, tree.rows(), threads);
+        self.contacts.collect(overlaps, particles, restitution, tree.rows(), threads);
     }
 
     /// Moves the particles through the sub-steps and stores where they are then.
@@ -111,6 +114,7 @@ impl World {
                 particles,
                 movable: &memory.moving,
                 motions,
+                candidates: &memory.pairs,
                 gravity: flow.gravity,
                 end: flow.duration,
                 flow,
@@ -127,6 +131,8 @@ impl World {
             merge::note(&mut memory.meetings, motions, threads);
         }
         self.stats.unresolved = memory.events.unresolved;
+        memory.events.bounced.sort_unstable();
+        memory.events.bounced.dedup();
         let touched = memory.events.bounced.iter().chain(&memory.touched_before);
         let touched = touched.map(|&[a, b]| {
             let pair = [a.min(b), a.max(b)];

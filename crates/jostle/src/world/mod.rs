@@ -115,6 +115,7 @@ pub struct World {
 struct Memory {
     sweeps: Vec<Sweep>,
     /// What the event-driven step needs, see [`exact`].
+    usual_speed: f32,
     reaches: Vec<f32>,
     old_reaches: Vec<f32>,
     grown: bounds::Grown,
@@ -129,6 +130,8 @@ struct Memory {
     sorting: SortScratch,
     /// The pairs that may touch.
     pairs: search::Lists,
+    /// Those that overlap as an event-driven step begins.
+    overlaps: search::Lists,
     /// The same where what touches merges.
     meetings: Vec<merge::Meeting>,
     old_sweeps: Vec<Sweep>,

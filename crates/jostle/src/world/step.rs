@@ -78,6 +78,7 @@ impl World {
     ) -> Result<()> {
         let dt_of_part = dt / parts as f32;
         for _ in 0..parts {
+            self.memory.usual_speed = if self.is_exact() { self.usual_speed() } else { 0.0 };
             let splits = if self.is_exact() && self.settings.on_touch == OnTouch::Bounce {
                 self.parts_with_few_candidates(dt_of_part)
             } else {

@@ -1,0 +1,300 @@
+//! What all discs of a sub-step have in common, and the impacts that this makes possible.
+
+use super::queue::Event;
+use crate::container::{Container, MAX_WALLS};
+use crate::flow::Flow;
+use crate::forces::Thermostat;
+use crate::motion::Motions;
+use crate::parallel;
+use crate::particles::Particles;
+use crate::trajectory::{
+    Impact, Limits, Relative, Segment, Vector, dot, vector, wall_impact, wall_normal,
+};
+
+/// Relative size of the rounding of positions in float32, with a reserve for sums.
+const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
+/// Relative error, with a large reserve, of the tests in float32.
+const MARGIN: f32 = 1e-4;
+
+/// How a disc begins a window.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub struct Start {
+    /// Centre.
+    pub position: [f32; 2],
+    /// Velocity.
+    pub velocity: [f32; 2],
+    /// Radius.
+    pub radius: f32,
+    /// 0 if it cannot move.
+    pub mass: f32,
+}
+
+impl Start {
+    /// Whether the disc can move.
+    #[inline(always)]
+    pub fn is_movable(&self) -> bool {
+        self.mass > 0.0
+    }
+
+    /// One over the mass; 0 if the disc cannot move.
+    pub fn inverse_mass(&self) -> f64 {
+        if self.is_movable() { 1.0 / f64::from(self.mass) } else { 0.0 }
+    }
+}
+
+/// What all discs of a sub-step have in common.
+#[derive(Clone, Copy)]
+pub struct Flight<'a> {
+    /// The discs, as they were at the beginning of the step.
+    pub particles: &'a Particles,
+    /// Which of them move.
+    pub movable: &'a [bool],
+    /// Positions and velocities at the beginning of the window.
+    pub motions: &'a Motions,
+    /// The pairs whose bounds overlap, a list for each image.
+    pub candidates: &'a [([f32; 2], Vec<[u32; 2]>)],
+    /// Acceleration.
+    pub gravity: Vector,
+    /// Duration of the flight.
+    pub end: f64,
+    /// What linear damping does to the velocities after the flight.
+    pub flow: Flow,
+    /// Whether the flight ends the sub-step.
+    pub last: bool,
+    /// The walls.
+    pub container: Container,
+    /// Coefficient of restitution of the world.
+    pub restitution: f32,
+    /// What walls do to speeds.
+    pub thermostat: Option<Thermostat>,
+    /// Whether discs bounce off each other.
+    pub pairs: bool,
+    /// Whether all discs stay in their bounds as long as they have no events.
+    pub bounded: bool,
+    /// Threads to use.
+    pub threads: Option<usize>,
+}
+
+impl Flight<'_> {
+    /// How all discs begin.
+    pub fn fill(&self, starts: &mut Vec<Start>) {
+        starts.resize(self.particles.len(), Start::default());
+        let Self { particles, movable, motions, .. } = *self;
+        parallel::for_chunks(self.threads, starts, |first, starts| {
+            for (start, index) in starts.iter_mut().zip(first..) {
+                *start = Start {
+                    position: motions.position(index as u32),
+                    velocity: motions.velocity(index as u32),
+                    radius: particles.radii[index],
+                    mass: if movable[index] { particles.masses[index] } else { 0.0 },
+                };
+            }
+        });
+    }
+}
+
+/// A part of a sub-step at whose end all discs are known.
+#[derive(Clone, Copy)]
+pub struct Window<'a> {
+    /// The sub-step, from the beginning of the window.
+    pub flight: &'a Flight<'a>,
+    /// How the discs begin.
+    pub starts: &'a [Start],
+    /// When the window ends.
+    pub end: f64,
+}
+
+impl Window<'_> {
+    /// Acceleration of falling discs.
+    #[inline(always)]
+    pub fn gravity(&self) -> Vector {
+        self.flight.gravity
+    }
+
+    /// The first segment of a disc.
+    #[inline(always)]
+    pub fn segment(&self, index: u32) -> Segment {
+        let start = &self.starts[index as usize];
+        Segment {
+            time: 0.0,
+            position: start.position.map(f64::from),
+            velocity: start.velocity.map(f64::from),
+            falls: self.flight.gravity != [0.0; 2] && start.is_movable(),
+        }
+    }
+
+    /// A test in float32 that is false only if two discs certainly do not meet along their first
+    /// segments.
+    #[inline(always)]
+    pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
+        let q = [0, 1].map(|k| other.position[k] - own.position[k] + image[k]);
+        let w = [0, 1].map(|k| other.velocity[k] - own.velocity[k]);
+        let (approach, ww) = (q[0] * w[0] + q[1] * w[1], w[0] * w[0] + w[1] * w[1]);
+        let qq = q[0] * q[0] + q[1] * q[1];
+        let reach = own.radius + other.radius;
+        let sizes = own.position[0].abs() + own.position[1].abs() + reach;
+        // The time of the closest approach. `max` returns 0 for what is not a number.
+        let closest = (-approach / ww).max(0.0).min(self.end as f32);
+        let square = qq + (2.0 * approach + ww * closest) * closest;
+        let error = MARGIN * (qq + reach * sizes);
+        // Not a number, where there are overflows, counts as near.
+        let is_far = square > reach * reach + error;
+        !is_far | self.is_curved(own, other)
+    }
+
+    /// Whether one of two discs falls and the other does not.
+    #[inline(always)]
+    fn is_curved(&self, own: &Start, other: &Start) -> bool {
+        (self.gravity() != [0.0; 2]) & (own.is_movable() != other.is_movable())
+    }
+
+    /// A test in float32 that is false only if a disc certainly does not get to a flat wall.
+    pub fn may_hit_walls(&self, start: &Start) -> bool {
+        let Container::Box { min, max } = self.flight.container else {
+            return self.flight.container.has_walls();
+        };
+        let Start { position, velocity, radius, .. } = *start;
+        let end = self.end as f32;
+        let near = |k: usize| {
+            let fall = 0.5 * self.flight.gravity[k].abs() as f32 * end * end;
+            let far = velocity[k].abs() * end + fall;
+            let far = (far + radius) * (1.0 + MARGIN) + MARGIN * position[k].abs();
+            !(position[k] - min[k] > far && max[k] - position[k] > far)
+        };
+        near(0) | near(1)
+    }
+
+    /// The velocity after the sub-step from that at the end of the window.
+    #[inline(always)]
+    pub fn after(&self, falls: bool, velocity: Vector) -> Vector {
+        if self.end < self.flight.end || !self.flight.last {
+            return velocity;
+        }
+        let Flow { decay, correction, .. } = self.flight.flow;
+        let added = if falls { correction } else { [0.0; 2] };
+        vector(|k| velocity[k] * decay + added[k])
+    }
+
+    /// Coefficient of restitution of two discs.
+    pub fn pair_restitution(&self, [a, b]: [u32; 2]) -> f64 {
+        let Flight { particles: Particles { restitutions, .. }, restitution, .. } = self.flight;
+        f64::from(restitution * (restitutions[a as usize] * restitutions[b as usize]))
+    }
+
+    /// Coefficient of restitution of a disc and a wall.
+    pub fn wall_restitution(&self, index: u32) -> f64 {
+        f64::from(self.flight.restitution * self.flight.particles.restitutions[index as usize])
+    }
+
+    #[inline(always)]
+    fn limits(&self, until: f64, position: Vector, reach: f64) -> Limits {
+        let rounding = ROUNDING * (position[0].abs() + position[1].abs() + reach);
+        Limits { until, end: self.end, rounding }
+    }
+
+    #[inline(always)]
+    fn reach(&self, a: u32, b: u32) -> f64 {
+        let [a, b] = [a, b].map(|index| f64::from(self.starts[index as usize].radius));
+        a + b
+    }
+
+    /// The next impact of two discs before `until`; `image` is added to the second.
+    #[inline(always)]
+    pub fn impact(
+        &self,
+        (a, first): (u32, &Segment),
+        (b, second): (u32, &Segment),
+        image: Vector,
+        until: f64,
+    ) -> Option<Impact> {
+        // The other way round all numbers have the opposite sign, and products are the same.
+        let relative = Relative::of(first, second, image, self.flight.gravity);
+        if relative.separates() {
+            return None;
+        }
+        let reach = self.reach(a, b);
+        let position = if a < b { first.position } else { second.position };
+        let limits = self.limits(until, position, reach);
+        relative.impact(reach, &limits)
+    }
+
+    /// The next impact of a disc on a wall.
+    pub fn wall_event(&self, index: u32, segment: &Segment, count: u32) -> Option<Event> {
+        let (start, container) = (&self.starts[index as usize], &self.flight.container);
+        if !container.has_walls() || !start.is_movable() {
+            return None;
+        }
+        let radius = f64::from(start.radius);
+        let limits = self.limits(self.end, segment.position, radius);
+        let hit = wall_impact(segment, radius, container, self.flight.gravity, &limits);
+        hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
+    }
+
+    /// Whether two discs that begin segments now touch and approach.
+    #[inline(always)]
+    pub fn touch_now(
+        &self,
+        (a, first): (u32, &Segment),
+        (b, second): (u32, &Segment),
+        image: Vector,
+    ) -> bool {
+        let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
+        let reach = self.reach(a, b);
+        let position = if a < b { first.position } else { second.position };
+        let limits = self.limits(self.end, position, reach);
+        let (square, near) = (dot(offset, offset), reach + limits.rounding);
+        if square > near * near {
+            return false;
+        }
+        let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
+        is_fast(approach / square.sqrt(), first.time, &limits)
+    }
+
+    /// The walls that a disc touches and approaches as it begins a segment.
+    pub fn touched_walls(&self, index: u32, now: &Segment) -> [Option<u8>; MAX_WALLS] {
+        let container = &self.flight.container;
+        let mut touched = [None; MAX_WALLS];
+        if !container.has_walls() {
+            return touched;
+        }
+        let radius = f64::from(self.starts[index as usize].radius);
+        let limits = self.limits(self.end, now.position, radius);
+        let gaps = container.gaps(now.position, radius);
+        for (wall, gap) in gaps.into_iter().enumerate() {
+            let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
+            debug_assert!(gap.is_finite());
+            let normal = wall_normal(container, wall as u8, now.position);
+            if is_fast(-dot(normal, now.velocity), now.time, &limits) {
+                touched[wall] = Some(wall as u8);
+            }
+        }
+        touched
+    }
+
+    /// Square of the longest distance from its position at the beginning of the step that a disc
+    /// has while it moves along a segment to the end of the window.
+    #[inline(always)]
+    pub fn longest_square(&self, index: u32, segment: &Segment) -> f64 {
+        let anchor = self.flight.particles.positions[index as usize].map(f64::from);
+        let square = |p: Vector| {
+            let offset = vector(|k| p[k] - anchor[k]);
+            dot(offset, offset)
+        };
+        let last = segment.place_at(self.end, self.gravity());
+        let square = square(segment.position).max(square(last));
+        if !segment.falls {
+            return square;
+        }
+        // A parabola leaves its chord by at most g t² / 8.
+        let (gravity, t) = (self.gravity(), self.end - segment.time);
+        let distance = square.sqrt() + 0.125 * dot(gravity, gravity).sqrt() * t * t;
+        distance * distance
+    }
+}
+
+/// Whether surfaces that touch bounce.
+fn is_fast(speed: f64, time: f64, limits: &Limits) -> bool {
+    speed * (limits.end - time) > limits.rounding
+}

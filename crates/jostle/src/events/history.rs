@@ -1,0 +1,113 @@
+//! What the events of a window lead to: trajectories and bounces.
+
+use crate::trajectory::{Segment, Vector};
+
+/// Stands for no course and for no segment.
+pub const NONE: u32 = u32::MAX;
+
+/// The trajectory of a disc that has events.
+#[derive(Clone, Copy, Debug)]
+pub struct Course {
+    /// The disc.
+    pub index: u32,
+    /// The number of its events.
+    pub count: u32,
+    /// The segment that it is on, in the end its last one.
+    pub segment: Segment,
+    /// The segment before, in the history's list; [`NONE`] if there is none.
+    pub before: u32,
+    /// One over the mass.
+    pub inverse_mass: f64,
+    /// Its position in the group plus one, while discs collide.
+    pub in_group: u32,
+    /// A course on which this one depends: itself, or that of another disc which is connected with
+    /// it by collisions. Following them leads to the same course for a whole island.
+    pub island: u32,
+    /// The velocity after the sub-step, if the disc had too many events.
+    pub stopped: Option<Vector>,
+}
+
+/// Two discs that bounced.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounce {
+    /// Their indices, the smaller first.
+    pub pair: [u32; 2],
+    /// The course of one of them.
+    pub course: u32,
+}
+
+/// The courses of some discs.
+#[derive(Debug, Default)]
+pub struct History {
+    /// One for each disc that had an event.
+    pub courses: Vec<Course>,
+    /// Segments that ended with an event, and the segments before them.
+    pub ended: Vec<(Segment, u32)>,
+    /// The pairs that bounced.
+    pub bounces: Vec<Bounce>,
+    /// Discs that leave their bounds, and how far they get from their position at the beginning of
+    /// the step.
+    pub outside: Vec<(u32, f64)>,
+}
+
+impl History {
+    /// Forgets all courses.
+    pub fn clear(&mut self) {
+        self.courses.clear();
+        self.ended.clear();
+        self.bounces.clear();
+        self.outside.clear();
+    }
+
+    /// The course that stands for the island of a course.
+    pub fn island(&mut self, mut number: u32) -> u32 {
+        while self.courses[number as usize].island != number {
+            let next = self.courses[number as usize].island;
+            self.courses[number as usize].island = self.courses[next as usize].island;
+            number = next;
+        }
+        number
+    }
+}
+
+/// The segments of a disc, the last one first.
+#[derive(Clone, Debug)]
+pub struct Trajectory<'a> {
+    ended: &'a [(Segment, u32)],
+    next: Option<(Segment, u32)>,
+    end: f64,
+}
+
+impl<'a> Trajectory<'a> {
+    /// The trajectory of a disc without events.
+    pub fn free(segment: Segment, end: f64) -> Self {
+        Self { ended: &[], next: Some((segment, NONE)), end }
+    }
+
+    /// The trajectory of a disc with events.
+    pub fn of(history: &'a History, course: &Course, end: f64) -> Self {
+        Self { ended: &history.ended, next: Some((course.segment, course.before)), end }
+    }
+}
+
+/// A segment of a trajectory.
+pub struct Part {
+    /// The segment.
+    pub segment: Segment,
+    /// When it ends.
+    pub end: f64,
+    /// Whether it is the first.
+    pub is_first: bool,
+}
+
+impl Iterator for Trajectory<'_> {
+    type Item = Part;
+
+    fn next(&mut self) -> Option<Part> {
+        let (segment, before) = self.next?;
+        self.next = self.ended.get(before as usize).copied();
+        let part = Part { segment, end: self.end, is_first: before == NONE };
+        self.end = segment.time;
+        Some(part)
+    }
+}

@@ -1,0 +1,416 @@
+//! The events of some discs in the order of time.
+//!
+//! A queue gives the earliest event. The two discs and all that touch them at that moment get new
+//! velocities at once; then their next impacts are predicted. Predictions depend on the segments
+//! of two discs only, so the history does not depend on which other discs are simulated together.
+
+use std::ops::Range;
+
+use super::flight::Window;
+use super::history::{Bounce, Course, History, NONE};
+use super::impulses::{self, Touch};
+use super::neighbors::{Neighbor, Neighbors, opposite};
+use super::queue::{Event, Queue, WALL};
+use crate::interrupt::Stop;
+use crate::trajectory::{Kind, Segment, Vector, dot, vector, wall_normal};
+
+/// Events of one disc in a window, at most. A disc that has had them stands still until the
+/// window ends.
+const MOST_EVENTS: u32 = 1024;
+
+/// Impacts between two polls.
+const POLL_EVERY: usize = 256;
+
+/// A disc that gets a new velocity at this moment.
+#[derive(Clone, Debug)]
+struct InGroup {
+    index: u32,
+    /// The number of its course.
+    number: u32,
+    /// The segment that begins now, with the velocity before the impacts.
+    now: Segment,
+    /// Which of the list of nearby discs are near it.
+    near: Range<usize>,
+}
+
+/// A disc that one of the group may meet.
+#[derive(Clone, Copy, Debug)]
+struct Nearby {
+    index: u32,
+    /// The number of its course; [`NONE`] if it has none.
+    number: u32,
+    image: u16,
+    /// The number of its events.
+    count: u32,
+    /// A segment that begins now.
+    now: Segment,
+}
+
+/// Working memory of a simulation.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    queue: Queue,
+    group: Vec<InGroup>,
+    nearby: Vec<Nearby>,
+    touches: Vec<Touch>,
+    velocities: Vec<Vector>,
+    impulses: Vec<[f64; 2]>,
+}
+
+/// The simulation of the discs of a range.
+pub struct Simulation<'a> {
+    /// The window.
+    pub window: &'a Window<'a>,
+    /// The discs that each disc may meet.
+    pub neighbors: &'a Neighbors,
+    /// The discs that may have events.
+    pub range: Range<u32>,
+    /// The number of the course of each disc of the range. Those that have one before the
+    /// simulation take no part.
+    pub course_of: &'a mut [u32],
+    /// How far each disc was searched for neighbours.
+    pub reaches: &'a [f32],
+    /// Where the courses go.
+    pub history: &'a mut History,
+    /// Added to the numbers of the courses of the history.
+    pub mark: u32,
+    /// The number of the first course of this simulation in the history.
+    pub base: u32,
+    /// Working memory.
+    pub scratch: &'a mut Scratch,
+}
+
+impl Simulation<'_> {
+    /// Appends the courses of all discs that have events: those that follow from the first events
+    /// of all, and the events of `discs`.
+    pub fn run(mut self, first: &[Event], discs: &[u32]) {
+        let window = self.window;
+        self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end));
+        discs.iter().for_each(|&disc| _ = self.course(disc));
+        for &disc in discs {
+            self.join(disc, 0.0);
+            self.predict(0);
+            self.dissolve();
+        }
+        let stop = Stop::current();
+        let mut work = 0;
+        while let Some(event) = self.scratch.queue.pop() {
+            let count = |index: u32| self.find(index).map_or(0, |own| own.count);
+            if event.pair.map(count) == event.counts {
+                work += self.happen(&event);
+            }
+            if work >= POLL_EVERY && stop.is_set() {
+                break;
+            }
+            work %= POLL_EVERY;
+        }
+        for number in self.base..self.history.courses.len() as u32 {
+            self.history.courses[number as usize].island = self.history.island(number);
+        }
+    }
+
+    /// The number of the course of a disc, if it takes part and has one.
+    #[inline(always)]
+    fn number(&self, index: u32) -> Option<u32> {
+        let number = *self.course_of.get(index.wrapping_sub(self.range.start) as usize)?;
+        let own = number.wrapping_sub(self.mark);
+        (self.base..self.history.courses.len() as u32).contains(&own).then_some(own)
+    }
+
+    /// The course of a disc, if it takes part and has one.
+    #[inline(always)]
+    fn find(&self, index: u32) -> Option<&Course> {
+        self.number(index).map(|number| &self.history.courses[number as usize])
+    }
+
+    /// Whether a disc takes part. Discs that cannot move do, wherever they are.
+    #[inline(always)]
+    fn takes_part(&self, index: u32) -> bool {
+        match self.course_of.get(index.wrapping_sub(self.range.start) as usize) {
+            Some(&NONE) => true,
+            Some(_) => self.number(index).is_some(),
+            None => !self.window.starts[index as usize].is_movable(),
+        }
+    }
+
+    /// The number of the course of a movable disc, which gets one if it has none.
+    fn course(&mut self, index: u32) -> u32 {
+        if let Some(number) = self.number(index) {
+            return number;
+        }
+        let number = self.history.courses.len() as u32;
+        self.course_of[(index - self.range.start) as usize] = self.mark + number;
+        self.history.courses.push(Course {
+            index,
+            count: 0,
+            segment: self.window.segment(index),
+            before: NONE,
+            inverse_mass: self.window.starts[index as usize].inverse_mass(),
+            in_group: 0,
+            island: number,
+            stopped: None,
+        });
+        number
+    }
+
+    /// Lets an event happen, with all that happens at the same time. Returns the number of impacts.
+    fn happen(&mut self, event: &Event) -> usize {
+        let Event { time, kind, code, pair: [index, partner], .. } = *event;
+        self.join(index, time);
+        if partner == WALL {
+            self.touch_wall(index, code as u8);
+        } else {
+            self.touch_disc(index, partner, code, time);
+        }
+        if kind == Kind::Hold {
+            self.scratch.touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
+        } else {
+            self.find_simultaneous(time);
+        }
+        self.bounce(time, kind);
+        for position in 0..self.scratch.group.len() {
+            self.predict(position);
+        }
+        let impacts = self.scratch.touches.len();
+        self.dissolve();
+        impacts
+    }
+
+    /// Adds a movable disc to the group, with the discs near it.
+    fn join(&mut self, index: u32, time: f64) {
+        let (window, gravity, neighbors) = (self.window, self.window.gravity(), self.neighbors);
+        let number = self.course(index);
+        let position = self.scratch.group.len();
+        let own = &mut self.history.courses[number as usize];
+        if own.in_group != 0 {
+            return;
+        }
+        own.in_group = position as u32 + 1;
+        let now = own.segment.moved(time, gravity);
+        let start = self.scratch.nearby.len();
+        neighbors.of(index, |neighbor| {
+            let Neighbor { index, image } = *neighbor;
+            if !self.takes_part(index) {
+                return;
+            }
+            let number = self.number(index);
+            let (segment, count) = match number {
+                Some(number) => {
+                    let course = &self.history.courses[number as usize];
+                    (course.segment, course.count)
+                }
+                None => (window.segment(index), 0),
+            };
+            let now = segment.moved(time, gravity);
+            let number = number.unwrap_or(NONE);
+            self.scratch.nearby.push(Nearby { index, number, image, count, now });
+        });
+        let near = start..self.scratch.nearby.len();
+        self.scratch.group.push(InGroup { index, number, now, near });
+    }
+
+    /// Ends the group.
+    fn dissolve(&mut self) {
+        let Scratch { group, nearby, touches, .. } = &mut *self.scratch;
+        group.drain(..).for_each(|own| self.history.courses[own.number as usize].in_group = 0);
+        nearby.clear();
+        touches.clear();
+    }
+
+    /// Adds the next impacts of a disc of the group to the queue.
+    fn predict(&mut self, position: usize) {
+        let window = self.window;
+        let Scratch { queue, group, nearby, .. } = &mut *self.scratch;
+        let InGroup { index, number, near, .. } = &group[position];
+        let courses = &self.history.courses;
+        let Course { segment: own, count: own_count, stopped, .. } = &courses[*number as usize];
+        if stopped.is_none()
+            && let Some(event) = window.wall_event(*index, own, *own_count)
+        {
+            queue.push(event);
+        }
+        for other in &nearby[near.clone()] {
+            let (mut segment, mut count) = (&other.now, other.count);
+            if let Some(course) = courses.get(other.number as usize) {
+                if course.in_group != 0 {
+                    (segment, count) = (&course.segment, course.count);
+                }
+                // The impacts of two discs of the group are predicted once.
+                let is_predicted = course.in_group != 0 && (course.in_group as usize) <= position;
+                if is_predicted || course.stopped.is_some() && stopped.is_some() {
+                    continue;
+                }
+            } else if stopped.is_some() && !window.starts[other.index as usize].is_movable() {
+                continue;
+            }
+            let image = self.neighbors.image_of(other.image);
+            let both = ((*index, own), (other.index, segment));
+            if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
+                let (pair, counts) = ([*index, other.index], [*own_count, count]);
+                queue.push(Event::of_discs(impact, pair, other.image, counts));
+            }
+        }
+    }
+
+    /// Adds all contacts whose surfaces touch and approach at `time`, of discs in the group and
+    /// of discs that thereby join it.
+    fn find_simultaneous(&mut self, time: f64) {
+        let window = self.window;
+        let before = self.scratch.group.len();
+        let mut position = 0;
+        while position < self.scratch.group.len() {
+            let InGroup { index, number, now, near } = self.scratch.group[position].clone();
+            position += 1;
+            if self.history.courses[number as usize].stopped.is_some() {
+                continue;
+            }
+            for wall in window.touched_walls(index, &now).into_iter().flatten() {
+                self.touch_wall(index, wall);
+            }
+            for at in near {
+                let Nearby { index: partner, image: code, now: there, .. } =
+                    &self.scratch.nearby[at];
+                let (partner, code) = (*partner, *code);
+                let image = self.neighbors.image_of(code);
+                if !window.touch_now((index, &now), (partner, there), image) {
+                    continue;
+                }
+                // Contacts with those before were found from their side.
+                let place = self.find(partner).map_or(0, |other| other.in_group as usize);
+                if place == 0 || place >= position {
+                    self.touch_disc(index, partner, code, time);
+                }
+            }
+        }
+        if self.scratch.group.len() > before {
+            for at in 0..self.scratch.nearby.len() {
+                let number = self.number(self.scratch.nearby[at].index);
+                self.scratch.nearby[at].number = number.unwrap_or(NONE);
+            }
+        }
+    }
+
+    /// The disc of the group with an index, and its position.
+    fn in_group(&self, index: u32) -> Option<(usize, &InGroup, &Course)> {
+        let course = self.find(index)?;
+        let position = (course.in_group as usize).checked_sub(1)?;
+        Some((position, &self.scratch.group[position], course))
+    }
+
+    fn touch_wall(&mut self, index: u32, wall: u8) {
+        let (position, own, course) = self.in_group(index).expect("it is in the group");
+        let normal = wall_normal(&self.window.flight.container, wall, own.now.position);
+        let touch = Touch {
+            key: [index, WALL, u32::from(wall)],
+            bodies: [Some(position), None],
+            normal: normal.map(|v| -v),
+            inverse_masses: [course.inverse_mass, 0.0],
+            restitution: self.window.wall_restitution(index),
+        };
+        self.add(touch);
+    }
+
+    fn touch_disc(&mut self, index: u32, partner: u32, code: u16, time: f64) {
+        let window = self.window;
+        if window.starts[partner as usize].is_movable() {
+            self.join(partner, time);
+        }
+        // From the smaller index to the larger, so that both give the same numbers.
+        let (pair, code) = if index < partner {
+            ([index, partner], code)
+        } else {
+            ([partner, index], opposite(code))
+        };
+        let found = pair.map(|disc| self.in_group(disc));
+        let [p, q] = [0, 1].map(|k| match found[k] {
+            Some((_, own, _)) => own.now.position,
+            None => window.segment(pair[k]).position,
+        });
+        let image = self.neighbors.image_of(code);
+        let offset = vector(|k| q[k] - p[k] + image[k]);
+        let length = dot(offset, offset).sqrt();
+        let inverse_mass = |(_, _, course): (usize, &InGroup, &Course)| match course.stopped {
+            None => course.inverse_mass,
+            Some(_) => 0.0,
+        };
+        let touch = Touch {
+            key: [pair[0], pair[1], u32::from(code)],
+            bodies: found.map(|found| found.map(|(position, ..)| position)),
+            normal: if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] },
+            inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
+            restitution: window.pair_restitution(pair),
+        };
+        let [a, b] = found.map(|found| found.map(|(_, own, _)| own.number));
+        let number = a.or(b).expect("one of them is in the group");
+        if self.add(touch) {
+            self.history.bounces.push(Bounce { pair, course: number });
+        }
+    }
+
+    /// Adds a contact of this moment, unless it is the one whose event it is.
+    fn add(&mut self, touch: Touch) -> bool {
+        let touches = &mut self.scratch.touches;
+        let new = touches.first().is_none_or(|first| first.key != touch.key);
+        if new {
+            touches.push(touch);
+        }
+        new
+    }
+
+    /// Gives the discs of the group their velocities after the impacts, and makes one island of
+    /// them.
+    fn bounce(&mut self, time: f64, kind: Kind) {
+        let window = self.window;
+        let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
+        velocities.clear();
+        velocities.extend(group.iter().map(|own| own.now.velocity));
+        impulses::apply(touches, velocities, impulses);
+        if let Some(thermostat) = window.flight.thermostat {
+            for touch in touches.iter().filter(|touch| touch.key[1] == WALL) {
+                let body = touch.bodies[0].expect("a disc touches the wall");
+                velocities[body] = thermostat.drive(velocities[body]);
+            }
+        }
+        let island = self.history.island(group[0].number);
+        for (own, &velocity) in group.iter().zip(velocities.iter()) {
+            let other = self.history.island(own.number);
+            let History { courses, ended, outside, .. } = &mut *self.history;
+            courses[other as usize].island = island;
+            let course = &mut courses[own.number as usize];
+            if course.stopped.is_some() {
+                continue;
+            }
+            ended.push((course.segment, course.before));
+            course.before = ended.len() as u32 - 1;
+            course.segment = Segment { velocity, ..own.now };
+            course.count += 1;
+            if kind == Kind::Hold {
+                hold(&mut course.segment, touches[0].normal, window.gravity(), window.end - time);
+            }
+            if course.count >= MOST_EVENTS {
+                let [_, end] = course.segment.at(window.end, window.gravity());
+                course.stopped = Some(end);
+                course.segment.velocity = [0.0; 2];
+                course.segment.falls = false;
+            }
+            let (square, reach) = (
+                window.longest_square(own.index, &course.segment),
+                f64::from(self.reaches[own.index as usize]),
+            );
+            if square > reach * reach {
+                outside.push((own.index, square.sqrt()));
+            }
+        }
+    }
+}
+
+/// Lets a disc that touches a surface slide for `left` seconds: gravity along the surface acts at
+/// once; that against the surface is balanced.
+fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) {
+    if segment.falls {
+        let g = gravity.map(|g| g * left);
+        let pressing = dot(g, normal);
+        segment.velocity = vector(|k| segment.velocity[k] + (g[k] - pressing * normal[k]));
+        segment.falls = false;
+    }
+}
