@@ -36,7 +36,11 @@ fn overflowing() -> World {
     };
     let mut world = World::new(all, settings).unwrap();
     let gravitation = Gravitation { g: 1.0, softening: 0.1, theta: 0.5 };
-    world.set_forces(vec![Force::Gravitation(gravitation)]).unwrap();
+    // In float32, unlike the collisions of a world without springs.
+    let max_stretch = f32::INFINITY;
+    let spring = Spring { pair: [0, 1], length: 3.0, stiffness: 1.0, damping: 0.0, max_stretch };
+    let forces = vec![Force::Gravitation(gravitation), Force::Springs(Springs(vec![spring]))];
+    world.set_forces(forces).unwrap();
     world
 }
 

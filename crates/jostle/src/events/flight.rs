@@ -61,8 +61,10 @@ pub struct Flight<'a> {
     pub end: f64,
     /// What linear damping does to the velocities after the flight.
     pub flow: Flow,
-    /// Whether the flight ends the sub-step.
-    pub last: bool,
+    /// The accelerations by forces in the middle of the sub-step; empty where there are none.
+    pub accelerations: &'a [[f32; 2]],
+    /// Seconds for which they change the velocities before the flight, and after it.
+    pub kicks: [f64; 2],
     /// The walls.
     pub container: Container,
     /// Coefficient of restitution of the world.
@@ -78,20 +80,36 @@ pub struct Flight<'a> {
 }
 
 impl Flight<'_> {
-    /// How all discs begin.
-    pub fn fill(&self, starts: &mut Vec<Start>) {
+    /// The velocity with which a movable disc begins.
+    #[inline(always)]
+    fn velocity(&self, index: u32) -> Vector {
+        let velocity = self.motions.velocity(index).map(f64::from);
+        let by = self.accelerations.get(index as usize);
+        by.map_or(velocity, |by| vector(|k| velocity[k] + f64::from(by[k]) * self.kicks[0]))
+    }
+
+    /// How all discs begin; those in the sorted list of the `exhausted` stand still.
+    pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
         let Self { particles, movable, motions, .. } = *self;
         parallel::for_chunks(self.threads, starts, |first, starts| {
             for (start, index) in starts.iter_mut().zip(first..) {
                 *start = Start {
                     position: motions.position(index as u32),
-                    velocity: motions.velocity(index as u32),
+                    velocity: [0.0; 2],
                     radius: particles.radii[index],
-                    mass: if movable[index] { particles.masses[index] } else { 0.0 },
+                    mass: 0.0,
                 };
+                if movable[index] {
+                    start.velocity = self.velocity(index as u32).map(|v| v as f32);
+                    start.mass = particles.masses[index];
+                }
             }
         });
+        for &index in exhausted {
+            let start = &mut starts[index as usize];
+            (start.velocity, start.mass) = ([0.0; 2], 0.0);
+        }
     }
 }
 
@@ -117,10 +135,16 @@ impl Window<'_> {
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
         let start = &self.starts[index as usize];
+        let is_kicked = !self.flight.accelerations.is_empty() && start.is_movable();
         Segment {
             time: 0.0,
             position: start.position.map(f64::from),
-            velocity: start.velocity.map(f64::from),
+            // Not rounded to float32 where forces change it.
+            velocity: if is_kicked {
+                self.flight.velocity(index)
+            } else {
+                start.velocity.map(f64::from)
+            },
             falls: self.flight.gravity != [0.0; 2] && start.is_movable(),
         }
     }
@@ -166,15 +190,17 @@ impl Window<'_> {
         near(0) | near(1)
     }
 
-    /// The velocity after the sub-step from that at the end of the window.
+    /// The velocity of a disc after the sub-step from that at the end of the window.
     #[inline(always)]
-    pub fn after(&self, falls: bool, velocity: Vector) -> Vector {
-        if self.end < self.flight.end || !self.flight.last {
+    pub fn after(&self, index: u32, falls: bool, velocity: Vector) -> Vector {
+        let Flight { flow: Flow { decay, correction, .. }, accelerations, kicks, .. } = self.flight;
+        if self.end < self.flight.end {
             return velocity;
         }
-        let Flow { decay, correction, .. } = self.flight.flow;
-        let added = if falls { correction } else { [0.0; 2] };
-        vector(|k| velocity[k] * decay + added[k])
+        let added = if falls { *correction } else { [0.0; 2] };
+        let damped = vector(|k| velocity[k] * decay + added[k]);
+        let by = accelerations.get(index as usize);
+        by.map_or(damped, |by| vector(|k| damped[k] + f64::from(by[k]) * kicks[1]))
     }
 
     /// Coefficient of restitution of two discs.

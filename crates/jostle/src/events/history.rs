@@ -23,7 +23,7 @@ pub struct Course {
     /// A course on which this one depends: itself, or that of another disc which is connected with
     /// it by collisions. Following them leads to the same course for a whole island.
     pub island: u32,
-    /// The velocity after the sub-step, if the disc had too many events.
+    /// The velocity after the window, if the disc had too many events.
     pub stopped: Option<Vector>,
 }
 

@@ -68,8 +68,8 @@ pub struct Events {
     pub neighbors: Neighbors,
     /// Pairs that bounced during the step.
     pub bounced: Vec<[u32; 2]>,
-    /// Discs that had too many events and stood still for the rest of a sub-step.
-    pub unresolved: u64,
+    /// Discs that had too many events in a window and stand still for the rest of the step.
+    pub exhausted: Vec<u32>,
     starts: Vec<Start>,
     blocks: Vec<Block>,
     /// Discs of each block but the last.
@@ -101,7 +101,7 @@ impl Events {
         let mut rest = *flight;
         let mut starts = std::mem::take(&mut self.starts);
         loop {
-            rest.fill(&mut starts);
+            rest.fill(&mut starts, &self.exhausted);
             let window = Window { flight: &rest, starts: &starts, end: rest.end };
             let end = self.fly_window(window, bounds, shortest)?;
             if end == rest.end {
@@ -110,6 +110,7 @@ impl Events {
             }
             rest.end -= end;
             rest.bounded = false;
+            rest.kicks[0] = 0.0;
         }
     }
 
@@ -405,7 +406,7 @@ impl Events {
         let (motions, gravity) = (window.flight.motions, window.gravity());
         let advance = |index: u32, last: &Segment, stopped: Option<Vector>| {
             let [position, velocity] = last.at(window.end, gravity);
-            let end = window.after(last.falls, stopped.unwrap_or(velocity));
+            let end = stopped.unwrap_or_else(|| window.after(index, last.falls, velocity));
             motions.advance(index, position, end);
         };
         parallel::for_each(window.flight.threads, &mut self.blocks, |block| {
@@ -422,7 +423,7 @@ impl Events {
             for (number, course) in (0..).zip(&history.courses) {
                 if self.course_of[course.index as usize] == mark | number {
                     advance(course.index, &course.segment, course.stopped);
-                    self.unresolved += u64::from(course.stopped.is_some());
+                    self.exhausted.extend(course.stopped.map(|_| course.index));
                 }
             }
             let happened = history.bounces.iter().filter(|bounce| {

@@ -44,11 +44,6 @@ impl Force {
         }
     }
 
-    /// Whether it acts on collisions only.
-    pub fn is_thermostat(&self) -> bool {
-        matches!(self, Self::Thermostat(_))
-    }
-
     /// The rows of particles that it names.
     fn rows(&self) -> Vec<u32> {
         match self {

@@ -3,6 +3,7 @@
 use core::f64::consts::TAU;
 
 use super::World;
+use super::feel::aside;
 use crate::container::Container;
 use crate::error::Result;
 use crate::events::Bounds;
@@ -23,6 +24,9 @@ const CANDIDATES: f64 = 1.5;
 /// Parts into which a step is cut at most so that there are few candidate pairs.
 const MOST_SPLITS: f64 = 4096.0;
 
+/// Candidate pairs of a particle that cost less to test than another part of the step.
+const WORTH_A_SPLIT: f64 = 16.0;
+
 /// Bounds that are too small grow to this many times what is needed, so that they rarely have to
 /// grow twice.
 const GROWTH: f64 = 1.25;
@@ -33,8 +37,8 @@ impl World {
     /// the bounds.
     pub(super) fn bound(&mut self, dt: f32) {
         let threads = self.threads();
-        let super::Memory { reaches, shapes, fast, usual_speed, .. } = &mut self.memory;
-        let usual = *usual_speed;
+        let super::Memory { reaches, shapes, fast, forces, usual_speed, .. } = &mut self.memory;
+        let (usual, accelerations) = (*usual_speed, &forces.accelerations);
         let held = |place: usize| !fast.held.is_empty() && fast.held[self.rows[place] as usize];
         let (particles, settings) = (&self.particles, &self.settings);
         let [gx, gy] = settings.gravity;
@@ -50,7 +54,8 @@ impl World {
                 }
                 let [u, v] = particles.velocities[place];
                 let own = (u * u + v * v).sqrt() * dt * 1.000_01;
-                *reach = own.max((usual * dt).min(most)) + fall;
+                let pulled = aside(accelerations.get(place), None, dt).unwrap_or(0.0);
+                *reach = own.max((usual * dt).min(most)) + fall + pulled;
             }
         });
         shapes.centers.clone_from(&particles.positions);
@@ -89,8 +94,9 @@ impl World {
         let most = 2.0 * least + CANDIDATES;
         let room = (most / (TAU * density)).sqrt() - radius;
         let parts = (displacement / room).ceil();
+        let most = (positions.len() as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MOST_SPLITS);
         // Not finite where there is no area.
-        if parts.is_finite() { parts.clamp(1.0, MOST_SPLITS) as f32 } else { 1.0 }
+        if parts.is_finite() { parts.clamp(1.0, most) as f32 } else { 1.0 }
     }
 }
 

@@ -1,7 +1,8 @@
 //! The step of a world of elastic collisions: events in the order of time.
 
+use super::feel::{accelerate, springs};
 use super::settings::DEFAULT_SUBSTEPS;
-use super::{Memory, OnTouch, World, merge};
+use super::{Memory, OnTouch, Stage, World, merge};
 use crate::error::Result;
 use crate::events::Flight;
 use crate::flow::Flow;
@@ -17,25 +18,27 @@ use super::bounds::StepBounds;
 const OVERLAP: f32 = 0.003;
 
 impl World {
-    /// Whether all that happens in a step are elastic collisions: no restitution is below 1, and no
-    /// force but a thermostat acts. Then no contact can rest.
+    /// Whether all collisions are elastic and there are no springs. Then no contact can rest.
     pub(super) fn is_exact(&self) -> bool {
         let elastic = |&restitution: &f32| restitution == 1.0;
         self.settings.restitution == 1.0
             && self.particles.restitutions.iter().all(elastic)
-            && self.forces.iter().all(forces::Force::is_thermostat)
+            && springs(&self.forces).next().is_none()
     }
 
-    /// Sub-steps of a step: those of the settings, or as many as the scene needs.
+    /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
+    /// where flights between collisions are exact.
     pub fn substeps(&self) -> usize {
-        self.settings.substeps.unwrap_or(if self.is_exact() { 1 } else { DEFAULT_SUBSTEPS })
+        let is_enough = self.is_exact() && !forces::pull(&self.forces);
+        self.settings.substeps.unwrap_or(if is_enough { 1 } else { DEFAULT_SUBSTEPS })
     }
 
     /// The neighbours of all particles from the candidate pairs. Pairs that overlap more than
     /// rounding explains become contacts, whose positions are corrected.
     pub(super) fn prepare_events(&mut self) {
         let threads = self.threads();
-        let Memory { tree, pairs, overlaps, meetings, fast, moving, events, .. } = &mut self.memory;
+        let Memory { tree, pairs, overlaps, meetings, fast, moving, exhausted, events, .. } =
+            &mut self.memory;
         moving.clone_from(&self.particles.movable);
         meetings.clear();
         if self.settings.on_touch == OnTouch::Merge {
@@ -48,6 +51,10 @@ impl World {
             let free = |pair: &[u32; 2]| pair.iter().all(|&place| is_free(place as usize));
             pairs.iter_mut().for_each(|(_, pairs)| pairs.retain(free));
             moving.iter_mut().enumerate().for_each(|(place, moves)| *moves &= is_free(place));
+        }
+        if !exhausted.is_empty() {
+            let places = self.rows.iter().zip(moving.iter_mut());
+            places.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
         let (particles, restitution) = (&self.particles, self.settings.restitution);
         let overlap = |[a, b]: [u32; 2], image: [f32; 2]| {
@@ -69,7 +76,7 @@ impl World {
     }
 
     /// Moves the particles through the sub-steps and stores where they are then.
-    pub(super) fn fly(&mut self, dt: f32) -> Result<()> {
+    pub(super) fn fly(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let (threads, substeps) = (self.threads(), self.substeps());
         let settings = &self.settings;
         let rules = Rules {
@@ -105,11 +112,18 @@ impl World {
             memory: &mut memory.resolving,
         };
         memory.events.bounced.clear();
-        memory.events.unresolved = 0;
+        memory.events.exhausted.clear();
         let h = f64::from(dt) / substeps as f64;
         let flow = Flow::new(h, settings.gravity, settings.drag);
+        let step = dt / substeps as f32;
         for substep in 0..substeps {
             interrupt::check()?;
+            if substep > 0 && forces::pull(&self.forces) {
+                watch(Stage::Resolve);
+                memory.forces.find_halfway(motions, &settings.container, step);
+                accelerate(&self.forces, particles, settings, &mut memory.forces);
+                watch(Stage::Forces);
+            }
             let flight = Flight {
                 particles,
                 movable: &memory.moving,
@@ -118,7 +132,9 @@ impl World {
                 gravity: flow.gravity,
                 end: flow.duration,
                 flow,
-                last: true,
+                accelerations: &memory.forces.accelerations,
+                // Leapfrog: half of the change comes before the flight, half after it.
+                kicks: [0.5 * h; 2],
                 bounded: substep == 0,
                 container: settings.container,
                 restitution: settings.restitution,
@@ -130,7 +146,10 @@ impl World {
             resolve::settle(&mut scene, &rules);
             merge::note(&mut memory.meetings, motions, threads);
         }
-        self.stats.unresolved = memory.events.unresolved;
+        let exhausted = memory.events.exhausted.iter().map(|&place| self.rows[place as usize]);
+        memory.exhausted.extend(exhausted);
+        memory.exhausted.sort_unstable();
+        self.stats.unresolved = memory.exhausted.len() as u64;
         memory.events.bounced.sort_unstable();
         memory.events.bounced.dedup();
         let touched = memory.events.bounced.iter().chain(&memory.touched_before);

@@ -1,10 +1,12 @@
 //! What the forces of a world do to its particles in a step.
 
 use super::{World, WorldSettings};
+use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::forces::{self, Bodies, Force, springs::Sprung};
 use crate::groups::Groups;
 use crate::integrate;
+use crate::motion::Motions;
 use crate::particles::{self, Particles};
 
 /// What forces need; none of it is used in a world without them.
@@ -23,6 +25,16 @@ pub(super) struct ForceMemory {
     /// What hangs together by springs.
     pub(super) groups: Groups,
     pub(super) sprung: Sprung,
+}
+
+impl ForceMemory {
+    /// Writes where particles are in the middle of a sub-step of `h` seconds.
+    pub(super) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
+        for (halfway, place) in self.halfway.iter_mut().zip(0..) {
+            let (position, velocity) = (motions.position(place), motions.velocity(place));
+            *halfway = container.wrap(integrate::halfway(position, velocity, h));
+        }
+    }
 }
 
 impl World {

@@ -67,7 +67,7 @@ pub struct Stats {
     /// Pairs tested.
     pub tests: u64,
     /// Particles that had so many collisions in a part of the step that they stood still for the
-    /// rest of it.
+    /// rest of the step.
     pub unresolved: u64,
 }
 
@@ -120,6 +120,8 @@ struct Memory {
     old_reaches: Vec<f32>,
     grown: bounds::Grown,
     moving: Vec<bool>,
+    /// Rows that have had too many events in the step.
+    exhausted: Vec<u32>,
     events: Events,
     /// Pairs that touched in earlier parts of the step.
     touched_before: Vec<[u32; 2]>,

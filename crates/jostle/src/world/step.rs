@@ -9,7 +9,7 @@ use super::{Memory, OnTouch, Stage, Stats, World, fast, merge, search};
 use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::forces;
-use crate::integrate::{self, Sweep};
+use crate::integrate::Sweep;
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
@@ -76,6 +76,7 @@ impl World {
         parts: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
+        self.memory.exhausted.clear();
         let dt_of_part = dt / parts as f32;
         for _ in 0..parts {
             self.memory.usual_speed = if self.is_exact() { self.usual_speed() } else { 0.0 };
@@ -157,7 +158,7 @@ impl World {
         if exact {
             self.prepare_events();
             watch(Stage::Contacts);
-            self.fly(dt)?;
+            self.fly(dt, watch)?;
         } else {
             self.meet();
             watch(Stage::Contacts);
@@ -239,9 +240,9 @@ impl World {
         }
         if exact {
             gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
-            return;
+        } else {
+            gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
         }
-        gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
         if self.forces.is_empty() {
             return;
         }
@@ -327,12 +328,7 @@ impl World {
             interrupt::check()?;
             if substep > 0 && forces::pull(&self.forces) {
                 watch(Stage::Resolve);
-                for (place, halfway) in forces.halfway.iter_mut().enumerate() {
-                    let (position, velocity) =
-                        (motions.position(place as u32), motions.velocity(place as u32));
-                    let there = integrate::halfway(position, velocity, h);
-                    *halfway = settings.container.wrap(there);
-                }
+                forces.find_halfway(motions, &settings.container, h);
                 accelerate(&self.forces, scene.particles, settings, forces);
                 watch(Stage::Forces);
             }
