@@ -666,6 +666,67 @@ def test_a_static_disc_hit_dead_centre_at_a_hundred_radii_a_step() -> None:
     np.testing.assert_array_equal(one.velocities, [(-100, 0), (0, 0)])
 
 
+# ---- forces --------------------------------------------------------------------------------------
+
+
+def trapped_energy(one: jostle.World, strength: float) -> float:
+    speeds, distances = (np.asarray(v, float) for v in (one.velocities, one.positions))
+    return float(0.5 * (speeds**2).sum() + 0.5 * strength * (distances**2).sum())
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_a_gas_in_a_harmonic_trap_keeps_its_energy(substeps: int) -> None:
+    rng = np.random.default_rng(1)
+    state = discs(lattice(300, 54, 54) - 27, 10 * random_velocities(300, rng), np.ones(300))
+    trap = jostle.Attractor((0, 0), strength=0.5)
+    one = world(state, forces=[trap], substeps=substeps)
+    before = trapped_energy(one, 0.5)
+    for _ in range(10):
+        one.step(1 / 60, steps=60)
+        assert trapped_energy(one, 0.5) == pytest.approx(before, rel=2e-3)
+
+
+def test_two_discs_in_a_harmonic_trap_bounce_off_each_other() -> None:
+    """Released at ±5 they meet at ±1 after arccos(1/5), and are back after twice that time."""
+    trap = jostle.Attractor((0, 0), strength=1)
+    two = discs([(-5, 0), (5, 0)], np.zeros((2, 2)), [1, 1])
+    meet = math.acos(1 / 5)
+    errors = []
+    for substeps in (16, 64, 256):
+        one = world(two, forces=[trap], substeps=substeps)
+        one.step(meet / 3, steps=6 * 5)
+        np.testing.assert_allclose(one.positions.sum(axis=0), 0, atol=1e-5)
+        errors.append(abs(one.positions[1, 0] - 5))
+    assert errors[2] < 0.01
+    assert errors[2] < errors[0]
+
+
+def test_substeps_are_those_that_forces_need() -> None:
+    two = discs([(-5, 0), (5, 0)], np.zeros((2, 2)), [1, 1])
+    assert world(two, substeps=None).substeps == 1
+    assert world(two, substeps=None, forces=[jostle.Thermostat(1.0, 1.0)]).substeps == 1
+    attractor = jostle.Attractor((0, 0), strength=1)
+    assert world(two, substeps=None, forces=[attractor]).substeps == 4
+    assert world(two, substeps=None, restitution=0.5).substeps == 4
+
+
+# ---- bounded work --------------------------------------------------------------------------------
+
+
+def test_discs_with_too_many_collisions_stand_still_and_are_counted() -> None:
+    """A million collisions with the walls in each step: the step ends soon, and says so."""
+    state = discs([(-3, 0), (3, 0)], [(1e7, 0), (0, 1)], [1, 1])
+    one = world(state, container=jostle.Box(-10, -10, 10, 10))
+    one.step(1.0)
+    assert one.stats.unresolved >= 1
+    assert np.isfinite(one.positions).all()
+    assert (abs(one.positions) <= 9.001).all()
+    speeds = np.hypot(*one.velocities.T)
+    assert (speeds**2).sum() == pytest.approx(1e14, rel=1e-5)
+    one.step(1e-7)
+    assert one.stats.unresolved == 0
+
+
 # ---- inelastic collapse --------------------------------------------------------------------------
 
 

@@ -183,7 +183,7 @@ class WorldStats(NamedTuple):
         Pairs of particles that were tested.
     unresolved : int
         Particles that had so many collisions in a part of the step that they stood still for
-        the rest of it.
+        the rest of the step.
     """
 
     nodes: int

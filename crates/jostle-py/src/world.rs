@@ -81,7 +81,7 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
 ///     default, takes as many as the scene needs: 1 if all restitutions are 1 and no force but
-///     a thermostat acts, otherwise 4.
+///     gravity and a thermostat acts, otherwise 4.
 ///
 /// Raises
 /// ------
@@ -685,7 +685,7 @@ impl PyWorld {
 
     /// The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
     /// `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
-    /// that had too many collisions and stood still for the rest of a part of the step.
+    /// that had too many collisions and stood still for the rest of the step.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();
