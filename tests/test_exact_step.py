@@ -710,6 +710,28 @@ def test_substeps_are_those_that_forces_need() -> None:
     assert world(two, substeps=None, restitution=0.5).substeps == 4
 
 
+# ---- threads -------------------------------------------------------------------------------------
+
+
+def test_contacts_within_rounding_do_not_depend_on_threads() -> None:
+    """In the third step two discs touch a third one at times that differ by less than rounding.
+
+    The number of threads decides which discs are simulated together first.
+    """
+    n, columns, side = 50_000, 224, math.sqrt(50_000 * math.pi / 0.4)
+    rng = np.random.default_rng(0)
+    grid = np.stack(np.meshgrid(np.arange(columns), np.arange(columns)), -1).reshape(-1, 2)[:n]
+    positions = (grid + 0.5) * side / columns
+    radii, velocities = rng.uniform(0.5, 1.2, n), 2.0 * rng.normal(size=(n, 2))
+    hashes = []
+    for threads in (1, 2):
+        box = jostle.Box(0, 0, side, side)
+        one = jostle.World(positions, velocities, radii, threads=threads, container=box)
+        one.step(1.0, steps=3)
+        hashes.append(one.state_hash())
+    assert hashes[0] == hashes[1]
+
+
 # ---- bounded work --------------------------------------------------------------------------------
 
 

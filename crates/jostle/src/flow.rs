@@ -18,6 +18,9 @@ pub struct Flow {
     pub decay: f64,
     /// What is added to the velocities of falling particles after that.
     pub correction: [f64; 2],
+    /// Seconds for which a constant force changes the velocity before the flight, and after the
+    /// damping.
+    pub kicks: [f64; 2],
 }
 
 impl Flow {
@@ -26,7 +29,8 @@ impl Flow {
         let gravity = gravity.map(f64::from);
         let x = f64::from(drag) * h;
         if x == 0.0 {
-            return Self { duration: h, gravity, decay: 1.0, correction: [0.0; 2] };
+            let (decay, correction, kicks) = (1.0, [0.0; 2], [0.5 * h; 2]);
+            return Self { duration: h, gravity, decay, correction, kicks };
         }
         let lost = lost_share(x);
         // τ/h and (h − τ)/(γ h²).
@@ -34,7 +38,9 @@ impl Flow {
         let (duration, decay) = (h * share, 1.0 - lost);
         let acceleration = gravity.map(|g| g * (2.0 * fall / (share * share)));
         let correction = [0, 1].map(|k| (gravity[k] - acceleration[k] * decay) * duration);
-        Self { duration, gravity: acceleration, decay, correction }
+        let before = h * fall / share;
+        let kicks = [before, duration - before * decay];
+        Self { duration, gravity: acceleration, decay, correction, kicks }
     }
 }
 
@@ -98,6 +104,11 @@ mod tests {
             let (right_place, right_end) =
                 (v * tau + 10.0 * fall, v * (-drag * h).exp() + 10.0 * tau);
             let error = if drag * h < 1e-3 { 1e-9 } else { 1e-12 };
+            assert!((place / right_place - 1.0).abs() < error, "{drag}: {place} {right_place}");
+            assert!((end / right_end - 1.0).abs() < 1e-12, "{drag}: {end} {right_end}");
+            // A constant force does the same.
+            let kicked = v + 10.0 * flow.kicks[0];
+            let (place, end) = (kicked * flow.duration, kicked * flow.decay + 10.0 * flow.kicks[1]);
             assert!((place / right_place - 1.0).abs() < error, "{drag}: {place} {right_place}");
             assert!((end / right_end - 1.0).abs() < 1e-12, "{drag}: {end} {right_end}");
         }

@@ -104,7 +104,7 @@ pub struct Relative {
 
 impl Relative {
     /// The motion of the disc on `second` against that on `first`; `image` is added to the offset.
-    /// The first must be the one with the smaller index, so that both compute the same numbers.
+    /// Exchanging the two changes signs only, so the time of impact has the same bits.
     #[inline(always)]
     pub fn of(first: &Segment, second: &Segment, image: Vector, gravity: Vector) -> Self {
         let start = first.time.max(second.time);

@@ -57,7 +57,7 @@ impl Start {
             walls: [min[0], min[1], max[0], max[1]],
             gravity: settings.gravity,
             restitution: settings.restitution,
-            substeps: substeps.unwrap_or(settings.substeps),
+            substeps: substeps.unwrap_or(world.substeps()),
         }
     }
 

@@ -16,7 +16,7 @@ impl Ours {
             gravity: start.gravity,
             restitution: start.restitution,
             container: Container::Box { min: [min_x, min_y], max: [max_x, max_y] },
-            substeps: start.substeps,
+            substeps: Some(start.substeps),
             tree: Settings { threads: Some(workers), ..Settings::default() },
             ..WorldSettings::default()
         };

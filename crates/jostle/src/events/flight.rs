@@ -88,7 +88,7 @@ impl Flight<'_> {
         by.map_or(velocity, |by| vector(|k| velocity[k] + f64::from(by[k]) * self.kicks[0]))
     }
 
-    /// How all discs begin; those in the sorted list of the `exhausted` stand still.
+    /// Writes how all discs begin; those in `exhausted` stand still.
     pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
         let Self { particles, movable, motions, .. } = *self;
@@ -241,7 +241,8 @@ impl Window<'_> {
             return None;
         }
         let reach = self.reach(a, b);
-        let position = if a < b { first.position } else { second.position };
+        let smaller = if a < b { first } else { second };
+        let position = smaller.place_at(relative.start, self.gravity());
         let limits = self.limits(until, position, reach);
         relative.impact(reach, &limits)
     }

@@ -26,7 +26,7 @@ use flight::{Start, Window};
 use history::{Course, History, NONE, Trajectory};
 pub use neighbors::Neighbors;
 use neighbors::opposite;
-use queue::Event;
+use queue::{Event, WALL};
 use simulation::{Scratch, Simulation};
 
 /// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
@@ -45,8 +45,12 @@ const AGAIN: u32 = 1 << 31;
 /// Discs for each first impact in a window, at least.
 const DISCS_PER_IMPACT: usize = 3;
 
-/// So few discs can all have impacts in one window.
+/// Fewer discs count as so many.
 const FEW: usize = 64;
+
+/// Rounds in which only discs with conflicts are simulated again. After that all that ever had
+/// one are, so that there is an end.
+const MOST_ROUNDS: usize = 64;
 
 /// Windows of a sub-step at most, apart from the last of all.
 const MOST_WINDOWS: f64 = 1024.0;
@@ -128,17 +132,24 @@ impl Events {
         }
         self.find_first_impacts(&window);
         interrupt::check()?;
-        window.end = self.end_of_window(&window, shortest);
+        let end = self.end_of_window(&window, shortest);
+        if end < window.end {
+            window.end = end;
+            self.blocks.iter_mut().for_each(|block| block.shorten(&window, &self.neighbors));
+        }
         self.simulate(&window, bounds.reaches());
         interrupt::check()?;
         let mut conflicts = self.crossing(&window);
         conflicts.extend(self.tests(&window));
+        interrupt::check()?;
         let outside: Vec<_> =
             self.blocks.iter().flat_map(|block| &block.history.outside).copied().collect();
         conflicts.extend(self.grow(&window, &outside, bounds)?);
+        let mut rounds = 0;
         while !conflicts.is_empty() {
+            rounds += 1;
+            conflicts = self.simulate_again(&window, &conflicts, rounds > MOST_ROUNDS, bounds)?;
             interrupt::check()?;
-            conflicts = self.simulate_again(&window, &conflicts, bounds)?;
         }
         self.finish(&window);
         Ok(window.end)
@@ -192,6 +203,9 @@ impl Events {
     /// The longest of `end`, `end`/2, `end`/4 … before which at most one first impact for so many
     /// discs happens, but not less than `shortest`. It depends on the state alone.
     fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> f64 {
+        if !window.flight.pairs {
+            return window.end;
+        }
         let most = window.starts.len().max(FEW) / DISCS_PER_IMPACT;
         let mut end = window.end;
         while 0.5 * end >= shortest {
@@ -225,6 +239,7 @@ impl Events {
                 history,
                 mark,
                 base,
+                stop: &stop,
                 scratch: &mut scratch,
             };
             simulation.run(&block.first, &[]);
@@ -274,9 +289,11 @@ impl Events {
         &mut self,
         window: &Window<'_>,
         conflicts: &[[u32; 2]],
+        all: bool,
         bounds: &mut dyn Bounds,
     ) -> Result<Vec<[u32; 2]>> {
-        let discs = self.reopen(window, conflicts);
+        let discs = self.reopen(window, conflicts, all);
+        let stop = Stop::current();
         let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
         let base = self.again.courses.len() as u32;
         let simulation = Simulation {
@@ -288,6 +305,7 @@ impl Events {
             history: &mut self.again,
             mark: AGAIN,
             base,
+            stop: &stop,
             scratch: &mut scratch,
         };
         simulation.run(&[], &discs);
@@ -311,7 +329,7 @@ impl Events {
 
     /// Removes the courses of the discs of some pairs, and of all that depend on theirs. Returns
     /// these discs.
-    fn reopen(&mut self, window: &Window<'_>, conflicts: &[[u32; 2]]) -> Vec<u32> {
+    fn reopen(&mut self, window: &Window<'_>, conflicts: &[[u32; 2]], all: bool) -> Vec<u32> {
         let mut discs = Vec::new();
         // The islands of each history, by its number; that of `again` comes last.
         let last = self.blocks.len();
@@ -334,6 +352,9 @@ impl Events {
             }
         }
         discs.retain(|&index| window.starts[index as usize].is_movable());
+        if all {
+            islands.extend(self.again.courses.iter().map(|course| (last, course.island)));
+        }
         islands.sort_unstable();
         islands.dedup();
         for same in islands.chunk_by(|a, b| a.0 == b.0) {
@@ -368,18 +389,24 @@ impl Events {
         Trajectory::of(history, &history.courses[(number & !AGAIN) as usize], window.end)
     }
 
-    /// Whether the trajectories of two discs meet; the first segments are tested against each
-    /// other only if `first` says so.
+    /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times
+    /// of impact of the first segments are tested only if `first` says so.
     fn meet(&self, window: &Window<'_>, [a, b]: [u32; 2], image: Vector, first: bool) -> bool {
         let others = self.trajectory(window, b);
         self.trajectory(window, a).any(|own| {
             others.clone().any(|other| {
                 let until = own.end.min(other.end);
-                let is_tested = first || !own.is_first || !other.is_first;
-                is_tested && own.segment.time.max(other.segment.time) < until && {
-                    let both = ((a, &own.segment), (b, &other.segment));
-                    window.impact(both.0, both.1, image, until).is_some()
+                if own.segment.time.max(other.segment.time) >= until {
+                    return false;
                 }
+                let is_tested = first || !own.is_first || !other.is_first;
+                let both = ((a, &own.segment), (b, &other.segment));
+                if is_tested && window.impact(both.0, both.1, image, until).is_some() {
+                    return true;
+                }
+                // Simultaneous contacts are solved together.
+                let [p, q] = [own.segment, other.segment].map(|s| s.moved(until, window.gravity()));
+                until < window.end && window.touch_now((a, &p), (b, &q), image)
             })
         })
     }
@@ -436,6 +463,31 @@ impl Events {
 }
 
 impl Block {
+    /// Predicts the impacts of a shorter window again: what is too slow to matter depends on its
+    /// end.
+    fn shorten(&mut self, window: &Window<'_>, neighbors: &Neighbors) {
+        for events in [&mut self.first, &mut self.crossing] {
+            events.retain_mut(|event| {
+                let Event { time, pair: [a, b], code, .. } = *event;
+                if time > window.end {
+                    return false;
+                }
+                let new = if b == WALL {
+                    window.wall_event(a, &window.segment(a), 0)
+                } else {
+                    let [p, q] = [a, b].map(|disc| window.segment(disc));
+                    let impact =
+                        window.impact((a, &p), (b, &q), neighbors.image_of(code), window.end);
+                    impact.map(|impact| Event::of_discs(impact, [a, b], code, [0; 2]))
+                };
+                new.is_some_and(|new| {
+                    *event = new;
+                    true
+                })
+            });
+        }
+    }
+
     /// Finds the impacts on walls along the first segments.
     fn find_walls(&mut self, window: &Window<'_>) {
         for index in self.range.clone() {

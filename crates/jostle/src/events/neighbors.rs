@@ -129,6 +129,7 @@ impl Neighbors {
 
 /// The number of an image; new ones are added together with their opposites.
 fn image_code(images: &mut Vec<Vector>, image: Vector) -> u16 {
+    // Both the first and its opposite are 0.
     let known = images.iter().position(|&known| known == image);
     let code = known.unwrap_or_else(|| {
         images.extend([image, image.map(|v| -v)]);
@@ -139,5 +140,5 @@ fn image_code(images: &mut Vec<Vector>, image: Vector) -> u16 {
 
 /// The number of the opposite image.
 pub fn opposite(code: u16) -> u16 {
-    code ^ 1
+    if code < 2 { 0 } else { code ^ 1 }
 }

@@ -3,6 +3,7 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use super::neighbors::opposite;
 use crate::trajectory::{Impact, Kind};
 
 /// Takes the place of the partner in an event with a wall.
@@ -40,7 +41,11 @@ impl Eq for Event {}
 
 impl Ord for Event {
     fn cmp(&self, other: &Self) -> Ordering {
-        let rest = |event: &Self| (event.pair, event.code);
+        // Whichever of the two predicted the event.
+        let rest = |event: &Self| {
+            let [a, b] = event.pair;
+            if a < b { ([a, b], event.code) } else { ([b, a], opposite(event.code)) }
+        };
         self.time.total_cmp(&other.time).then_with(|| rest(self).cmp(&rest(other)))
     }
 }

@@ -14,8 +14,8 @@ use super::queue::{Event, Queue, WALL};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector, wall_normal};
 
-/// Events of one disc in a window, at most. A disc that has had them stands still until the
-/// window ends.
+/// Events of one disc in a window, at most. A disc that has had them stands still for the
+/// rest of the step.
 const MOST_EVENTS: u32 = 1024;
 
 /// Impacts between two polls.
@@ -76,6 +76,8 @@ pub struct Simulation<'a> {
     pub mark: u32,
     /// The number of the first course of this simulation in the history.
     pub base: u32,
+    /// Ends the simulation early.
+    pub stop: &'a Stop,
     /// Working memory.
     pub scratch: &'a mut Scratch,
 }
@@ -92,14 +94,13 @@ impl Simulation<'_> {
             self.predict(0);
             self.dissolve();
         }
-        let stop = Stop::current();
         let mut work = 0;
         while let Some(event) = self.scratch.queue.pop() {
             let count = |index: u32| self.find(index).map_or(0, |own| own.count);
             if event.pair.map(count) == event.counts {
                 work += self.happen(&event);
             }
-            if work >= POLL_EVERY && stop.is_set() {
+            if work >= POLL_EVERY && self.stop.is_set() {
                 break;
             }
             work %= POLL_EVERY;
@@ -168,6 +169,11 @@ impl Simulation<'_> {
             self.find_simultaneous(time);
         }
         self.bounce(time, kind);
+        // Discs of the group may have got their courses after they were listed.
+        for at in 0..self.scratch.nearby.len() {
+            let number = self.number(self.scratch.nearby[at].index);
+            self.scratch.nearby[at].number = number.unwrap_or(NONE);
+        }
         for position in 0..self.scratch.group.len() {
             self.predict(position);
         }
@@ -256,7 +262,6 @@ impl Simulation<'_> {
     /// of discs that thereby join it.
     fn find_simultaneous(&mut self, time: f64) {
         let window = self.window;
-        let before = self.scratch.group.len();
         let mut position = 0;
         while position < self.scratch.group.len() {
             let InGroup { index, number, now, near } = self.scratch.group[position].clone();
@@ -280,12 +285,6 @@ impl Simulation<'_> {
                 if place == 0 || place >= position {
                     self.touch_disc(index, partner, code, time);
                 }
-            }
-        }
-        if self.scratch.group.len() > before {
-            for at in 0..self.scratch.nearby.len() {
-                let number = self.number(self.scratch.nearby[at].index);
-                self.scratch.nearby[at].number = number.unwrap_or(NONE);
             }
         }
     }

@@ -18,7 +18,8 @@ use super::bounds::StepBounds;
 const OVERLAP: f32 = 0.003;
 
 impl World {
-    /// Whether all collisions are elastic and there are no springs. Then no contact can rest.
+    /// Whether all collisions are elastic and no force is `Springs`. Such a world needs no resting
+    /// contacts.
     pub(super) fn is_exact(&self) -> bool {
         let elastic = |&restitution: &f32| restitution == 1.0;
         self.settings.restitution == 1.0
@@ -133,8 +134,7 @@ impl World {
                 end: flow.duration,
                 flow,
                 accelerations: &memory.forces.accelerations,
-                // Leapfrog: half of the change comes before the flight, half after it.
-                kicks: [0.5 * h; 2],
+                kicks: flow.kicks,
                 bounded: substep == 0,
                 container: settings.container,
                 restitution: settings.restitution,

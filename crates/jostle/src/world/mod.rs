@@ -116,6 +116,7 @@ struct Memory {
     sweeps: Vec<Sweep>,
     /// What the event-driven step needs, see [`exact`].
     usual_speed: f32,
+    /// Distances from the positions at the beginning to the bounds.
     reaches: Vec<f32>,
     old_reaches: Vec<f32>,
     grown: bounds::Grown,
@@ -134,7 +135,7 @@ struct Memory {
     pairs: search::Lists,
     /// Those that overlap as an event-driven step begins.
     overlaps: search::Lists,
-    /// The same where what touches merges.
+    /// Candidate pairs where touching particles merge.
     meetings: Vec<merge::Meeting>,
     old_sweeps: Vec<Sweep>,
     forces: ForceMemory,
