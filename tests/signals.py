@@ -1,5 +1,6 @@
 """Helpers for tests of signals and processes."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -14,7 +15,8 @@ import pytest
 def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float:
     """Send SIGINT after `after` seconds; return the time until `call` ends.
 
-    The handler is set here: SIGINT is ignored in background jobs.
+    The handler is set here: SIGINT is ignored in background jobs. Callbacks of the garbage
+    collector, of which Hypothesis has one, would lose an exception that is raised in them.
     """
     sent = 0.0
     main = threading.get_ident()
@@ -27,6 +29,7 @@ def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float
     ended = False
     timer = threading.Timer(after, send)
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    callbacks, gc.callbacks[:] = gc.callbacks[:], []
     try:
         with pytest.raises(KeyboardInterrupt):
             timer.start()
@@ -37,6 +40,7 @@ def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float
     finally:
         timer.join()
         signal.signal(signal.SIGINT, handler)
+        gc.callbacks[:] = callbacks
     assert not ended, "the call ended before it was interrupted; give it more to do"
     return took
 
