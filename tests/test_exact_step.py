@@ -707,7 +707,10 @@ def test_substeps_are_those_that_forces_need() -> None:
     assert world(two, substeps=None, forces=[jostle.Thermostat(1.0, 1.0)]).substeps == 1
     attractor = jostle.Attractor((0, 0), strength=1)
     assert world(two, substeps=None, forces=[attractor]).substeps == 4
-    assert world(two, substeps=None, restitution=0.5).substeps == 4
+    assert world(two, substeps=None, restitution=0.5).substeps == 1
+    assert world(two, substeps=None, restitution=0.5, gravity=(0, 1)).substeps == 4
+    springs = jostle.Springs([(0, 1)], 10, 1)
+    assert world(two, substeps=None, forces=[springs]).substeps == 4
 
 
 # ---- threads -------------------------------------------------------------------------------------

@@ -380,7 +380,9 @@ def test_settings_may_be_given_or_assigned(name: str) -> None:
 def test_substeps_are_as_many_as_the_scene_needs_unless_given() -> None:
     assert inspect.signature(jostle.World).parameters["substeps"].default is None
     assert three().substeps == 1
-    assert three(restitution=0.5).substeps == 4
+    assert three(restitution=0.5).substeps == 1  # nothing presses particles against each other
+    assert three(restitution=0.5, gravity=(0, 1)).substeps == 4
+    assert three(gravity=(0, 1)).substeps == 1
     assert three(forces=[jostle.Gravitation(1.0)]).substeps == 4
     world = three(substeps=2)
     assert world.substeps == 2

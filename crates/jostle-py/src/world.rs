@@ -80,8 +80,8 @@ const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve",
 ///     Maximum number of subdivisions of the tree; the default never prevents a split.
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-///     default, takes as many as the scene needs: 1 if all restitutions are 1 and there are no
-///     attractors, gravitation or springs; otherwise 4.
+///     default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
+///     with gravity and a restitution below 1; otherwise 1.
 ///
 /// Raises
 /// ------

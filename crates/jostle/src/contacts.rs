@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
 
@@ -35,8 +36,6 @@ pub struct Contact {
     pub impulse: f32,
     /// Whether the two pushed each other during this step.
     pub touched: bool,
-    /// Whether they move fast enough to get far into each other during this sub-step.
-    pub fast: bool,
 }
 
 /// The ranges of all colours; the last one is to be solved in sequence.
@@ -72,12 +71,22 @@ impl Default for Contact {
             gap: 0.0,
             impulse: 0.0,
             touched: false,
-            fast: false,
         }
     }
 }
 
 impl Contact {
+    /// Updates normal and gap to the positions.
+    pub fn measure(&mut self, motions: &Motions) {
+        let [a, b] = self.places.map(|place| motions.position(place));
+        let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
+        let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        if length > 0.0 && length < f32::INFINITY {
+            self.normal = offset.map(|v| v / length);
+        }
+        self.gap = length - self.reach;
+    }
+
     /// The same contact with the smaller place first.
     fn ascending(self) -> Self {
         let Self { places: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
@@ -129,17 +138,18 @@ impl Previous {
 }
 
 impl Contacts {
-    /// Takes the pairs of a step: a sorted list for each torus image. `before` gives the
-    /// place that each particle had in the previous step's order.
+    /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
+    /// in the step; `before` gives the place that each had in the previous step's order.
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         particles: &Particles,
+        movable: &[bool],
         restitution: f32,
         before: &[u32],
         threads: Option<usize>,
     ) {
-        let movable = &particles.movable;
+        let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
         let mut starts = self.colour(lists, solved, movable);
         // Where each contact comes from: its place, which list, which pair of it.
@@ -172,7 +182,7 @@ impl Contacts {
                     image: *image,
                     reach: particles.radii[i] + particles.radii[j],
                     restitution: restitution * own,
-                    inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
+                    inverse_masses: [inverse_mass(i), inverse_mass(j)],
                     impulse: if here { previous.impulse(before[i], before[j]) } else { 0.0 },
                     ..Contact::default()
                 };

@@ -23,6 +23,20 @@ pub struct Flow {
     pub kicks: [f64; 2],
 }
 
+/// What forces and resting contacts do to a particle in a sub-step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Kick {
+    /// Change of the velocity before the flight.
+    pub before: [f64; 2],
+    /// Change of the velocity after the flight and the damping.
+    pub after: [f64; 2],
+    /// Whether resting contacts support the particle. Then gravity is a part of `before`, and the
+    /// flight is straight.
+    pub is_supported: bool,
+    /// The speed that gravity and forces give to a free particle in the sub-step.
+    pub speed: f32,
+}
+
 impl Flow {
     /// A sub-step of `h` seconds.
     pub fn new(h: f64, gravity: [f32; 2], drag: f32) -> Self {

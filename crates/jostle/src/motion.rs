@@ -1,24 +1,16 @@
-//! How every particle moves during one sub-step, open to all threads.
+//! Positions and velocities during a step, which all threads may read and write.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// One particle's way through a sub-step of length h.
-///
-/// After its last bounce at `since` it is on a straight line: at time t it is at
-/// `position + travel − velocity · (h − t)`. A bounce at t that changes the
-/// velocity by Δv therefore changes `travel` by Δv · (h − t).
+/// The state of a particle during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Where it was at the start of the sub-step.
+    /// Centre.
     pub position: [f32; 2],
-    /// World units a second, now.
+    /// Velocity.
     pub velocity: [f32; 2],
-    /// What the whole sub-step will add to the position.
+    /// Displacement during the last part of the step, without position correction.
     pub travel: [f32; 2],
-    /// When the current line began, seconds into the sub-step.
-    pub since: f32,
-    /// In which round, and for which colour of it, the current line began.
-    pub turn: u32,
 }
 
 /// Two numbers in one word, so that each is read and written at once.
@@ -54,7 +46,6 @@ struct Row {
     position: Two,
     velocity: Two,
     travel: Two,
-    since_and_turn: Two,
 }
 
 /// The motions of all particles. Contacts of one colour share no movable
@@ -82,13 +73,10 @@ impl Motions {
     #[inline(always)]
     pub fn get(&self, place: u32) -> Motion {
         let row = &self.0[place as usize];
-        let [since, turn] = row.since_and_turn.get();
         Motion {
             position: row.position.vector(),
             velocity: row.velocity.vector(),
             travel: row.travel.vector(),
-            since: f32::from_bits(since),
-            turn,
         }
     }
 
@@ -99,7 +87,6 @@ impl Motions {
         row.position.set_vector(motion.position);
         row.velocity.set_vector(motion.velocity);
         row.travel.set_vector(motion.travel);
-        row.since_and_turn.set([motion.since.to_bits(), motion.turn]);
     }
 
     /// Its position alone.
@@ -120,22 +107,10 @@ impl Motions {
         self.0[place as usize].travel.vector()
     }
 
-    /// Its turn alone.
-    #[inline(always)]
-    pub fn turn(&self, place: u32) -> u32 {
-        self.0[place as usize].since_and_turn.get()[1]
-    }
-
     /// Replaces its position alone.
     #[inline(always)]
     pub fn set_position(&self, place: u32, position: [f32; 2]) {
         self.0[place as usize].position.set_vector(position);
-    }
-
-    /// Replaces its velocity alone.
-    #[inline(always)]
-    pub fn set_velocity(&self, place: u32, velocity: [f32; 2]) {
-        self.0[place as usize].velocity.set_vector(velocity);
     }
 
     /// Replaces position and velocity; the way is the change of the position.
@@ -146,12 +121,6 @@ impl Motions {
         row.travel.set_vector([(position[0] - x) as f32, (position[1] - y) as f32]);
         row.position.set_vector(position.map(|v| v as f32));
         row.velocity.set_vector(velocity.map(|v| v as f32));
-    }
-
-    /// Replaces its way alone.
-    #[inline(always)]
-    pub fn set_travel(&self, place: u32, travel: [f32; 2]) {
-        self.0[place as usize].travel.set_vector(travel);
     }
 }
 

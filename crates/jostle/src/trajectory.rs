@@ -65,7 +65,8 @@ impl Segment {
 pub enum Kind {
     /// They bounce.
     Bounce,
-    /// Their bounces would be too low to be resolved, so they stay together.
+    /// Their bounces would be too low to be resolved, or would all end before the sub-step does, so
+    /// they stay together.
     Hold,
 }
 
@@ -87,7 +88,43 @@ pub struct Limits {
     pub end: f64,
     /// Distance that rounding of the stored positions may change.
     pub rounding: f64,
+    /// An impact that would bring the surfaces less far into each other until the end of the
+    /// sub-step is left out.
+    pub tolerance: f64,
+    /// All bounces after an impact with the speed v, against the acceleration a, take this times
+    /// v/a: 2e/(1 − e) with the coefficient of restitution e.
+    pub bounces: f64,
 }
+
+impl Limits {
+    /// What happens when surfaces touch at `time` that approach with `speed` and accelerate
+    /// towards each other with `pull`; None if nothing does.
+    #[inline(always)]
+    pub fn kind(&self, speed: f64, pull: f64, time: f64) -> Option<Kind> {
+        let left = self.end - time;
+        if pull > 0.0 {
+            // A bounce with this speed is as high as speed² / (2 · pull).
+            let is_low = speed * speed <= 2.0 * pull * self.rounding;
+            let ends = speed >= 0.0 && speed * self.bounces <= pull * left;
+            if is_low || ends {
+                return Some(Kind::Hold);
+            }
+        }
+        (speed * left > self.tolerance).then_some(Kind::Bounce)
+    }
+}
+
+/// Speeds of approach and separation between which a contact rests, in units of the speed that
+/// gravity and forces give in a sub-step of h seconds. With the acceleration a, a bounce that leaves
+/// with the speed u takes 2u/a seconds, and all bounces after it together take 2u/(a (1 − e)). They
+/// end within the sub-step if u ≤ a h (1 − e)/2, so if the approach was not faster than u/e.
+pub fn rest_speeds(restitution: f64) -> [f64; 2] {
+    let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MOST_REST_SPEED);
+    [approach, restitution * approach]
+}
+
+/// The first of [`rest_speeds`] at most: without it any approach would rest where e is 0.
+const MOST_REST_SPEED: f64 = 4.0;
 
 /// The motion of a point against another.
 #[derive(Clone, Copy, Debug)]
@@ -163,9 +200,8 @@ impl Relative {
             ((closest - back).max(0.0), back * ww / reach)
         };
         let time = self.start + wait;
-        let slow = normal_speed * (limits.end - time) <= limits.rounding;
-        let within = time <= limits.until;
-        (within && !slow).then_some(Impact { time, kind: Kind::Bounce })
+        let kind = limits.kind(normal_speed, 0.0, time)?;
+        (time <= limits.until).then_some(Impact { time, kind })
     }
 
     /// As [`Relative::straight_impact`], where one of the two falls and the other does not.
@@ -197,21 +233,8 @@ impl Relative {
         let velocity = vector(|k| w[k] + a[k] * wait);
         let length = dot(offset, offset).sqrt().max(f64::MIN_POSITIVE);
         let speed = -dot(offset, velocity) / length;
-        kind_of_impact(speed, -dot(offset, a) / length, self.start + wait, limits)
+        limits.kind(speed, -dot(offset, a) / length, self.start + wait)
     }
-}
-
-/// What happens when surfaces touch that approach with `speed` and accelerate towards each other
-/// with `pull`.
-fn kind_of_impact(speed: f64, pull: f64, time: f64, limits: &Limits) -> Option<Kind> {
-    // A bounce with this speed is as high as speed² / (2 · pull), and shorter than the rest of
-    // the sub-step.
-    let low = pull > 0.0 && speed * speed <= 2.0 * pull * limits.rounding;
-    if low {
-        return Some(Kind::Hold);
-    }
-    let slow = speed * (limits.end - time) <= limits.rounding;
-    (!slow).then_some(Kind::Bounce)
 }
 
 /// The first impact on a wall, and the index of the wall; `radius` is that of the disc.
@@ -260,7 +283,7 @@ fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> 
         return None;
     }
     let wait = if gap <= 0.0 {
-        if let Some(kind) = kind_of_impact(-speed, pull, start, limits) {
+        if let Some(kind) = limits.kind(-speed, pull, start) {
             return Some(Impact { time: start, kind });
         }
         if pull <= 0.0 || speed <= 0.0 {
@@ -288,7 +311,7 @@ fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> 
     if wait > span {
         return None;
     }
-    let kind = kind_of_impact(pull * wait - speed, pull, start + wait, limits)?;
+    let kind = limits.kind(pull * wait - speed, pull, start + wait)?;
     Some(Impact { time: start + wait, kind })
 }
 
@@ -308,7 +331,7 @@ fn round_impact(
         let velocity = vector(|k| v[k] + a[k] * wait);
         let length = dot(offset, offset).sqrt().max(f64::MIN_POSITIVE);
         let [speed, pull] = [dot(offset, velocity) / length, dot(offset, a) / length];
-        kind_of_impact(speed, pull, start + wait, limits)
+        limits.kind(speed, pull, start + wait)
     };
     let rate = -2.0 * dot(q, v);
     let rest = [-dot(v, v) - dot(q, a), -dot(v, a), -0.25 * dot(a, a)];

@@ -546,9 +546,13 @@ fn all_forces(count: u32, row: impl Fn(u32) -> u32) -> Vec<Force> {
 
 /// Many touch, but in the middle of the clusters not hundreds each.
 fn crowd(count: usize) -> Particles {
+    crowd_of(count, 200.0 / count as f32)
+}
+
+fn crowd_of(count: usize, radius: f32) -> Particles {
     let mut all = particles(clustered(count, 9), vec![[0.0; 2]; count], mixed_masses(count));
     all.velocities = uniform(count, 10).iter().map(|v| v.map(|v| v * 0.05)).collect();
-    all.radii = vec![200.0 / count as f32; count];
+    all.radii = vec![radius; count];
     all.movable[5] = false;
     all
 }
@@ -564,12 +568,14 @@ fn threads_and_methods_do_not_show() {
         let hash = |count, (dt, steps), threads, method| {
             let mut settings = WorldSettings { container, method, ..WorldSettings::default() };
             settings.tree.threads = threads;
-            let mut world = world(crowd(count), settings, all_forces(count as u32, |i| i));
+            let radius = if count > 1000 { 0.003 } else { 0.2 };
+            let mut world =
+                world(crowd_of(count, radius), settings, all_forces(count as u32, |i| i));
             run(&mut world, dt, steps);
             world.state_hash()
         };
-        // Enough to wake other threads; in a longer step each would meet hundreds of others.
-        let many = |threads| hash(13_000, (0.001, 1), Some(threads), Method::Quadtree);
+        // Enough to wake other threads.
+        let many = |threads| hash(13_000, (0.0002, 1), Some(threads), Method::Quadtree);
         assert_eq!(many(1), many(2), "{container:?}");
         let few = |threads, method| hash(1000, (0.01, 3), Some(threads), method);
         assert_eq!(few(1, Method::Quadtree), few(3, Method::Brute), "{container:?}");

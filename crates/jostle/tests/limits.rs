@@ -22,7 +22,7 @@ fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<u32>>>) {
     (world.snapshot(), world.renumbered().map(<[_]>::to_vec))
 }
 
-/// Three heavy discs whose velocities overflow after 17 steps.
+/// Three heavy discs that press against each other with more than float32 can hold.
 fn overflowing() -> World {
     let positions = vec![[0.0, 0.0], [3.0, 0.0], [6.0, 0.0]];
     let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
@@ -32,14 +32,12 @@ fn overflowing() -> World {
         drag: 1e3,
         container: Container::Box { min: [-20.0; 2], max: [20.0; 2] },
         substeps: Some(1),
+        restitution: 0.5,
         ..Default::default()
     };
     let mut world = World::new(all, settings).unwrap();
     let gravitation = Gravitation { g: 1.0, softening: 0.1, theta: 0.5 };
-    // In float32, unlike the collisions of a world without springs.
-    let max_stretch = f32::INFINITY;
-    let spring = Spring { pair: [0, 1], length: 3.0, stiffness: 1.0, damping: 0.0, max_stretch };
-    let forces = vec![Force::Gravitation(gravitation), Force::Springs(Springs(vec![spring]))];
+    let forces = vec![Force::Gravitation(gravitation)];
     world.set_forces(forces).unwrap();
     world
 }
@@ -240,8 +238,8 @@ fn the_order_of_adding_has_no_effect_if_few_are_fast() {
 }
 
 #[test]
-fn a_long_row_that_is_stopped_takes_no_longer() {
-    let len = 5_000;
+fn inelastic_collapse_of_a_long_row_takes_bounded_time() {
+    let len = 1_000;
     let mut positions: Vec<[f32; 2]> = (0..len).map(|k| [-(k as f32), 0.0]).collect();
     positions.push([1.0, 0.0]);
     let mut velocities = vec![[60.0, 0.0]; len];
@@ -278,7 +276,6 @@ fn an_overflow_at_a_round_wall_is_no_panic() {
 #[test]
 fn all_particles_of_a_world_with_gravitation_may_be_removed() {
     let mut world = overflowing();
-    world.step(0.01, 1, &mut |_| ()).unwrap();
     world.remove(&[0, 1, 2]).unwrap();
     world.step(0.01, 1, &mut |_| ()).unwrap();
     assert_eq!((world.len(), world.potential_energy()), (0, 0.0));

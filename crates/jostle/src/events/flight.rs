@@ -2,7 +2,7 @@
 
 use super::queue::Event;
 use crate::container::{Container, MAX_WALLS};
-use crate::flow::Flow;
+use crate::flow::{Flow, Kick};
 use crate::forces::Thermostat;
 use crate::motion::Motions;
 use crate::parallel;
@@ -17,6 +17,10 @@ const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 /// Relative error, with a large reserve, of the tests in float32.
 const MARGIN: f32 = 1e-4;
 
+/// Particles that resting contacts support do not collide if they would get less far into each other,
+/// as a share of the sum of radii: their contact is solved at the beginning of the next sub-step.
+const DEFERRED: f64 = 0.01;
+
 /// How a disc begins a window.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
@@ -29,6 +33,10 @@ pub struct Start {
     pub radius: f32,
     /// 0 if it cannot move.
     pub mass: f32,
+    /// Whether resting contacts support it.
+    pub is_supported: bool,
+    /// Whether gravity accelerates it.
+    pub falls: bool,
 }
 
 impl Start {
@@ -61,14 +69,16 @@ pub struct Flight<'a> {
     pub end: f64,
     /// What linear damping does to the velocities after the flight.
     pub flow: Flow,
-    /// The accelerations by forces in the middle of the sub-step; empty where there are none.
-    pub accelerations: &'a [[f32; 2]],
-    /// Seconds for which they change the velocities before the flight, and after it.
-    pub kicks: [f64; 2],
+    /// What forces and resting contacts do to each disc; empty where there are none.
+    pub kicks: &'a [Kick],
+    /// Whether the window is the first of the sub-step.
+    pub is_first: bool,
     /// The walls.
     pub container: Container,
     /// Coefficient of restitution of the world.
     pub restitution: f32,
+    /// Whether all coefficients of restitution are 1.
+    pub is_elastic: bool,
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
     /// Whether discs bounce off each other.
@@ -84,14 +94,17 @@ impl Flight<'_> {
     #[inline(always)]
     fn velocity(&self, index: u32) -> Vector {
         let velocity = self.motions.velocity(index).map(f64::from);
-        let by = self.accelerations.get(index as usize);
-        by.map_or(velocity, |by| vector(|k| velocity[k] + f64::from(by[k]) * self.kicks[0]))
+        match self.kicks.get(index as usize) {
+            Some(kick) if self.is_first => vector(|k| velocity[k] + kick.before[k]),
+            _ => velocity,
+        }
     }
 
     /// Writes how all discs begin; those in `exhausted` stand still.
     pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
-        let Self { particles, movable, motions, .. } = *self;
+        let Self { particles, movable, motions, kicks, .. } = *self;
+        let has_gravity = self.gravity != [0.0; 2];
         parallel::for_chunks(self.threads, starts, |first, starts| {
             for (start, index) in starts.iter_mut().zip(first..) {
                 *start = Start {
@@ -99,8 +112,12 @@ impl Flight<'_> {
                     velocity: [0.0; 2],
                     radius: particles.radii[index],
                     mass: 0.0,
+                    is_supported: false,
+                    falls: false,
                 };
                 if movable[index] {
+                    start.is_supported = kicks.get(index).is_some_and(|kick| kick.is_supported);
+                    start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
                     start.mass = particles.masses[index];
                 }
@@ -108,7 +125,7 @@ impl Flight<'_> {
         });
         for &index in exhausted {
             let start = &mut starts[index as usize];
-            (start.velocity, start.mass) = ([0.0; 2], 0.0);
+            (start.velocity, start.mass, start.falls) = ([0.0; 2], 0.0, false);
         }
     }
 }
@@ -135,7 +152,7 @@ impl Window<'_> {
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
         let start = &self.starts[index as usize];
-        let is_kicked = !self.flight.accelerations.is_empty() && start.is_movable();
+        let is_kicked = !self.flight.kicks.is_empty() && start.is_movable();
         Segment {
             time: 0.0,
             position: start.position.map(f64::from),
@@ -145,7 +162,7 @@ impl Window<'_> {
             } else {
                 start.velocity.map(f64::from)
             },
-            falls: self.flight.gravity != [0.0; 2] && start.is_movable(),
+            falls: start.falls,
         }
     }
 
@@ -171,7 +188,7 @@ impl Window<'_> {
     /// Whether one of two discs falls and the other does not.
     #[inline(always)]
     fn is_curved(&self, own: &Start, other: &Start) -> bool {
-        (self.gravity() != [0.0; 2]) & (own.is_movable() != other.is_movable())
+        own.falls != other.falls
     }
 
     /// A test in float32 that is false only if a disc certainly does not get to a flat wall.
@@ -193,14 +210,14 @@ impl Window<'_> {
     /// The velocity of a disc after the sub-step from that at the end of the window.
     #[inline(always)]
     pub fn after(&self, index: u32, falls: bool, velocity: Vector) -> Vector {
-        let Flight { flow: Flow { decay, correction, .. }, accelerations, kicks, .. } = self.flight;
+        let Flight { flow: Flow { decay, correction, .. }, kicks, .. } = self.flight;
         if self.end < self.flight.end {
             return velocity;
         }
         let added = if falls { *correction } else { [0.0; 2] };
         let damped = vector(|k| velocity[k] * decay + added[k]);
-        let by = accelerations.get(index as usize);
-        by.map_or(damped, |by| vector(|k| damped[k] + f64::from(by[k]) * kicks[1]))
+        let kick = kicks.get(index as usize);
+        kick.map_or(damped, |kick| vector(|k| damped[k] + kick.after[k]))
     }
 
     /// Coefficient of restitution of two discs.
@@ -214,10 +231,45 @@ impl Window<'_> {
         f64::from(self.flight.restitution * self.flight.particles.restitutions[index as usize])
     }
 
+    /// The limits for surfaces at `position` that are `reach` from the centre; whether resting
+    /// contacts support their bodies, and the coefficient of restitution.
     #[inline(always)]
-    fn limits(&self, until: f64, position: Vector, reach: f64) -> Limits {
+    fn limits(
+        &self,
+        until: f64,
+        position: Vector,
+        reach: f64,
+        surfaces: impl Fn() -> (bool, f64),
+    ) -> Limits {
         let rounding = ROUNDING * (position[0].abs() + position[1].abs() + reach);
-        Limits { until, end: self.end, rounding }
+        let limits =
+            Limits { until, end: self.end, rounding, tolerance: rounding, bounces: f64::INFINITY };
+        if self.flight.is_elastic {
+            return limits;
+        }
+        let (are_supported, restitution) = surfaces();
+        let deferred = if are_supported { DEFERRED * reach } else { 0.0 };
+        let bounces = 2.0 * restitution / (1.0 - restitution);
+        Limits { tolerance: rounding.max(deferred), bounces, ..limits }
+    }
+
+    #[inline(always)]
+    fn pair_limits(&self, until: f64, position: Vector, pair: [u32; 2]) -> Limits {
+        let surfaces = || {
+            let rests = |index: u32| {
+                let start = &self.starts[index as usize];
+                start.is_supported || !start.is_movable()
+            };
+            (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
+        };
+        self.limits(until, position, self.reach(pair[0], pair[1]), surfaces)
+    }
+
+    #[inline(always)]
+    fn wall_limits(&self, position: Vector, index: u32) -> Limits {
+        let start = &self.starts[index as usize];
+        let surfaces = || (start.is_supported, self.wall_restitution(index));
+        self.limits(self.end, position, f64::from(start.radius), surfaces)
     }
 
     #[inline(always)]
@@ -240,11 +292,10 @@ impl Window<'_> {
         if relative.separates() {
             return None;
         }
-        let reach = self.reach(a, b);
         let smaller = if a < b { first } else { second };
         let position = smaller.place_at(relative.start, self.gravity());
-        let limits = self.limits(until, position, reach);
-        relative.impact(reach, &limits)
+        let limits = self.pair_limits(until, position, [a, b]);
+        relative.impact(self.reach(a, b), &limits)
     }
 
     /// The next impact of a disc on a wall.
@@ -254,7 +305,7 @@ impl Window<'_> {
             return None;
         }
         let radius = f64::from(start.radius);
-        let limits = self.limits(self.end, segment.position, radius);
+        let limits = self.wall_limits(segment.position, index);
         let hit = wall_impact(segment, radius, container, self.flight.gravity, &limits);
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
     }
@@ -268,15 +319,14 @@ impl Window<'_> {
         image: Vector,
     ) -> bool {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
-        let reach = self.reach(a, b);
         let position = if a < b { first.position } else { second.position };
-        let limits = self.limits(self.end, position, reach);
-        let (square, near) = (dot(offset, offset), reach + limits.rounding);
+        let limits = self.pair_limits(self.end, position, [a, b]);
+        let (square, near) = (dot(offset, offset), self.reach(a, b) + limits.rounding);
         if square > near * near {
             return false;
         }
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
-        is_fast(approach / square.sqrt(), first.time, &limits)
+        limits.kind(approach / square.sqrt(), 0.0, first.time).is_some()
     }
 
     /// The walls that a disc touches and approaches as it begins a segment.
@@ -287,13 +337,13 @@ impl Window<'_> {
             return touched;
         }
         let radius = f64::from(self.starts[index as usize].radius);
-        let limits = self.limits(self.end, now.position, radius);
+        let limits = self.wall_limits(now.position, index);
         let gaps = container.gaps(now.position, radius);
         for (wall, gap) in gaps.into_iter().enumerate() {
             let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
             debug_assert!(gap.is_finite());
             let normal = wall_normal(container, wall as u8, now.position);
-            if is_fast(-dot(normal, now.velocity), now.time, &limits) {
+            if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 touched[wall] = Some(wall as u8);
             }
         }
@@ -319,9 +369,4 @@ impl Window<'_> {
         let distance = square.sqrt() + 0.125 * dot(gravity, gravity).sqrt() * t * t;
         distance * distance
     }
-}
-
-/// Whether surfaces that touch bounce.
-fn is_fast(speed: f64, time: f64, limits: &Limits) -> bool {
-    speed * (limits.end - time) > limits.rounding
 }

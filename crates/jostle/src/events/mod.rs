@@ -114,7 +114,7 @@ impl Events {
             }
             rest.end -= end;
             rest.bounded = false;
-            rest.kicks[0] = 0.0;
+            rest.is_first = false;
         }
     }
 
@@ -396,10 +396,13 @@ impl Events {
         self.trajectory(window, a).any(|own| {
             others.clone().any(|other| {
                 let until = own.end.min(other.end);
-                if own.segment.time.max(other.segment.time) >= until {
+                let start = own.segment.time.max(other.segment.time);
+                if start > until {
                     return false;
                 }
-                let is_tested = first || !own.is_first || !other.is_first;
+                // Segments without duration, between collisions at the same time, only touch.
+                let is_new = first || !own.is_first || !other.is_first;
+                let is_tested = is_new && start < until;
                 let both = ((a, &own.segment), (b, &other.segment));
                 if is_tested && window.impact(both.0, both.1, image, until).is_some() {
                     return true;

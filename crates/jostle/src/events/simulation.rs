@@ -14,9 +14,15 @@ use super::queue::{Event, Queue, WALL};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector, wall_normal};
 
-/// Events of one disc in a window, at most. A disc that has had them stands still for the
-/// rest of the step.
-const MOST_EVENTS: u32 = 1024;
+/// Events of one disc in a window at most: if its collisions are elastic, and if not. A disc that
+/// has had them stands still for the rest of the step.
+const MOST_EVENTS: [u32; 2] = [1024, 128];
+
+/// After so many events in a window an inelastic disc collides elastically until its end, because
+/// inelastic discs can have infinitely many collisions in finite time (inelastic collapse; S. Luding
+/// and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas with the
+/// TC model*, 1998).
+const COLLAPSE: u32 = 32;
 
 /// Impacts between two polls.
 const POLL_EVERY: usize = 256;
@@ -337,7 +343,11 @@ impl Simulation<'_> {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             normal: if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] },
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
-            restitution: window.pair_restitution(pair),
+            restitution: if found.iter().flatten().any(|(.., course)| course.count >= COLLAPSE) {
+                1.0
+            } else {
+                window.pair_restitution(pair)
+            },
         };
         let [a, b] = found.map(|found| found.map(|(_, own, _)| own.number));
         let number = a.or(b).expect("one of them is in the group");
@@ -386,7 +396,7 @@ impl Simulation<'_> {
             if kind == Kind::Hold {
                 hold(&mut course.segment, touches[0].normal, window.gravity(), window.end - time);
             }
-            if course.count >= MOST_EVENTS {
+            if course.count >= MOST_EVENTS[usize::from(!window.flight.is_elastic)] {
                 let [_, end] = course.segment.at(window.end, window.gravity());
                 course.stopped = Some(end);
                 course.segment.velocity = [0.0; 2];

@@ -8,8 +8,10 @@
 use super::{Bodies, check_number, nearest};
 use crate::container::Container;
 use crate::error::{Error, Result};
+use crate::flow::Kick;
 use crate::groups::Groups;
 use crate::motion::Motions;
+use crate::particles::FARTHEST;
 
 /// Parts of a sub-step at most.
 const MOST_PARTS: f64 = 32.0;
@@ -228,15 +230,17 @@ impl Sprung {
         }
     }
 
-    /// Lets the springs act during a sub-step of `h` seconds that has just been kicked.
-    pub fn act(&mut self, motions: &Motions, h: f32) {
-        let step = f64::from(h);
+    /// Adds what the springs do in a sub-step of `step` seconds to the kicks: before the flight,
+    /// the mean velocity, and after it the last one.
+    pub fn act(&mut self, motions: &Motions, kicks: &mut [Kick], step: f64) {
         let parts = self.parts(step);
         let part = step / parts;
         let Self { ties, ends, container } = self;
         for end in ends.iter_mut() {
             end.position = motions.position(end.place).map(f64::from);
-            end.velocity = motions.velocity(end.place).map(f64::from);
+            let velocity = motions.velocity(end.place);
+            let kick = &kicks[end.place as usize];
+            end.velocity = [0, 1].map(|k| f64::from(velocity[k]) + kick.before[k]);
         }
         // Springs stiffer than the parts can follow are softened (Gershgorin's bound).
         let most_stiff = 0.5 * (MOST_SWING / part) * (MOST_SWING / part);
@@ -262,15 +266,15 @@ impl Sprung {
             }
         }
         for end in ends.iter().filter(|end| end.inverse_mass > 0.0) {
-            let mut motion = motions.get(end.place);
-            let way = |k: usize| {
-                // What the kick has given beyond the straight way stays.
-                let extra = f64::from(motion.travel[k]) - f64::from(motion.velocity[k]) * step;
-                end.position[k] - f64::from(motion.position[k]) + extra
-            };
-            motion.travel = [0, 1].map(|k| super::bounded(way(k) as f32));
-            motion.velocity = end.velocity.map(|v| super::bounded(v as f32));
-            motions.set(end.place, motion);
+            let motion = motions.get(end.place);
+            let kick = &mut kicks[end.place as usize];
+            let mean = [0, 1].map(|k| {
+                let displacement = end.position[k] - f64::from(motion.position[k]);
+                bounded(displacement / step)
+            });
+            let last = end.velocity.map(bounded);
+            kick.before = [0, 1].map(|k| mean[k] - f64::from(motion.velocity[k]));
+            kick.after = [0, 1].map(|k| kick.after[k] + (last[k] - mean[k]));
         }
     }
 
@@ -281,6 +285,12 @@ impl Sprung {
         let damped = most(|end| end.damping) * h / MOST_DAMPING;
         swings.max(damped).ceil().clamp(1.0, MOST_PARTS)
     }
+}
+
+/// A velocity that a world can hold; 0 where infinities have met.
+fn bounded(value: f64) -> f64 {
+    let most = f64::from(FARTHEST);
+    if value.is_nan() { 0.0 } else { value.clamp(-most, most) }
 }
 
 impl End {

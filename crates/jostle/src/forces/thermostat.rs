@@ -2,7 +2,6 @@
 
 use super::check_number;
 use crate::error::{Error, Result};
-use crate::motion::Motion;
 
 /// Every bounce off a wall changes the speed s to s + rate · (speed − s), as in the
 /// article's lesson about gases.
@@ -33,16 +32,5 @@ impl Thermostat {
         }
         let new = speed + f64::from(self.rate) * (f64::from(self.speed) - speed);
         velocity.map(|v| v * (new / speed))
-    }
-
-    /// The motion after the bounce off a wall that it has just had.
-    pub fn drive_motion(&self, motion: Motion, h: f32) -> Motion {
-        let velocity = self.drive(motion.velocity.map(f64::from)).map(|v| v as f32);
-        if velocity == motion.velocity {
-            return motion;
-        }
-        let left = h - motion.since;
-        let way = |k: usize| motion.travel[k] + (velocity[k] - motion.velocity[k]) * left;
-        Motion { velocity, travel: [way(0), way(1)], ..motion }
     }
 }

@@ -28,7 +28,7 @@ const PACKED: f32 = 0.82;
 /// drops straight from one peg onto the inner side of the next and turns back; with less it
 /// keeps its direction. With these two it forgets at which side it came.
 const GRAVITY: f32 = 1600.0;
-const DRAG: f32 = 6.0;
+const DRAG: f32 = 7.0;
 const FALL: f32 = GRAVITY / DRAG;
 
 /// From ball to ball in the column that falls onto the first peg, in radii.
@@ -104,7 +104,7 @@ pub fn galton(n: usize, random: &mut Random) -> Start {
     let settings = WorldSettings {
         gravity: [0.0, GRAVITY],
         drag: DRAG,
-        restitution: 0.3,
+        restitution: 0.48,
         ..boxed([min_x, top, max_x, floor])
     };
     Start::new(particles, settings)

@@ -12,7 +12,6 @@ use std::cmp::Ordering;
 use super::step::MAX_PARTS;
 use super::{OnTouch, World, WorldSettings};
 use crate::error::{Error, Result};
-use crate::integrate::Sweep;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::query::{self, Rect};
@@ -170,7 +169,7 @@ impl World {
         if self.settings.on_touch == OnTouch::Ignore {
             return Ok(places);
         }
-        // Margin of the swept AABBs of the particles that do not move, see `Sweep::new`.
+        // Margin of the bounds of the particles that do not move, see `World::bound`.
         let margin = moving.fastest_other * h + moving.largest_other;
         let offsets = [[0.0; 2]].into_iter().chain(self.settings.container.images());
         let offsets: Vec<[f32; 2]> =
@@ -178,8 +177,9 @@ impl World {
         let windows = places.iter().flat_map(|&place| {
             let place = place as usize;
             let [position, velocity] = [positions[place], velocities[place]];
-            let sweep = Sweep::new(position, velocity, radii[place], [0.0; 2], h);
-            let Sweep { low, high } = sweep.widened(radii[place] + margin);
+            let reach = radii[place] + margin;
+            let low = [0, 1].map(|k| position[k] + (velocity[k] * h).min(0.0) - reach);
+            let high = [0, 1].map(|k| position[k] + (velocity[k] * h).max(0.0) + reach);
             offsets
                 .iter()
                 .map(move |by| [low[0] + by[0], low[1] + by[1], high[0] + by[0], high[1] + by[1]])

@@ -3,9 +3,9 @@
 use super::{World, WorldSettings};
 use crate::container::Container;
 use crate::error::{Error, Result};
+use crate::flow::{Flow, Kick};
 use crate::forces::{self, Bodies, Force, springs::Sprung};
 use crate::groups::Groups;
-use crate::integrate;
 use crate::motion::Motions;
 use crate::particles::{self, Particles};
 
@@ -28,11 +28,20 @@ pub(super) struct ForceMemory {
 }
 
 impl ForceMemory {
+    /// Writes what the accelerations do in a sub-step.
+    pub(super) fn kick(&self, kicks: &mut [Kick], flow: &Flow) {
+        for (kick, acceleration) in kicks.iter_mut().zip(&self.accelerations) {
+            let by = acceleration.map(f64::from);
+            kick.before = by.map(|a| a * flow.kicks[0]);
+            kick.after = by.map(|a| a * flow.kicks[1]);
+        }
+    }
+
     /// Writes where particles are in the middle of a sub-step of `h` seconds.
     pub(super) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
-        for (halfway, place) in self.halfway.iter_mut().zip(0..) {
+        for (middle, place) in self.halfway.iter_mut().zip(0..) {
             let (position, velocity) = (motions.position(place), motions.velocity(place));
-            *halfway = container.wrap(integrate::halfway(position, velocity, h));
+            *middle = container.wrap(halfway(position, velocity, h));
         }
     }
 }
@@ -56,7 +65,7 @@ impl World {
             let all = particles.positions.iter().zip(&particles.velocities);
             memory.halfway.clear();
             let wrap = |there| settings.container.wrap(there);
-            memory.halfway.extend(all.map(|(&p, &v)| wrap(integrate::halfway(p, v, h))));
+            memory.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
             accelerate(&self.forces, particles, settings, memory);
         }
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
@@ -138,6 +147,12 @@ pub(super) fn accelerate(
     let ForceMemory { all: scratch, places, halfway, accelerations, .. } = memory;
     let bodies = bodies(particles, halfway, places, settings);
     forces::accelerate(all, &bodies, scratch, accelerations);
+}
+
+/// Where a particle would be in the middle of a sub-step of `h` seconds.
+#[inline]
+fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
+    [0, 1].map(|k| position[k] + velocity[k] * (0.5 * h))
 }
 
 /// How far forces may carry a particle aside from its straight way in `dt` seconds.

@@ -2,12 +2,11 @@
 //! the order of a step.
 //!
 //! Particles are kept in the canonical order of the last step (Z-order of their
-//! sweeps, ties by state), so that neighbours in space are neighbours in memory
+//! bounds, ties by state), so that neighbours in space are neighbours in memory
 //! and every sum and every loop runs in an order that comes from the state.
 //! `rows` leads back to the order of adding, which is all that callers see.
 
 mod bounds;
-mod exact;
 mod fast;
 mod feel;
 mod merge;
@@ -15,6 +14,7 @@ mod search;
 mod settings;
 mod snapshot;
 mod step;
+mod substeps;
 mod sums;
 mod undo;
 
@@ -22,15 +22,16 @@ use std::ops::Range;
 
 use crate::contacts::Contacts;
 use crate::container::MAX_WALLS;
+use crate::correction::Correction;
 use crate::error::{Error, Result};
 use crate::events::Events;
+use crate::flow::Kick;
 use crate::forces::{self, Force};
-use crate::integrate::Sweep;
 use crate::motion::Motions;
 use crate::pairs::SortScratch;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
-use crate::resolve;
+use crate::resting::Resting;
 use crate::shapes::{MOST_ROWS, Shapes};
 use fast::FastMemory;
 use feel::ForceMemory;
@@ -41,7 +42,7 @@ use undo::{Before, Ordered};
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// The swept AABB of every particle.
+    /// The bounds of every particle.
     Integrate,
     /// The tree, and the particles in its order.
     Build,
@@ -113,8 +114,7 @@ pub struct World {
 /// Scratch of a step.
 #[derive(Debug, Default)]
 struct Memory {
-    sweeps: Vec<Sweep>,
-    /// What the event-driven step needs, see [`exact`].
+    /// What the event-driven step needs, see [`substeps`].
     usual_speed: f32,
     /// Distances from the positions at the beginning to the bounds.
     reaches: Vec<f32>,
@@ -129,7 +129,8 @@ struct Memory {
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
-    resolving: resolve::Memory,
+    resting: Resting,
+    correction: Correction,
     sorting: SortScratch,
     /// The pairs that may touch.
     pairs: search::Lists,
@@ -137,7 +138,7 @@ struct Memory {
     overlaps: search::Lists,
     /// Candidate pairs where touching particles merge.
     meetings: Vec<merge::Meeting>,
-    old_sweeps: Vec<Sweep>,
+    kicks: Vec<Kick>,
     forces: ForceMemory,
     fast: FastMemory,
     before: Before,

@@ -34,7 +34,7 @@ pub struct WorldSettings {
     /// How pairs are found. Both give the same world.
     pub method: Method,
     /// Parts of a step in which forces act and resting contacts are solved, at least 1. None: as
-    /// many as the scene needs, which is 1 for elastic collisions alone, otherwise
+    /// many as the scene needs, which is 1 if flights are exact and nothing can rest, otherwise
     /// [`DEFAULT_SUBSTEPS`].
     pub substeps: Option<usize>,
     /// Leaf capacity, maximum depth and threads.

@@ -3,21 +3,15 @@
 use std::cmp::Ordering;
 use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 
-use super::feel::{ForceMemory, accelerate, aside, find_places, springs};
+use super::feel::{find_places, springs};
 use super::undo::Ordered;
-use super::{Memory, OnTouch, Stage, Stats, World, fast, merge, search};
+use super::{Memory, OnTouch, Stage, Stats, World, fast, search};
 use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
-use crate::forces;
-use crate::integrate::Sweep;
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{self, Particles};
-use crate::resolve::{self, Rules, Scene};
-
-/// Bounces slower than this many steps' worth of gravity are not bounces.
-const REST_STEPS: f32 = 3.0;
 
 /// Pairs that may touch in one step before it is refused: four gibibytes of them.
 pub(super) const MAX_CANDIDATES: usize = 1 << 25;
@@ -79,8 +73,8 @@ impl World {
         self.memory.exhausted.clear();
         let dt_of_part = dt / parts as f32;
         for _ in 0..parts {
-            self.memory.usual_speed = if self.is_exact() { self.usual_speed() } else { 0.0 };
-            let splits = if self.is_exact() && self.settings.on_touch == OnTouch::Bounce {
+            self.memory.usual_speed = self.usual_speed();
+            let splits = if self.settings.on_touch == OnTouch::Bounce {
                 self.parts_with_few_candidates(dt_of_part)
             } else {
                 1.0
@@ -128,8 +122,8 @@ impl World {
         Ok((longest / self.settings.container.reach()).ceil().max(1.0) as usize)
     }
 
-    /// The order of a step, in one place: positions → sweeps → tree → candidate
-    /// pairs → contacts → resolved velocities and positions.
+    /// The order of a step, in one place: forces → bounds → tree → candidate pairs → contacts →
+    /// sub-steps of kicks, flights and position correction.
     pub(super) fn step_once(
         &mut self,
         dt: f32,
@@ -140,12 +134,7 @@ impl World {
         if !self.forces.is_empty() {
             watch(Stage::Forces);
         }
-        let exact = self.is_exact();
-        if exact {
-            self.bound(dt);
-        } else {
-            self.sweep(dt);
-        }
+        self.bound(dt);
         watch(Stage::Integrate);
         interrupt::check()?;
         self.build()?;
@@ -154,59 +143,17 @@ impl World {
         self.candidates()?;
         watch(Stage::Pairs);
         interrupt::check()?;
-        self.arrange(exact);
-        if exact {
-            self.prepare_events();
-            watch(Stage::Contacts);
-            self.fly(dt, watch)?;
-        } else {
-            self.meet();
-            watch(Stage::Contacts);
-            self.resolve(dt, watch)?;
-            self.break_springs();
-        }
+        self.arrange();
+        self.prepare();
+        watch(Stage::Contacts);
+        self.fly(dt, watch)?;
+        self.break_springs();
         self.merge();
         watch(Stage::Resolve);
         Ok(())
     }
 
-    /// Finds out how far each particle may get.
-    fn sweep(&mut self, dt: f32) {
-        let threads = self.threads();
-        let Memory { sweeps, shapes, forces, fast, .. } = &mut self.memory;
-        let ForceMemory { accelerations, reaches, .. } = &*forces;
-        let held = |place: usize| !fast.held.is_empty() && fast.held[self.rows[place] as usize];
-        let (particles, settings) = (&self.particles, &self.settings);
-        let len = particles.len();
-        sweeps.resize(len, Sweep::default());
-        parallel::for_chunks(threads, sweeps, |first, sweeps| {
-            for (sweep, place) in sweeps.iter_mut().zip(first..) {
-                let position = particles.positions[place];
-                *sweep = if particles.movable[place] && !held(place) {
-                    let (velocity, radius) = (particles.velocities[place], particles.radii[place]);
-                    let sweep = Sweep::new(position, velocity, radius, settings.gravity, dt);
-                    let (by, reach) = (accelerations.get(place), reaches.get(place));
-                    match aside(by, reach, dt) {
-                        None => sweep,
-                        Some(way) => sweep.widened(way.min(settings.container.reach())),
-                    }
-                } else {
-                    Sweep::still(position)
-                };
-            }
-        });
-        let half_sizes = shapes.half_sizes.get_or_insert_default().rows_mut();
-        shapes.centers.resize(len, [0.0; 2]);
-        half_sizes.resize(len, [0.0; 2]);
-        parallel::for_chunks_of_two(threads, &mut shapes.centers, half_sizes, |first, c, h| {
-            for ((center, half_size), sweep) in c.iter_mut().zip(h).zip(&sweeps[first..]) {
-                (*center, *half_size) = sweep.as_box();
-            }
-        });
-        shapes.radii.rows_mut().clone_from(&particles.radii);
-    }
-
-    /// Builds the tree of the sweeps.
+    /// Builds the tree of the bounds.
     fn build(&mut self) -> Result<()> {
         let particles = &self.particles;
         let memory = &mut self.memory;
@@ -216,7 +163,7 @@ impl World {
 
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old
     /// order for [`World::undo`].
-    fn arrange(&mut self, exact: bool) {
+    fn arrange(&mut self) {
         let threads = self.threads();
         let memory = &mut self.memory;
         let order = memory.tree.rows();
@@ -238,11 +185,7 @@ impl World {
             self.contacts.exchange(&mut memory.before.contacts);
             memory.before.arranged = true;
         }
-        if exact {
-            gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
-        } else {
-            gather(&mut memory.old_sweeps, &mut memory.sweeps, order, threads);
-        }
+        gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
         if self.forces.is_empty() {
             return;
         }
@@ -256,10 +199,10 @@ impl World {
         forces.sprung.prepare(all, &forces.places, self.settings.container, inverse_mass);
     }
 
-    /// The pairs of places whose swept AABBs overlap; none if particles pass through each other.
+    /// The pairs of places whose bounds overlap; none if particles pass through each other.
     fn candidates(&mut self) -> Result<()> {
-        // The events need no order of the pairs.
-        let sorted = !(self.is_exact() && self.settings.on_touch == OnTouch::Bounce);
+        // Without resting contacts the pairs need no order.
+        let sorted = !(self.is_elastic() && self.settings.on_touch == OnTouch::Bounce);
         let Memory { tree, sorting, pairs, .. } = &mut self.memory;
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {
@@ -273,76 +216,6 @@ impl World {
         let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());
         self.stats = Stats { nodes, leaves, depth, tests, unresolved: 0 };
         Ok(())
-    }
-
-    /// Contacts from pairs, or pairs to merge if nothing bounces.
-    fn meet(&mut self) {
-        let threads = self.threads();
-        let Memory { tree, pairs, meetings, fast, .. } = &mut self.memory;
-        meetings.clear();
-        if self.settings.on_touch == OnTouch::Merge {
-            merge::expect(pairs, &self.particles, meetings);
-            pairs.clear();
-        }
-        if !fast.held.is_empty() {
-            let (rows, held) = (&self.rows, &fast.held);
-            let free = |pair: &[u32; 2]| !pair.iter().any(|&at| held[rows[at as usize] as usize]);
-            pairs.iter_mut().for_each(|(_, pairs)| pairs.retain(free));
-        }
-        let (particles, restitution) = (&self.particles, self.settings.restitution);
-        self.contacts.collect(pairs, particles, restitution, tree.rows(), threads);
-    }
-
-    fn resolve(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
-        let substeps = self.substeps();
-        let settings = &self.settings;
-        let [gx, gy] = settings.gravity;
-        let rules = Rules {
-            gravity: settings.gravity,
-            drag: settings.drag,
-            restitution: settings.restitution,
-            container: settings.container,
-            rest_speed: REST_STEPS * dt * (gx * gx + gy * gy).sqrt(),
-            thermostat: forces::thermostat(&self.forces),
-            threads: self.threads(),
-        };
-        let memory = &mut self.memory;
-        let len = self.particles.len();
-        memory.motions.resize(len);
-        let (motions, particles) = (&memory.motions, &self.particles);
-        parallel::for_rows(rules.threads, len, |place| {
-            let (position, velocity) = (particles.positions[place], particles.velocities[place]);
-            motions.set(place as u32, Motion { position, velocity, ..Motion::default() });
-        });
-        let mut scene = Scene {
-            particles: &self.particles,
-            motions: &memory.motions,
-            sweeps: &memory.sweeps,
-            contacts: &mut self.contacts,
-            wall_pushes: &mut self.wall_pushes,
-            memory: &mut memory.resolving,
-        };
-        let forces = &mut memory.forces;
-        let h = dt / substeps as f32;
-        for substep in 0..substeps {
-            interrupt::check()?;
-            if substep > 0 && forces::pull(&self.forces) {
-                watch(Stage::Resolve);
-                forces.find_halfway(motions, &settings.container, h);
-                accelerate(&self.forces, scene.particles, settings, forces);
-                watch(Stage::Forces);
-            }
-            resolve::kick(&scene, &rules, &forces.accelerations, h);
-            if !forces.sprung.is_empty() && !self.forces.is_empty() {
-                watch(Stage::Resolve);
-                forces.sprung.act(motions, h);
-                watch(Stage::Forces);
-            }
-            resolve::substep(&mut scene, &rules, h)?;
-            merge::note(&mut memory.meetings, motions, rules.threads);
-        }
-        resolve::measure_touching(&mut scene, &rules);
-        self.store()
     }
 
     /// Keeps the impulses for the next step, and the positions and velocities of the motions.
@@ -417,7 +290,7 @@ fn gather<V: Copy + Default + Send + Sync>(
     std::mem::swap(spare, column);
 }
 
-/// Orders particles whose sweeps have the same centre by everything else.
+/// Orders particles whose bounds have the same centre by everything else.
 fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
     let numbers = |place: usize| {
         let ([x, y], [u, v]) = (all.positions[place], all.velocities[place]);

@@ -1,43 +1,47 @@
-//! The step of a world of elastic collisions: events in the order of time.
+//! The sub-steps of a step: forces and resting contacts give kicks, then all particles fly and
+//! collide in the order of time, then positions are corrected.
 
 use super::feel::{accelerate, springs};
 use super::settings::DEFAULT_SUBSTEPS;
 use super::{Memory, OnTouch, Stage, World, merge};
 use crate::error::Result;
 use crate::events::Flight;
-use crate::flow::Flow;
+use crate::flow::{Flow, Kick};
 use crate::forces;
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
-use crate::resolve::{self, Rules, Scene};
+use crate::resting::Support;
 
 use super::bounds::StepBounds;
 
-/// Overlap, as a share of the sum of radii, from which positions are corrected.
+/// Overlap, as a share of the sum of radii, from which positions of elastic particles are corrected.
 const OVERLAP: f32 = 0.003;
 
 impl World {
-    /// Whether all collisions are elastic and no force is `Springs`. Such a world needs no resting
-    /// contacts.
-    pub(super) fn is_exact(&self) -> bool {
+    /// Whether all collisions are elastic, so that nothing comes to rest.
+    pub(super) fn is_elastic(&self) -> bool {
         let elastic = |&restitution: &f32| restitution == 1.0;
-        self.settings.restitution == 1.0
-            && self.particles.restitutions.iter().all(elastic)
-            && springs(&self.forces).next().is_none()
+        self.settings.restitution == 1.0 && self.particles.restitutions.iter().all(elastic)
+    }
+
+    /// Whether anything gives a kick before or after the flights of a step.
+    fn has_kicks(&self) -> bool {
+        let is_pulled = forces::pull(&self.forces) || springs(&self.forces).next().is_some();
+        is_pulled || self.settings.gravity != [0.0; 2] && !self.is_elastic()
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
-    /// where flights between collisions are exact.
+    /// where flights between collisions are exact and nothing rests.
     pub fn substeps(&self) -> usize {
-        let is_enough = self.is_exact() && !forces::pull(&self.forces);
-        self.settings.substeps.unwrap_or(if is_enough { 1 } else { DEFAULT_SUBSTEPS })
+        self.settings.substeps.unwrap_or(if self.has_kicks() { DEFAULT_SUBSTEPS } else { 1 })
     }
 
-    /// The neighbours of all particles from the candidate pairs. Pairs that overlap more than
-    /// rounding explains become contacts, whose positions are corrected.
-    pub(super) fn prepare_events(&mut self) {
+    /// The neighbours of all particles from the candidate pairs, and the contacts whose positions
+    /// may have to be corrected or that may rest.
+    pub(super) fn prepare(&mut self) {
         let threads = self.threads();
+        let is_elastic = self.is_elastic();
         let Memory { tree, pairs, overlaps, meetings, fast, moving, exhausted, events, .. } =
             &mut self.memory;
         moving.clone_from(&self.particles.movable);
@@ -57,7 +61,12 @@ impl World {
             let places = self.rows.iter().zip(moving.iter_mut());
             places.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
+        events.neighbors.fill(self.particles.len(), pairs);
         let (particles, restitution) = (&self.particles, self.settings.restitution);
+        if !is_elastic {
+            self.contacts.collect(pairs, particles, moving, restitution, tree.rows(), threads);
+            return;
+        }
         let overlap = |[a, b]: [u32; 2], image: [f32; 2]| {
             let [p, q] = [a, b].map(|place| particles.positions[place as usize]);
             let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
@@ -65,31 +74,28 @@ impl World {
             let reach = reach * (1.0 - OVERLAP);
             x * x + y * y < reach * reach
         };
-        events.neighbors.fill(particles.len(), pairs);
         overlaps.clear();
         for (image, pairs) in pairs.iter() {
-            let mut found = pairs.clone();
-            found.retain(|&pair| overlap(pair, *image));
+            let found = pairs.iter().copied().filter(|&pair| overlap(pair, *image));
+            let mut found: Vec<[u32; 2]> = found.collect();
             found.sort_unstable();
             overlaps.push((*image, found));
         }
-        self.contacts.collect(overlaps, particles, restitution, tree.rows(), threads);
+        self.contacts.collect(
+            overlaps,
+            particles,
+            &particles.movable,
+            restitution,
+            tree.rows(),
+            threads,
+        );
     }
 
     /// Moves the particles through the sub-steps and stores where they are then.
     pub(super) fn fly(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let (threads, substeps) = (self.threads(), self.substeps());
+        let (is_elastic, has_kicks) = (self.is_elastic(), self.has_kicks());
         let settings = &self.settings;
-        let rules = Rules {
-            gravity: settings.gravity,
-            drag: settings.drag,
-            restitution: settings.restitution,
-            container: settings.container,
-            rest_speed: 0.0,
-            thermostat: forces::thermostat(&self.forces),
-            threads,
-        };
-        self.wall_pushes.fill(Default::default());
         let memory = &mut self.memory;
         memory.motions.resize(self.particles.len());
         let (motions, particles) = (&memory.motions, &self.particles);
@@ -104,26 +110,45 @@ impl World {
             &mut memory.grown,
             settings.container,
         );
-        let mut scene = Scene {
-            particles,
-            motions,
-            sweeps: &[],
-            contacts: &mut self.contacts,
-            wall_pushes: &mut self.wall_pushes,
-            memory: &mut memory.resolving,
-        };
+        if is_elastic {
+            self.wall_pushes.fill(Default::default());
+        }
         memory.events.bounced.clear();
         memory.events.exhausted.clear();
         let h = f64::from(dt) / substeps as f64;
         let flow = Flow::new(h, settings.gravity, settings.drag);
-        let step = dt / substeps as f32;
         for substep in 0..substeps {
             interrupt::check()?;
+            let forces = &mut memory.forces;
             if substep > 0 && forces::pull(&self.forces) {
                 watch(Stage::Resolve);
-                memory.forces.find_halfway(motions, &settings.container, step);
-                accelerate(&self.forces, particles, settings, &mut memory.forces);
+                forces.find_halfway(motions, &settings.container, h as f32);
+                accelerate(&self.forces, particles, settings, forces);
                 watch(Stage::Forces);
+            }
+            let kicks = &mut memory.kicks;
+            kicks.clear();
+            if has_kicks {
+                kicks.resize(particles.len(), Kick::default());
+                forces.kick(kicks, &flow);
+                if !forces.sprung.is_empty() {
+                    forces.sprung.act(motions, kicks, h);
+                }
+            }
+            if has_kicks && !is_elastic && settings.on_touch == OnTouch::Bounce {
+                let support = Support {
+                    particles,
+                    moving: &memory.moving,
+                    motions,
+                    flow: &flow,
+                    container: settings.container,
+                    restitution: settings.restitution,
+                    threads,
+                };
+                self.contacts.each(threads, |contact| contact.measure(motions));
+                let (contacts, pushes) = (&mut self.contacts, &mut self.wall_pushes);
+                memory.resting.support(&support, contacts, pushes, kicks)?;
+                watch(Stage::Contacts);
             }
             let flight = Flight {
                 particles,
@@ -133,17 +158,19 @@ impl World {
                 gravity: flow.gravity,
                 end: flow.duration,
                 flow,
-                accelerations: &memory.forces.accelerations,
-                kicks: flow.kicks,
-                bounded: substep == 0,
+                kicks,
+                is_first: true,
+                bounded: substep == 0 && springs(&self.forces).next().is_none(),
                 container: settings.container,
                 restitution: settings.restitution,
-                thermostat: rules.thermostat,
+                is_elastic,
+                thermostat: forces::thermostat(&self.forces),
                 pairs: settings.on_touch == OnTouch::Bounce,
                 threads,
             };
             memory.events.fly(&flight, &mut bounds)?;
-            resolve::settle(&mut scene, &rules);
+            let (contacts, container) = (&mut self.contacts, &settings.container);
+            memory.correction.run(contacts, motions, particles, container, threads);
             merge::note(&mut memory.meetings, motions, threads);
         }
         let exhausted = memory.events.exhausted.iter().map(|&place| self.rows[place as usize]);
@@ -161,7 +188,7 @@ impl World {
             (pair, [0, 1].map(|k| (nearest[k] - offset[k]) as f32))
         });
         self.contacts.keep_lasting(touched, particles, particles.len());
-        resolve::measure_contacts(&mut self.contacts, motions, threads);
+        self.contacts.each(threads, |contact| contact.measure(motions));
         self.store()
     }
 }

@@ -1,0 +1,181 @@
+//! Position correction: particles that overlap are moved apart, and back inside the walls. Only
+//! positions change, so it adds no kinetic energy; the lighter particle moves further.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::contacts::{COLOURS, Contact, Contacts};
+use crate::container::Container;
+use crate::motion::Motions;
+use crate::parallel;
+use crate::particles::Particles;
+
+/// Overlap that is left alone, as a share of the sum of radii: a resting contact
+/// should stay one.
+const SLOP: f32 = 0.003;
+
+/// Share of the overlap that is removed at once.
+const SOFTNESS: f32 = 0.35;
+
+/// Most that one particle is moved at once, as a share of the smaller radius: what is moved
+/// further could come out on the other side of something thin.
+const MOST: f32 = 0.2;
+
+/// Gap, as a share of the sum of radii, up to which the correction of other pairs may make two
+/// particles overlap.
+const NEAR: f32 = 0.02;
+
+/// Iterations over all pairs at most.
+const ITERATIONS: usize = 6;
+
+/// The iteration ends when no pair overlaps by more than this share of the sum of radii beyond
+/// [`SLOP`].
+const TOLERANCE: f32 = 0.002;
+
+/// Directions for centres that coincide: sixteen points of the unit circle, in
+/// an order that sends neighbours apart.
+const DIRECTIONS: [[f32; 2]; 16] = [
+    [1.0, 0.0],
+    [-0.707_106_77, 0.707_106_77],
+    [0.0, -1.0],
+    [0.707_106_77, 0.707_106_77],
+    [-1.0, 0.0],
+    [0.707_106_77, -0.707_106_77],
+    [0.0, 1.0],
+    [-0.707_106_77, -0.707_106_77],
+    [0.923_879_5, 0.382_683_43],
+    [-0.923_879_5, 0.382_683_43],
+    [0.382_683_43, -0.923_879_5],
+    [0.382_683_43, 0.923_879_5],
+    [-0.923_879_5, -0.382_683_43],
+    [0.923_879_5, -0.382_683_43],
+    [-0.382_683_43, 0.923_879_5],
+    [-0.382_683_43, -0.923_879_5],
+];
+
+/// Two particles that overlap, or that may after others were moved.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    places: [u32; 2],
+    image: [f32; 2],
+    reach: f32,
+    inverse_masses: [f32; 2],
+    /// Limit of what moves both, over their inverse masses.
+    most: f32,
+}
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub struct Correction {
+    near: Vec<Near>,
+    /// Where in `near` each colour ends.
+    ends: Vec<usize>,
+}
+
+impl Correction {
+    /// Corrects the positions of all particles in `contacts`, and of those beyond a wall.
+    pub fn run(
+        &mut self,
+        contacts: &mut Contacts,
+        motions: &Motions,
+        particles: &Particles,
+        container: &Container,
+        threads: Option<usize>,
+    ) {
+        let radii = &particles.radii;
+        let inside =
+            |place: u32, position: [f32; 2]| container.clamp(position, radii[place as usize]);
+        if container.has_walls() {
+            parallel::for_rows(threads, particles.len(), |index| {
+                if particles.movable[index] {
+                    let place = index as u32;
+                    motions.set_position(place, inside(place, motions.position(place)));
+                }
+            });
+        }
+        self.list(contacts, motions, radii);
+        for _ in 0..ITERATIONS {
+            if self.separate(motions, inside, threads) <= TOLERANCE {
+                break;
+            }
+        }
+    }
+
+    /// Lists the pairs to correct, colour by colour.
+    fn list(&mut self, contacts: &mut Contacts, motions: &Motions, radii: &[f32]) {
+        self.near.clear();
+        self.ends.clear();
+        for range in contacts.colours() {
+            for contact in &mut contacts.list[range] {
+                let Contact { places, image, reach, inverse_masses, .. } = *contact;
+                let [a, b] = places.map(|place| motions.position(place));
+                let offset = [0, 1].map(|k| b[k] - a[k] + image[k]);
+                let square = offset[0] * offset[0] + offset[1] * offset[1];
+                contact.touched |= square < reach * reach;
+                let near = (1.0 + NEAR) * reach;
+                if square < near * near {
+                    let [p, q] = places.map(|place| radii[place as usize]);
+                    let most = MOST * p.min(q) / inverse_masses[0].max(inverse_masses[1]);
+                    self.near.push(Near { places, image, reach, inverse_masses, most });
+                }
+            }
+            self.ends.push(self.near.len());
+        }
+    }
+
+    /// Moves all overlapping pairs apart, colour after colour. Returns the largest overlap beyond
+    /// [`SLOP`], as a share of the sum of radii.
+    fn separate(
+        &self,
+        motions: &Motions,
+        inside: impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
+        threads: Option<usize>,
+    ) -> f32 {
+        // The bits of numbers that are not negative are in the order of the numbers.
+        let largest = AtomicU32::new(0);
+        let mut start = 0;
+        for (colour, &end) in self.ends.iter().enumerate() {
+            let near = &self.near[std::mem::replace(&mut start, end)..end];
+            if near.is_empty() {
+                continue;
+            }
+            let threads = if colour == COLOURS { Some(1) } else { threads };
+            parallel::for_slices(threads, near, |near| {
+                let all = near.iter().map(|near| near.separate(motions, &inside));
+                largest.fetch_max(all.fold(0.0, f32::max).to_bits(), Ordering::Relaxed);
+            });
+        }
+        f32::from_bits(largest.into_inner())
+    }
+}
+
+impl Near {
+    /// Moves two overlapping particles apart. Returns their overlap beyond [`SLOP`], as a share of
+    /// the sum of radii.
+    #[inline(always)]
+    fn separate(&self, motions: &Motions, inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) -> f32 {
+        let [a, b] = self.places.map(|place| motions.position(place));
+        let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
+        let square = offset[0] * offset[0] + offset[1] * offset[1];
+        let free = (1.0 - SLOP) * self.reach;
+        if square >= free * free {
+            return 0.0;
+        }
+        let length = square.sqrt();
+        let normal = if length > 0.0 {
+            offset.map(|v| v / length)
+        } else {
+            DIRECTIONS[(self.places[1] - self.places[0]) as usize % DIRECTIONS.len()]
+        };
+        let excess = free - length;
+        let [inverse_a, inverse_b] = self.inverse_masses;
+        let push = (SOFTNESS * excess / (inverse_a + inverse_b)).min(self.most);
+        for (k, position, sign) in [(0, a, -1.0), (1, b, 1.0)] {
+            let (place, by) = (self.places[k], sign * push * self.inverse_masses[k]);
+            if by != 0.0 {
+                let new = [0, 1].map(|k| position[k] + normal[k] * by);
+                motions.set_position(place, inside(place, new));
+            }
+        }
+        excess / self.reach
+    }
+}

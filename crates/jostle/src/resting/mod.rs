@@ -1,0 +1,305 @@
+//! Resting contacts: impulses that keep surfaces from approaching, one sub-step at a time.
+//!
+//! The unknowns are the velocities at the end of the sub-step, with gravity and forces. For every
+//! contact that rests, with the normal n, the gap d and the sub-step h, an impulse P ≥ 0 along n
+//! gives n·w ≥ −d/h, and P = 0 where n·w > −d/h (E. Catto, *Iterative Dynamics with Temporal
+//! Coherence*, 2005). The impulses are found by projected Gauss–Seidel iteration from those of the
+//! sub-step before (warm starting). Nothing else slows the particles down: there is no friction and
+//! no damping.
+//!
+//! Which contacts rest follows from [`rest_speeds`]. All others bounce, see [`crate::events`].
+
+mod pairs;
+mod walls;
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::contacts::{COLOURS, Contacts};
+use crate::container::{Container, MAX_WALLS};
+use crate::error::Result;
+use crate::flow::{Flow, Kick};
+use crate::interrupt;
+use crate::motion::{Motions, Velocities};
+use crate::parallel;
+use crate::particles::Particles;
+use crate::trajectory::rest_speeds;
+use pairs::{Impact, Pair};
+use walls::Walls;
+
+/// Surfaces touch if their gap is at most this share of the sum of radii.
+const TOUCHING: f32 = 0.003;
+
+/// Iterations in a sub-step at most.
+const ITERATIONS: usize = 12;
+
+/// The same for the impacts at its beginning.
+const IMPACT_ITERATIONS: usize = 4;
+
+/// The iteration ends when no speed changes by more than this share of the speed that gravity and
+/// forces give.
+const TOLERANCE: f32 = 0.002;
+
+/// What the resting contacts of a sub-step depend on.
+pub struct Support<'a> {
+    /// The particles.
+    pub particles: &'a Particles,
+    /// Which of them move.
+    pub moving: &'a [bool],
+    /// Positions and velocities at the beginning of the sub-step.
+    pub motions: &'a Motions,
+    /// The sub-step.
+    pub flow: &'a Flow,
+    /// The walls.
+    pub container: Container,
+    /// Coefficient of restitution of the world.
+    pub restitution: f32,
+    /// Threads to use.
+    pub threads: Option<usize>,
+}
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub struct Resting {
+    velocities: Velocities,
+    pairs: Vec<Pair>,
+    /// One for each pair.
+    impacts: Vec<Impact>,
+    /// Where in `pairs` each colour ends.
+    ends: Vec<usize>,
+    walls: Vec<Walls>,
+}
+
+impl Support<'_> {
+    /// The velocity that a particle would have at the end of the sub-step without contacts.
+    fn free_velocity(&self, place: usize, kick: &Kick) -> [f32; 2] {
+        let velocity = self.motions.velocity(place as u32);
+        [0, 1].map(|k| velocity[k] + self.change(kick, k) as f32)
+    }
+
+    fn change(&self, kick: &Kick, k: usize) -> f64 {
+        kick.before[k] + self.flow.gravity[k] * self.flow.duration + kick.after[k]
+    }
+}
+
+/// Two surfaces as a sub-step begins.
+struct Surfaces {
+    gap: f32,
+    /// Sum of the radii; the radius at a wall.
+    reach: f32,
+    /// The speed at which they separate.
+    normal_speed: f32,
+    restitution: f32,
+    /// The speeds that gravity and forces give to the two in the sub-step.
+    speeds: [f32; 2],
+    /// Whether the contact rested in the sub-step before.
+    has_pushed: bool,
+}
+
+/// How a resting contact begins a sub-step.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    /// Speed at which the gap may close.
+    closing_speed: f32,
+    /// Speed of separation after an impact at the beginning, at least. Where the other surface is
+    /// approached too, it may be negative: then all contacts can have the speeds that they need.
+    bounce: f32,
+    /// Whether the surfaces touch and approach too fast to rest.
+    is_fast: bool,
+}
+
+impl Surfaces {
+    /// The start of the contact, if it may rest in a sub-step of `h` seconds: the surfaces touch,
+    /// or they are near and slow.
+    fn start(&self, h: f32) -> Option<Start> {
+        let Self { gap, normal_speed, speeds: [a, b], .. } = *self;
+        let limits = rest_speeds(f64::from(self.restitution));
+        let [approach, separation] = limits.map(|limit| limit as f32 * a.max(b));
+        let closing_speed = gap.max(0.0) / h;
+        let is_near = closing_speed <= approach + a + b;
+        let is_touching = gap <= TOUCHING * self.reach;
+        let is_slow = normal_speed <= separation || self.has_pushed;
+        let rests = is_touching || normal_speed >= -approach && is_slow;
+        if approach == 0.0 || !is_near || !rests {
+            return None;
+        }
+        Some(Start {
+            closing_speed,
+            bounce: if is_touching { -self.restitution * normal_speed } else { f32::MIN },
+            is_fast: is_touching && normal_speed < -approach,
+        })
+    }
+}
+
+impl Resting {
+    /// Finds the impulses of the resting contacts, and changes the kicks of the particles that they
+    /// support.
+    pub fn support(
+        &mut self,
+        scene: &Support<'_>,
+        contacts: &mut Contacts,
+        wall_pushes: &mut [[f32; MAX_WALLS]],
+        kicks: &mut [Kick],
+    ) -> Result<()> {
+        let tolerance = TOLERANCE * self.begin(scene, kicks);
+        self.list_pairs(scene, contacts, kicks);
+        self.list_walls(scene, wall_pushes, kicks);
+        let threads = scene.threads;
+        let Self { velocities, pairs, impacts, ends, walls } = self;
+        let velocities = &*velocities;
+        let colours = ranges(ends);
+        let is_fast = impacts.iter().any(|impact| impact.is_fast);
+        if is_fast || walls.iter().any(Walls::is_fast) {
+            iterate(IMPACT_ITERATIONS, tolerance, || {
+                parallel::for_chunks(threads, walls, |_, chunk| {
+                    chunk.iter_mut().for_each(|walls| walls.collide(velocities));
+                });
+                largest(pairs, impacts, &colours, threads, |pair, impact| {
+                    pair.collide(impact, velocities)
+                })
+            })?;
+        }
+        let change = |place: usize| {
+            let [u, v] = velocities.get(place as u32);
+            let [x, y] = [0, 1].map(|k| scene.change(&kicks[place], k) as f32);
+            if scene.moving[place] {
+                velocities.set(place as u32, [u + x, v + y]);
+            }
+        };
+        parallel::for_rows(threads, kicks.len(), change);
+        largest(pairs, impacts, &colours, threads, |pair, _| pair.start(velocities));
+        parallel::for_chunks(threads, walls, |_, chunk| {
+            chunk.iter().for_each(|walls| walls.start(velocities));
+        });
+        iterate(ITERATIONS, tolerance, || {
+            let solve = |pair: &mut Pair, _: &mut Impact| pair.solve(velocities);
+            let most = largest(pairs, impacts, &colours, threads, solve);
+            parallel::for_chunks(threads, walls, |_, chunk| {
+                chunk.iter_mut().for_each(|walls| walls.solve(velocities));
+            });
+            most
+        })?;
+        let both = pairs.iter().zip(impacts);
+        both.for_each(|(pair, impact)| pair.store(impact, &mut contacts.list));
+        walls.iter().for_each(|walls| walls.store(wall_pushes));
+        self.end(scene, kicks);
+        Ok(())
+    }
+
+    /// Writes the velocities without contacts. Returns the largest speed that gravity and forces
+    /// give.
+    fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) -> f32 {
+        self.velocities.resize(kicks.len());
+        let velocities = &self.velocities;
+        let fastest = AtomicU32::new(0);
+        parallel::for_chunks(scene.threads, kicks, |first, kicks| {
+            let mut most = 0.0f32;
+            for (kick, place) in kicks.iter_mut().zip(first..) {
+                if !scene.moving[place] {
+                    velocities.set(place as u32, [0.0; 2]);
+                    continue;
+                }
+                velocities.set(place as u32, scene.motions.velocity(place as u32));
+                let [x, y] = [0, 1].map(|k| scene.change(kick, k));
+                kick.speed = (x * x + y * y).sqrt() as f32;
+                most = most.max(kick.speed);
+            }
+            fastest.fetch_max(most.to_bits(), Ordering::Relaxed);
+        });
+        f32::from_bits(fastest.into_inner())
+    }
+
+    /// Lists the pairs whose contacts rest, colour by colour.
+    fn list_pairs(&mut self, scene: &Support<'_>, contacts: &mut Contacts, kicks: &[Kick]) {
+        self.pairs.clear();
+        self.impacts.clear();
+        self.ends.clear();
+        for range in contacts.colours() {
+            for at in range {
+                let contact = &mut contacts.list[at];
+                if let Some((pair, impact)) = Pair::of(contact, at as u32, scene, kicks) {
+                    self.pairs.push(pair);
+                    self.impacts.push(impact);
+                }
+                contact.impulse = 0.0;
+            }
+            self.ends.push(self.pairs.len());
+        }
+    }
+
+    /// Lists the particles that rest on walls.
+    fn list_walls(
+        &mut self,
+        scene: &Support<'_>,
+        wall_pushes: &mut [[f32; MAX_WALLS]],
+        kicks: &[Kick],
+    ) {
+        self.walls.clear();
+        if scene.container.has_walls() {
+            let found = (0..kicks.len())
+                .filter(|&place| scene.moving[place])
+                .filter_map(|place| Walls::of(place, wall_pushes[place], scene, &kicks[place]));
+            self.walls.extend(found);
+        }
+        wall_pushes.fill([0.0; MAX_WALLS]);
+    }
+
+    /// Gives all of its change of velocity to each particle that resting contacts support before
+    /// the flight.
+    fn end(&self, scene: &Support<'_>, kicks: &mut [Kick]) {
+        parallel::for_chunks(scene.threads, kicks, |first, kicks| {
+            for (kick, place) in kicks.iter_mut().zip(first..) {
+                if !scene.moving[place] {
+                    continue;
+                }
+                let new = self.velocities.get(place as u32);
+                if new == scene.free_velocity(place, kick) {
+                    continue;
+                }
+                let old = scene.motions.velocity(place as u32);
+                kick.before = [0, 1].map(|k| f64::from(new[k]) - f64::from(old[k]));
+                kick.after = [0.0; 2];
+                kick.is_supported = true;
+            }
+        });
+    }
+}
+
+/// Iterates until no speed changes by more than `tolerance`.
+fn iterate(most: usize, tolerance: f32, mut iteration: impl FnMut() -> f32) -> Result<()> {
+    for _ in 0..most {
+        interrupt::check()?;
+        if iteration() <= tolerance {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The range of each colour; the last one is solved in sequence.
+fn ranges(ends: &[usize]) -> Vec<Range<usize>> {
+    let mut start = 0;
+    ends.iter().map(|&end| std::mem::replace(&mut start, end)..end).collect()
+}
+
+/// Calls `act` on every pair and its impact, colour after colour, and returns the largest of what it
+/// returns, and at least 0. Pairs of one colour share no particle that moves.
+fn largest(
+    pairs: &mut [Pair],
+    impacts: &mut [Impact],
+    colours: &[Range<usize>],
+    threads: Option<usize>,
+    act: impl Fn(&mut Pair, &mut Impact) -> f32 + Sync + Send,
+) -> f32 {
+    // The bits of numbers that are not negative are in the order of the numbers.
+    let most = AtomicU32::new(0);
+    for (colour, range) in colours.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
+        let threads = if colour == COLOURS { Some(1) } else { threads };
+        let (pairs, impacts) = (&mut pairs[range.clone()], &mut impacts[range.clone()]);
+        parallel::for_chunks_of_two(threads, pairs, impacts, |_, pairs, impacts| {
+            let all = pairs.iter_mut().zip(impacts).map(|(pair, impact)| act(pair, impact));
+            most.fetch_max(all.fold(0.0f32, f32::max).to_bits(), Ordering::Relaxed);
+        });
+    }
+    f32::from_bits(most.into_inner())
+}

@@ -1,0 +1,167 @@
+"""Inelastic collisions and resting contacts, against theory and the event-driven reference."""
+
+from __future__ import annotations
+
+import math
+
+import event_driven
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import jostle
+from jostle import scenes
+
+G = 9.8
+BOX = jostle.Box(-50, 0, 50, 100)
+
+
+def gas(
+    n: int, covered: float, seed: int
+) -> tuple[NDArray[np.float32], NDArray[np.float32], float]:
+    """Discs of radius 1 on a lattice in a box: positions, velocities, side of the box."""
+    rng = np.random.default_rng(seed)
+    side, columns = math.sqrt(n * math.pi / covered), math.ceil(math.sqrt(n))
+    grid = np.stack(np.meshgrid(np.arange(columns), np.arange(columns)), -1).reshape(-1, 2)[:n]
+    positions = (grid + 0.5) * side / columns
+    return positions.astype(np.float32), rng.normal(size=(n, 2)).astype(np.float32), side
+
+
+# ---- inelastic collisions ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("n", "restitution", "time"), [(100, 0.9, 5.0), (100, 0.5, 2.0), (300, 0.95, 2.0)]
+)
+def test_one_long_step_of_an_inelastic_gas(n: int, restitution: float, time: float) -> None:
+    positions, velocities, side = gas(n, 0.3, 0)
+    box = (0.0, 0.0, side, side)
+    expected = event_driven.simulate(
+        positions,
+        velocities,
+        np.ones(n),
+        np.ones(n),
+        time,
+        restitution=restitution,
+        container=jostle.Box(*box),
+    )
+    world = jostle.World(
+        positions, velocities, radii=1, restitution=restitution, container=jostle.Box(*box)
+    )
+    world.step(time)
+    assert world.velocities == pytest.approx(expected.velocities, abs=0.01)
+    assert world.positions == pytest.approx(expected.positions, abs=0.01)
+    assert world.stats.unresolved == 0
+
+
+def test_a_cooling_gas_obeys_haffs_law() -> None:
+    """The energy falls as 1/(1 + t/τ)²: 1/√energy grows in proportion to time."""
+    positions, velocities, side = gas(2000, 0.2, 1)
+    world = jostle.World(
+        positions, velocities, radii=1, restitution=0.95, container=jostle.Torus(side, side)
+    )
+    root = []
+    for _ in range(5):
+        root.append(1 / math.sqrt(world.kinetic_energy))
+        world.step(1.0, steps=8)
+    growth = np.diff(root)
+    assert growth == pytest.approx(growth.mean(), rel=0.06)
+    # Rate of collisions from Enskog's theory in two dimensions.
+    contact = (1 - 7 * 0.2 / 16) / (1 - 0.2) ** 2
+    density, diameter = 0.2 / math.pi, 2
+    rate = 2 * math.sqrt(math.pi) * density * diameter * contact
+    tau = 4 / (rate * (1 - 0.95**2))
+    assert growth.mean() / root[0] * tau / 8 == pytest.approx(1, rel=0.1)
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.8, 0.9])
+@pytest.mark.parametrize(("dt", "substeps"), [(1 / 60, None), (1 / 60, 1), (0.2, 1)])
+def test_a_ball_bounces_to_rest(restitution: float, dt: float, substeps: int | None) -> None:
+    height = 10.0
+    world = jostle.World(
+        [(0, height + 1)],
+        [(0, 0)],
+        radii=1,
+        gravity=(0, -G),
+        restitution=restitution,
+        substeps=substeps,
+        container=BOX,
+    )
+    fall = math.sqrt(2 * height / G)
+
+    def expected(t: float) -> float:
+        if t < fall:
+            return height - G * t * t / 2
+        start, speed = fall, restitution * G * fall
+        while speed > 1e-6:
+            duration = 2 * speed / G
+            if t < start + duration:
+                return speed * (t - start) - G * (t - start) ** 2 / 2
+            start, speed = start + duration, speed * restitution
+        return 0.0
+
+    rest = fall * (1 + restitution) / (1 - restitution)
+    for _ in range(math.ceil((rest + 1) / dt)):
+        world.step(dt)
+        # The last bounces, which would all end within a sub-step, are left out.
+        assert world.positions[0, 1] - 1 == pytest.approx(expected(world.time), abs=0.05)
+    assert world.positions[0, 1] == 1
+    assert world.velocities.tolist() == [[0, 0]]
+
+
+# ---- resting contacts ----------------------------------------------------------------------------
+
+
+def seconds_on_a_disc(
+    dt: float, restitution: float, unit: float = 1.0, second: float = 1.0
+) -> float:
+    """When a disc released 30° off the top of a fixed one is .001 radii above it."""
+    x, y = math.sin(math.radians(30)), math.cos(math.radians(30))
+    world = jostle.World(
+        np.array([(0, 0), (2 * x, 2 * y)]) * unit,
+        np.zeros((2, 2)),
+        radii=unit,
+        gravity=(0, -G * unit / second**2),
+        restitution=restitution,
+    )
+    world.set([0], movable=False)
+    while world.time < 2 * second:
+        world.step(dt * second)
+        if np.hypot(*(world.positions[1] - world.positions[0])) > 2.001 * unit:
+            return world.time / second
+    return math.inf
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9])
+def test_a_disc_slides_off_another_as_theory_says(restitution: float) -> None:
+    """It leaves at cos θ = 2/3 cos 30° after .5633 s; the gap is .001 after .6154 s."""
+    assert seconds_on_a_disc(1 / 240, restitution) == pytest.approx(0.6154, abs=1 / 240 + 0.003)
+
+
+def test_results_scale_with_the_units_of_time_and_length() -> None:
+    expected = seconds_on_a_disc(1 / 60, 0.3)
+    for unit, second in [(64.0, 1.0), (1.0, 16.0), (1 / 64, 1 / 16)]:
+        assert seconds_on_a_disc(1 / 60, 0.3, unit, second) == expected
+
+
+def test_two_discs_stacked_off_axis_topple() -> None:
+    world = jostle.World(
+        [(0, 1), (0.05, 2.99)],
+        np.zeros((2, 2)),
+        radii=1,
+        gravity=(0, -G),
+        restitution=0,
+        container=BOX,
+    )
+    world.step(1 / 60, steps=300)
+    assert world.positions[:, 1].tolist() == [1, 1]
+
+
+def test_a_pile_comes_to_rest_in_five_seconds() -> None:
+    world = scenes.create("pile", n=1000)
+    world.step(1 / 60, steps=300)
+    speeds = np.hypot(*world.velocities.T)
+    assert math.sqrt((speeds**2).mean()) <= 1.5
+    contacts = world.contacts
+    smaller = world.radii[contacts.pairs].min(axis=1)
+    assert (contacts.depths / smaller).max() <= 0.015
