@@ -139,7 +139,7 @@ def why(visitor: Visitor) -> None:
     visitor.wait(6)
     session.paused = True
     one = nearest(session.frame, (400.0, 450.0))
-    other = nearest(session.frame, (one[0] + 20, one[1] - 4))
+    other = nearest(session.frame, one, rank=1)
     zoom(visitor, one, 9)
     visitor.click(visitor.pixel(one))
     visitor.click(visitor.pixel(other), LEFT, SHIFT)
@@ -220,10 +220,11 @@ def zoom(visitor: Visitor, point: Point, notches: int) -> None:
         visitor.session.camera.zoom_at(visitor.pixel(point), ZOOM_STEP)
 
 
-def nearest(frame: Frame, point: Point) -> Point:
-    """Return the centre of the particle that is nearest to a point and can move."""
+def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
+    """Return the centre of a particle that can move: the nearest to a point, or one after it."""
     centres = frame.positions[frame.movable]
-    x, y = centres[np.argmin(np.hypot(*(centres - np.array(point)).T))].tolist()
+    order = np.argsort(np.hypot(*(centres - np.array(point)).T))
+    x, y = centres[order[rank]].tolist()
     return x, y
 
 
