@@ -157,6 +157,30 @@ def test_two_discs_stacked_off_axis_topple() -> None:
     assert world.positions[:, 1].tolist() == [1, 1]
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9])
+def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
+    """A disc that is held in the air has a velocity that grows with the time."""
+    rng = np.random.default_rng(1)
+    grid = np.stack(np.meshgrid(np.arange(20), np.arange(50)), -1).reshape(-1, 2)
+    world = jostle.World(
+        grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape),
+        np.zeros(grid.shape),
+        radii=2,
+        gravity=(0, -980),
+        restitution=restitution,
+        substeps=1,
+        container=jostle.Box(0, 0, 100, 1000),
+    )
+    world.step(1 / 60, steps=240)
+    assert world.stats.unresolved == 0
+    before = world.positions
+    world.step(1 / 60)
+    moved = np.hypot(*(world.positions - before - world.velocities / 60).T)
+    # Overlap is corrected without velocity.
+    assert moved.max() < 0.1 * 2
+    assert np.hypot(*world.velocities.T).max() < 3 * 980 / 60
+
+
 def test_a_pile_comes_to_rest_in_five_seconds() -> None:
     world = scenes.create("pile", n=1000)
     world.step(1 / 60, steps=300)

@@ -202,7 +202,7 @@ impl World {
     /// The pairs of places whose bounds overlap; none if particles pass through each other.
     fn candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
-        let sorted = !(self.is_elastic() && self.settings.on_touch == OnTouch::Bounce);
+        let sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;
         let Memory { tree, sorting, pairs, .. } = &mut self.memory;
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {

@@ -15,7 +15,7 @@ use crate::resting::Support;
 
 use super::bounds::StepBounds;
 
-/// Overlap, as a share of the sum of radii, from which positions of elastic particles are corrected.
+/// Overlap, as a share of the sum of radii, from which positions are corrected where nothing rests.
 const OVERLAP: f32 = 0.003;
 
 impl World {
@@ -25,23 +25,28 @@ impl World {
         self.settings.restitution == 1.0 && self.particles.restitutions.iter().all(elastic)
     }
 
-    /// Whether anything gives a kick before or after the flights of a step.
-    fn has_kicks(&self) -> bool {
-        let is_pulled = forces::pull(&self.forces) || springs(&self.forces).next().is_some();
-        is_pulled || self.settings.gravity != [0.0; 2] && !self.is_elastic()
+    /// Whether forces give kicks before and after the flights of a step.
+    fn is_pulled(&self) -> bool {
+        forces::pull(&self.forces) || springs(&self.forces).next().is_some()
+    }
+
+    /// Whether gravity or forces may press inelastic particles against each other or against walls.
+    pub(super) fn may_rest(&self) -> bool {
+        !self.is_elastic() && (self.is_pulled() || self.settings.gravity != [0.0; 2])
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
     /// where flights between collisions are exact and nothing rests.
     pub fn substeps(&self) -> usize {
-        self.settings.substeps.unwrap_or(if self.has_kicks() { DEFAULT_SUBSTEPS } else { 1 })
+        let is_one_enough = !self.is_pulled() && !self.may_rest();
+        self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
     }
 
     /// The neighbours of all particles from the candidate pairs, and the contacts whose positions
     /// may have to be corrected or that may rest.
     pub(super) fn prepare(&mut self) {
         let threads = self.threads();
-        let is_elastic = self.is_elastic();
+        let may_rest = self.may_rest();
         let Memory { tree, pairs, overlaps, meetings, fast, moving, exhausted, events, .. } =
             &mut self.memory;
         moving.clone_from(&self.particles.movable);
@@ -63,7 +68,7 @@ impl World {
         }
         events.neighbors.fill(self.particles.len(), pairs);
         let (particles, restitution) = (&self.particles, self.settings.restitution);
-        if !is_elastic {
+        if may_rest {
             self.contacts.collect(pairs, particles, moving, restitution, tree.rows(), threads);
             return;
         }
@@ -94,7 +99,8 @@ impl World {
     /// Moves the particles through the sub-steps and stores where they are then.
     pub(super) fn fly(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let (threads, substeps) = (self.threads(), self.substeps());
-        let (is_elastic, has_kicks) = (self.is_elastic(), self.has_kicks());
+        let (is_elastic, may_rest) = (self.is_elastic(), self.may_rest());
+        let has_kicks = may_rest || self.is_pulled();
         let settings = &self.settings;
         let memory = &mut self.memory;
         memory.motions.resize(self.particles.len());
@@ -110,7 +116,7 @@ impl World {
             &mut memory.grown,
             settings.container,
         );
-        if is_elastic {
+        if !may_rest {
             self.wall_pushes.fill(Default::default());
         }
         memory.events.bounced.clear();
@@ -135,7 +141,7 @@ impl World {
                     forces.sprung.act(motions, kicks, h);
                 }
             }
-            if has_kicks && !is_elastic && settings.on_touch == OnTouch::Bounce {
+            if may_rest {
                 let support = Support {
                     particles,
                     moving: &memory.moving,
