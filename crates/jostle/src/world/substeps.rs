@@ -137,8 +137,10 @@ impl World {
             if has_kicks {
                 kicks.resize(particles.len(), Kick::default());
                 forces.kick(kicks, &flow);
-                if !forces.sprung.is_empty() {
+                if !forces.sprung.is_empty() && !self.forces.is_empty() {
+                    watch(Stage::Resolve);
                     forces.sprung.act(motions, kicks, h);
+                    watch(Stage::Forces);
                 }
             }
             if may_rest {
@@ -154,7 +156,6 @@ impl World {
                 self.contacts.each(threads, |contact| contact.measure(motions));
                 let (contacts, pushes) = (&mut self.contacts, &mut self.wall_pushes);
                 memory.resting.support(&support, contacts, pushes, kicks)?;
-                watch(Stage::Contacts);
             }
             let flight = Flight {
                 particles,
