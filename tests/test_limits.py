@@ -151,8 +151,10 @@ def refused(call, *args, **kwargs):
     try:
         call(*args, **kwargs)
     except MemoryError as error:
-        # The last of many small allocations may be the one that fails.
-        assert re.match(r"not enough memory: [0-9.]+ (bytes|.iB) could not be", str(error)), error
+        # Any allocation may be the one that fails: of an argument, of the answer, of scratch.
+        argument = r"\w+: there is no memory for \d+ bytes"
+        anything = r"not enough memory: [0-9.]+ (bytes|.iB) could not be"
+        assert re.match(f"{argument}|{anything}", str(error)), error
     else:
         raise AssertionError(call)
     assert jostle.find_pairs([(0, 0), (1, 0)], 1.0).tolist() == [[0, 1]]
