@@ -152,7 +152,7 @@ def refused(call, *args, **kwargs):
         call(*args, **kwargs)
     except MemoryError as error:
         # Any allocation may be the one that fails: of an argument, of the answer, of scratch.
-        argument = r"\w+: there is no memory for \d+ bytes"
+        argument = "[a-z_]+: there is no memory for [0-9]+ bytes"
         anything = r"not enough memory: [0-9.]+ (bytes|.iB) could not be"
         assert re.match(f"{argument}|{anything}", str(error)), error
     else:
