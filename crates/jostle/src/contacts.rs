@@ -339,8 +339,11 @@ impl Contacts {
                 impulses.push(contact.impulse);
             }
         }
-        for place in 0..places {
-            starts[place + 1] += starts[place];
+        if seconds.is_empty() {
+            starts.clear();
+        }
+        for place in 1..starts.len() {
+            starts[place] += starts[place - 1];
         }
         overflow
     }

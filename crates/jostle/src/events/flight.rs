@@ -61,8 +61,6 @@ pub struct Flight<'a> {
     pub movable: &'a [bool],
     /// Positions and velocities at the beginning of the window.
     pub motions: &'a Motions,
-    /// The pairs whose bounds overlap, a list for each image.
-    pub candidates: &'a [([f32; 2], Vec<[u32; 2]>)],
     /// Acceleration.
     pub gravity: Vector,
     /// Duration of the flight.

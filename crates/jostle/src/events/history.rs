@@ -23,6 +23,8 @@ pub struct Course {
     /// A course on which this one depends: itself, or that of another disc which is connected with
     /// it by collisions. Following them leads to the same course for a whole island.
     pub island: u32,
+    /// The next course of the island; the last one is followed by the first.
+    pub next: u32,
     /// The velocity after the window, if the disc had too many events.
     pub stopped: Option<Vector>,
 }
@@ -48,6 +50,8 @@ pub struct History {
     /// Discs that leave their bounds, and how far they get from their position at the beginning of
     /// the step.
     pub outside: Vec<(u32, f64)>,
+    /// Discs that had too many events.
+    pub exhausted: Vec<u32>,
 }
 
 impl History {
@@ -57,16 +61,54 @@ impl History {
         self.ended.clear();
         self.bounces.clear();
         self.outside.clear();
+        self.exhausted.clear();
+    }
+
+    /// Keeps the bounces of courses that are still valid, and lists the exhausted discs.
+    /// `mark` is added to the numbers of these courses in `course_of`.
+    pub fn retain(&mut self, mark: u32, course_of: &[u32]) {
+        let courses = &self.courses;
+        let is_valid =
+            |number: u32| course_of[courses[number as usize].index as usize] == mark | number;
+        self.bounces.retain(|bounce| is_valid(bounce.course));
+        let stopped = |&number: &u32| courses[number as usize].stopped.is_some();
+        let exhausted =
+            (0..courses.len() as u32).filter(stopped).filter(|&number| is_valid(number));
+        self.exhausted.extend(exhausted.map(|number| courses[number as usize].index));
     }
 
     /// The course that stands for the island of a course.
-    pub fn island(&mut self, mut number: u32) -> u32 {
+    fn island(&mut self, mut number: u32) -> u32 {
         while self.courses[number as usize].island != number {
             let next = self.courses[number as usize].island;
             self.courses[number as usize].island = self.courses[next as usize].island;
             number = next;
         }
         number
+    }
+
+    /// Makes one island of those of two courses.
+    pub fn connect(&mut self, number: u32, other: u32) {
+        let [island, other] = [number, other].map(|number| self.island(number));
+        if island == other {
+            return;
+        }
+        self.courses[other as usize].island = island;
+        let [next, others] = [island, other].map(|number| self.courses[number as usize].next);
+        self.courses[island as usize].next = others;
+        self.courses[other as usize].next = next;
+    }
+
+    /// Calls `act` with the number of each course of an island.
+    pub fn each_of_island(&self, number: u32, mut act: impl FnMut(u32)) {
+        let mut at = number;
+        loop {
+            act(at);
+            at = self.courses[at as usize].next;
+            if at == number {
+                return;
+            }
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod impulses;
 mod neighbors;
 mod queue;
 mod simulation;
+mod two;
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -20,12 +21,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::error::Result;
 use crate::interrupt::{self, Stop};
 use crate::parallel;
-use crate::trajectory::{Segment, Vector};
+use crate::trajectory::Vector;
 pub use flight::Flight;
 use flight::{Start, Window};
 use history::{Course, History, NONE, Trajectory};
+use neighbors::Neighbor;
 pub use neighbors::Neighbors;
-use neighbors::opposite;
 use queue::{Event, WALL};
 use simulation::{Scratch, Simulation};
 
@@ -35,9 +36,6 @@ const BLOCK: Range<usize> = 1024..8192;
 
 /// Blocks for other threads to share, at least, if they are not too small.
 const SHARED: usize = 16;
-
-/// Candidate pairs that one task tests.
-const PAIRS: usize = 4096;
 
 /// Marks courses of discs that were simulated again.
 const AGAIN: u32 = 1 << 31;
@@ -95,6 +93,17 @@ struct Block {
     /// The same with discs of other blocks.
     crossing: Vec<Event>,
     history: History,
+    is_simulated: bool,
+}
+
+/// What the simulation of a block takes.
+struct Means<'a> {
+    window: &'a Window<'a>,
+    neighbors: &'a Neighbors,
+    course_of: &'a mut [u32],
+    reaches: &'a [f32],
+    stop: &'a Stop,
+    scratch: &'a mut Scratch,
 }
 
 impl Events {
@@ -130,14 +139,30 @@ impl Events {
             let outside = outside_at_start(&window, bounds.reaches());
             self.grow(&window, &outside, bounds)?;
         }
-        self.find_first_impacts(&window);
+        let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
+        self.each_block(&window, reaches, |block, simulation| {
+            block.find_first_impacts(&window, simulation.neighbors, simulation.scratch);
+            // Most windows are not shortened, and the discs are in the cache now.
+            let share = most * block.range.len() / window.starts.len();
+            if block.impacts_until(window.end) <= share {
+                block.simulate(simulation);
+            }
+        });
         interrupt::check()?;
-        let end = self.end_of_window(&window, shortest);
-        if end < window.end {
-            window.end = end;
-            self.blocks.iter_mut().for_each(|block| block.shorten(&window, &self.neighbors));
-        }
-        self.simulate(&window, bounds.reaches());
+        let end = self.end_of_window(&window, shortest, most);
+        let is_shorter = end < window.end;
+        window.end = end;
+        self.each_block(&window, reaches, |block, simulation| {
+            if is_shorter {
+                block.history.clear();
+                block.is_simulated = false;
+                simulation.course_of.fill(NONE);
+                block.shorten(&window, simulation.neighbors);
+            }
+            if !block.is_simulated {
+                block.simulate(simulation);
+            }
+        });
         interrupt::check()?;
         let mut conflicts = self.crossing(&window);
         conflicts.extend(self.tests(&window));
@@ -166,50 +191,21 @@ impl Events {
             block.first.clear();
             block.crossing.clear();
             block.history.clear();
+            block.is_simulated = false;
         }
         self.course_of.clear();
         self.course_of.resize(len, NONE);
     }
 
-    /// Finds the impacts along the first segments.
-    fn find_first_impacts(&mut self, window: &Window<'_>) {
-        let (flight, stop) = (window.flight, Stop::current());
-        if flight.container.has_walls() {
-            parallel::for_each(flight.threads, &mut self.blocks, |block| {
-                block.find_walls(window);
-            });
-        }
-        if !flight.pairs {
-            return;
-        }
-        let later = self.neighbors.later();
-        let lists = flight.candidates.iter().chain(&later);
-        let tasks: Vec<_> = lists
-            .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(|pairs| (*image, pairs)))
-            .collect();
-        let neighbors = &self.neighbors;
-        let found = parallel::map(flight.threads, tasks.len(), |task| {
-            let (image, pairs) = tasks[task];
-            if stop.is_set() { Vec::new() } else { first_impacts(window, neighbors, image, pairs) }
-        });
-        for event in found.into_iter().flatten() {
-            let [a, b] = event.pair.map(|index| index as usize / self.size);
-            let is_inside = a == b || !window.starts[event.pair[1] as usize].is_movable();
-            let block = &mut self.blocks[a];
-            if is_inside { &mut block.first } else { &mut block.crossing }.push(event);
-        }
-    }
-
-    /// The longest of `end`, `end`/2, `end`/4 … before which at most one first impact for so many
-    /// discs happens, but not less than `shortest`. It depends on the state alone.
-    fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> f64 {
+    /// The longest of `end`, `end`/2, `end`/4 … before which at most `most` first impacts happen,
+    /// but not less than `shortest`. Impacts at the start are in every window, so they do not count. The result depends on the state alone.
+    fn end_of_window(&self, window: &Window<'_>, shortest: f64, most: usize) -> f64 {
         if !window.flight.pairs {
             return window.end;
         }
-        let most = window.starts.len().max(FEW) / DISCS_PER_IMPACT;
         let mut end = window.end;
         while 0.5 * end >= shortest {
-            let early = self.blocks.iter().map(|block| block.impacts_before(end)).sum::<usize>();
+            let early = self.blocks.iter().map(|block| block.impacts_until(end)).sum::<usize>();
             if early <= most {
                 break;
             }
@@ -218,31 +214,23 @@ impl Events {
         end
     }
 
-    /// Simulates each block by itself.
-    fn simulate(&mut self, window: &Window<'_>, reaches: &[f32]) {
+    /// Calls `act` with each block and the means to simulate it by itself.
+    fn each_block(
+        &mut self,
+        window: &Window<'_>,
+        reaches: &[f32],
+        act: impl Fn(&mut Block, Means<'_>) + Sync + Send,
+    ) {
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
         let mut blocks: Vec<_> =
             self.blocks.iter_mut().zip(self.course_of.chunks_mut(self.size)).collect();
         parallel::for_each(window.flight.threads, &mut blocks, |(block, course_of)| {
-            if stop.is_set() || block.impacts_before(window.end) == 0 {
+            if stop.is_set() {
                 return;
             }
             let mut scratch = locked(pool).pop().unwrap_or_default();
-            let (range, history) = (block.range.clone(), &mut block.history);
-            let (mark, base) = (0, 0);
-            let simulation = Simulation {
-                window,
-                neighbors,
-                range,
-                course_of,
-                reaches,
-                history,
-                mark,
-                base,
-                stop: &stop,
-                scratch: &mut scratch,
-            };
-            simulation.run(&block.first, &[]);
+            let (scratch_of, stop) = (&mut scratch, &stop);
+            act(block, Means { window, neighbors, course_of, reaches, stop, scratch: scratch_of });
             locked(pool).push(scratch);
         });
     }
@@ -267,8 +255,9 @@ impl Events {
             }
             for course in &history.courses {
                 self.neighbors.of(course.index, |neighbor| {
-                    let is_movable = window.starts[neighbor.index as usize].is_movable();
-                    if range.contains(&neighbor.index) || !is_movable {
+                    if range.contains(&neighbor.index)
+                        || !window.starts[neighbor.index as usize].is_movable()
+                    {
                         return;
                     }
                     let image = self.neighbors.image(neighbor);
@@ -331,48 +320,29 @@ impl Events {
     /// these discs.
     fn reopen(&mut self, window: &Window<'_>, conflicts: &[[u32; 2]], all: bool) -> Vec<u32> {
         let mut discs = Vec::new();
-        // The islands of each history, by its number; that of `again` comes last.
-        let last = self.blocks.len();
-        let mut islands = Vec::new();
-        let mut ends = conflicts.concat();
-        ends.sort_unstable();
-        ends.dedup();
-        for index in ends {
-            match self.course_of[index as usize] {
-                NONE => discs.push(index),
-                number if number & AGAIN != 0 => {
-                    let course = &self.again.courses[(number & !AGAIN) as usize];
-                    islands.push((last, course.island));
+        let Self { course_of, blocks, again, size, .. } = self;
+        let mut reopen = |index: u32| {
+            let (history, mark) = match course_of[index as usize] {
+                NONE => return discs.push(index),
+                number if number & AGAIN != 0 => (&*again, AGAIN),
+                _ => (&blocks[index as usize / *size].history, 0),
+            };
+            history.each_of_island(course_of[index as usize] & !AGAIN, |number| {
+                let member = history.courses[number as usize].index;
+                let course = &mut course_of[member as usize];
+                if *course == mark | number {
+                    *course = NONE;
+                    discs.push(member);
                 }
-                number => {
-                    let block = index as usize / self.size;
-                    let course = &self.blocks[block].history.courses[number as usize];
-                    islands.push((block, course.island));
-                }
-            }
+            });
+        };
+        conflicts.iter().flatten().for_each(|&index| reopen(index));
+        if all {
+            again.courses.iter().for_each(|course| reopen(course.index));
         }
         discs.retain(|&index| window.starts[index as usize].is_movable());
-        if all {
-            islands.extend(self.again.courses.iter().map(|course| (last, course.island)));
-        }
-        islands.sort_unstable();
-        islands.dedup();
-        for same in islands.chunk_by(|a, b| a.0 == b.0) {
-            let number = same[0].0;
-            let (history, mark) = match self.blocks.get(number) {
-                Some(block) => (&block.history, 0),
-                None => (&self.again, AGAIN),
-            };
-            let reopened = (0..).zip(&history.courses).filter(|(at, course)| {
-                let is_bad = same.binary_search(&(number, course.island)).is_ok();
-                is_bad && self.course_of[course.index as usize] == mark | at
-            });
-            let first = discs.len();
-            discs.extend(reopened.map(|(_, course)| course.index));
-            for &index in &discs[first..] {
-                self.course_of[index as usize] = NONE;
-            }
-        }
+        discs.sort_unstable();
+        discs.dedup();
         discs
     }
 
@@ -434,33 +404,29 @@ impl Events {
     /// Writes positions, velocities and displacements at the end of the window.
     fn finish(&mut self, window: &Window<'_>) {
         let (motions, gravity) = (window.flight.motions, window.gravity());
-        let advance = |index: u32, last: &Segment, stopped: Option<Vector>| {
-            let [position, velocity] = last.at(window.end, gravity);
-            let end = stopped.unwrap_or_else(|| window.after(index, last.falls, velocity));
-            motions.advance(index, position, end);
-        };
+        let (course_of, again) = (&self.course_of, &self.again);
         parallel::for_each(window.flight.threads, &mut self.blocks, |block| {
             for index in block.range.clone() {
-                if self.course_of[index as usize] == NONE
-                    && window.starts[index as usize].is_movable()
-                {
-                    advance(index, &window.segment(index), None);
-                }
+                let (last, stopped) = match course_of[index as usize] {
+                    NONE if !window.starts[index as usize].is_movable() => continue,
+                    NONE => (window.segment(index), None),
+                    number => {
+                        let is_again = number & AGAIN != 0;
+                        let history = if is_again { again } else { &block.history };
+                        let course = &history.courses[(number & !AGAIN) as usize];
+                        (course.segment, course.stopped)
+                    }
+                };
+                let [position, velocity] = last.at(window.end, gravity);
+                let end = stopped.unwrap_or_else(|| window.after(index, last.falls, velocity));
+                motions.advance(index, position, end);
             }
+            block.history.retain(0, course_of);
         });
-        let histories = self.blocks.iter().map(|block| (&block.history, 0));
-        for (history, mark) in histories.chain([(&self.again, AGAIN)]) {
-            for (number, course) in (0..).zip(&history.courses) {
-                if self.course_of[course.index as usize] == mark | number {
-                    advance(course.index, &course.segment, course.stopped);
-                    self.exhausted.extend(course.stopped.map(|_| course.index));
-                }
-            }
-            let happened = history.bounces.iter().filter(|bounce| {
-                let index = history.courses[bounce.course as usize].index;
-                self.course_of[index as usize] == mark | bounce.course
-            });
-            self.bounced.extend(happened.map(|bounce| bounce.pair));
+        self.again.retain(AGAIN, &self.course_of);
+        for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
+            self.bounced.extend(history.bounces.iter().map(|bounce| bounce.pair));
+            self.exhausted.extend(&history.exhausted);
         }
     }
 }
@@ -491,50 +457,71 @@ impl Block {
         }
     }
 
-    /// Finds the impacts on walls along the first segments.
-    fn find_walls(&mut self, window: &Window<'_>) {
-        for index in self.range.clone() {
-            if window.may_hit_walls(&window.starts[index as usize]) {
+    /// Finds the impacts along the first segments.
+    fn find_first_impacts(
+        &mut self,
+        window: &Window<'_>,
+        neighbors: &Neighbors,
+        scratch: &mut Scratch,
+    ) {
+        let start = |index: u32| &window.starts[index as usize];
+        if window.flight.container.has_walls() {
+            for index in self.range.clone().filter(|&index| window.may_hit_walls(start(index))) {
                 self.first.extend(window.wall_event(index, &window.segment(index), 0));
             }
         }
-    }
-
-    fn impacts_before(&self, end: f64) -> usize {
-        let inside = self.first.iter().filter(|event| event.time <= end).count();
-        inside + self.crossing.iter().filter(|event| event.time <= end).count()
-    }
-}
-
-/// The impacts of some pairs along their first segments; `image` is added to the second.
-fn first_impacts(
-    window: &Window<'_>,
-    neighbors: &Neighbors,
-    image: [f32; 2],
-    pairs: &[[u32; 2]],
-) -> Vec<Event> {
-    let start = |index: u32| &window.starts[index as usize];
-    // Without branches, because they would often be predicted wrongly.
-    let mut near = vec![[0; 2]; pairs.len()];
-    let mut count = 0;
-    for &[a, b] in pairs {
-        near[count] = [a, b];
-        count += usize::from(window.may_meet(start(a), start(b), image));
-    }
-    let mut found = Vec::with_capacity(count);
-    let code = neighbors.code(image.map(f64::from));
-    for &[a, b] in &near[..count] {
-        if !start(a).is_movable() && !start(b).is_movable() {
-            continue;
+        if !window.flight.pairs {
+            return;
         }
-        let [p, q] = [a, b].map(|disc| window.segment(disc));
-        let impact = window.impact((a, &p), (b, &q), image.map(f64::from), window.end);
-        // The first of an event can move.
-        let (pair, code) =
-            if start(a).is_movable() { ([a, b], code) } else { ([b, a], opposite(code)) };
-        found.extend(impact.map(|impact| Event::of_discs(impact, pair, code, [0; 2])));
+        let near = &mut scratch.near;
+        near.resize(neighbors.count(&self.range), Default::default());
+        let mut count = 0;
+        for index in self.range.clone().filter(|&index| start(index).is_movable()) {
+            let own = start(index);
+            neighbors.of(index, |neighbor| {
+                let other = start(neighbor.index);
+                let image = neighbors.image(neighbor).map(|v| v as f32);
+                let is_first = (neighbor.index > index) | !other.is_movable();
+                // Without branches, because they would often be predicted wrongly.
+                near[count] = (index, *neighbor);
+                count += usize::from(is_first & window.may_meet(own, other, image));
+            });
+        }
+        for &(a, Neighbor { index: b, image: code }) in &near[..count] {
+            let [p, q] = [a, b].map(|disc| window.segment(disc));
+            let impact = window.impact((a, &p), (b, &q), neighbors.image_of(code), window.end);
+            let is_inside = self.range.contains(&b) || !start(b).is_movable();
+            let events = if is_inside { &mut self.first } else { &mut self.crossing };
+            events.extend(impact.map(|impact| Event::of_discs(impact, [a, b], code, [0; 2])));
+        }
     }
-    found
+
+    /// Simulates the events of the block by itself.
+    fn simulate(&mut self, means: Means<'_>) {
+        self.is_simulated = true;
+        let Means { window, neighbors, course_of, reaches, stop, scratch } = means;
+        let (range, history) = (self.range.clone(), &mut self.history);
+        let (mark, base) = (0, 0);
+        let simulation = Simulation {
+            window,
+            neighbors,
+            range,
+            course_of,
+            reaches,
+            history,
+            mark,
+            base,
+            stop,
+            scratch,
+        };
+        simulation.run(&self.first, &[]);
+    }
+
+    /// The number of impacts after the start, until `end`.
+    fn impacts_until(&self, end: f64) -> usize {
+        let is_counted = |event: &&Event| event.time > 0.0 && event.time <= end;
+        self.first.iter().chain(&self.crossing).filter(is_counted).count()
+    }
 }
 
 /// The discs whose first segment leaves their bounds, and how far it gets.

@@ -79,20 +79,10 @@ impl Neighbors {
         first..first + len
     }
 
-    /// The pairs that were added, a list for each image.
-    pub fn later(&self) -> Vec<([f32; 2], Vec<[u32; 2]>)> {
-        let mut lists: Vec<_> = self.images.iter().map(|&image| (image, Vec::new())).collect();
-        for (of, Neighbor { index, image }) in self.later.iter().filter(|(of, n)| *of < n.index) {
-            lists[usize::from(*image)].1.push([*of, *index]);
-        }
-        lists.retain(|(_, pairs)| !pairs.is_empty());
-        lists.into_iter().map(|(image, pairs)| (image.map(|v| v as f32), pairs)).collect()
-    }
-
-    /// The number of an image that is there.
-    pub fn code(&self, image: Vector) -> u16 {
-        let found = self.images.iter().position(|&known| known == image);
-        found.expect("all images of candidate pairs are there") as u16
+    /// The number of neighbours of a range of discs, or more.
+    pub fn count(&self, range: &Range<u32>) -> usize {
+        let [first, end] = [range.start, range.end].map(|index| self.starts[index as usize]);
+        (end - first) as usize + self.later.len() + 1
     }
 
     /// The offset that is added to the position of a neighbour.

@@ -55,12 +55,15 @@ struct Nearby {
 /// Working memory of a simulation.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    queue: Queue,
+    pub(super) queue: Queue,
+    /// Pairs that may meet along their first segments.
+    pub(super) near: Vec<(u32, Neighbor)>,
+    pub(super) predicted: Vec<Event>,
+    pub(super) impulses: Vec<[f64; 2]>,
     group: Vec<InGroup>,
     nearby: Vec<Nearby>,
     touches: Vec<Touch>,
     velocities: Vec<Vector>,
-    impulses: Vec<[f64; 2]>,
 }
 
 /// The simulation of the discs of a range.
@@ -104,15 +107,12 @@ impl Simulation<'_> {
         while let Some(event) = self.scratch.queue.pop() {
             let count = |index: u32| self.find(index).map_or(0, |own| own.count);
             if event.pair.map(count) == event.counts {
-                work += self.happen(&event);
+                work += if self.collide_two(&event) { 1 } else { self.happen(&event) };
             }
             if work >= POLL_EVERY && self.stop.is_set() {
                 break;
             }
             work %= POLL_EVERY;
-        }
-        for number in self.base..self.history.courses.len() as u32 {
-            self.history.courses[number as usize].island = self.history.island(number);
         }
     }
 
@@ -130,18 +130,23 @@ impl Simulation<'_> {
         self.number(index).map(|number| &self.history.courses[number as usize])
     }
 
-    /// Whether a disc takes part. Discs that cannot move do, wherever they are.
+    /// The number of the course of a disc, or [`NONE`], its segment and the number of its events;
+    /// None if it does not take part. Discs that cannot move take part, wherever they are.
     #[inline(always)]
-    fn takes_part(&self, index: u32) -> bool {
-        match self.course_of.get(index.wrapping_sub(self.range.start) as usize) {
-            Some(&NONE) => true,
-            Some(_) => self.number(index).is_some(),
-            None => !self.window.starts[index as usize].is_movable(),
+    pub(super) fn current(&self, index: u32) -> Option<(u32, Segment, u32)> {
+        if let Some(number) = self.number(index) {
+            let course = &self.history.courses[number as usize];
+            return Some((number, course.segment, course.count));
         }
+        let takes_part = match self.course_of.get(index.wrapping_sub(self.range.start) as usize) {
+            Some(&number) => number == NONE,
+            None => !self.window.starts[index as usize].is_movable(),
+        };
+        takes_part.then(|| (NONE, self.window.segment(index), 0))
     }
 
     /// The number of the course of a movable disc, which gets one if it has none.
-    fn course(&mut self, index: u32) -> u32 {
+    pub(super) fn course(&mut self, index: u32) -> u32 {
         if let Some(number) = self.number(index) {
             return number;
         }
@@ -155,6 +160,7 @@ impl Simulation<'_> {
             inverse_mass: self.window.starts[index as usize].inverse_mass(),
             in_group: 0,
             island: number,
+            next: number,
             stopped: None,
         });
         number
@@ -190,7 +196,7 @@ impl Simulation<'_> {
 
     /// Adds a movable disc to the group, with the discs near it.
     fn join(&mut self, index: u32, time: f64) {
-        let (window, gravity, neighbors) = (self.window, self.window.gravity(), self.neighbors);
+        let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
         let number = self.course(index);
         let position = self.scratch.group.len();
         let own = &mut self.history.courses[number as usize];
@@ -202,19 +208,8 @@ impl Simulation<'_> {
         let start = self.scratch.nearby.len();
         neighbors.of(index, |neighbor| {
             let Neighbor { index, image } = *neighbor;
-            if !self.takes_part(index) {
-                return;
-            }
-            let number = self.number(index);
-            let (segment, count) = match number {
-                Some(number) => {
-                    let course = &self.history.courses[number as usize];
-                    (course.segment, course.count)
-                }
-                None => (window.segment(index), 0),
-            };
+            let Some((number, segment, count)) = self.current(index) else { return };
             let now = segment.moved(time, gravity);
-            let number = number.unwrap_or(NONE);
             self.scratch.nearby.push(Nearby { index, number, image, count, now });
         });
         let near = start..self.scratch.nearby.len();
@@ -333,21 +328,16 @@ impl Simulation<'_> {
         });
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| q[k] - p[k] + image[k]);
-        let length = dot(offset, offset).sqrt();
         let inverse_mass = |(_, _, course): (usize, &InGroup, &Course)| match course.stopped {
             None => course.inverse_mass,
             Some(_) => 0.0,
         };
+        let counts = found.map(|found| found.map_or(0, |(.., course)| course.count));
         let touch = Touch {
-            key: [pair[0], pair[1], u32::from(code)],
             bodies: found.map(|found| found.map(|(position, ..)| position)),
-            normal: if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] },
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
-            restitution: if found.iter().flatten().any(|(.., course)| course.count >= COLLAPSE) {
-                1.0
-            } else {
-                window.pair_restitution(pair)
-            },
+            restitution: self.pair_restitution(pair, counts),
+            ..Touch::of_discs(pair, code, offset)
         };
         let [a, b] = found.map(|found| found.map(|(_, own, _)| own.number));
         let number = a.or(b).expect("one of them is in the group");
@@ -380,36 +370,52 @@ impl Simulation<'_> {
                 velocities[body] = thermostat.drive(velocities[body]);
             }
         }
-        let island = self.history.island(group[0].number);
-        for (own, &velocity) in group.iter().zip(velocities.iter()) {
-            let other = self.history.island(own.number);
-            let History { courses, ended, outside, .. } = &mut *self.history;
-            courses[other as usize].island = island;
-            let course = &mut courses[own.number as usize];
-            if course.stopped.is_some() {
+        for position in 0..self.scratch.group.len() {
+            let InGroup { number, now, .. } = self.scratch.group[position];
+            self.history.connect(self.scratch.group[0].number, number);
+            if self.history.courses[number as usize].stopped.is_some() {
                 continue;
             }
-            ended.push((course.segment, course.before));
-            course.before = ended.len() as u32 - 1;
-            course.segment = Segment { velocity, ..own.now };
-            course.count += 1;
+            let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
             if kind == Kind::Hold {
-                hold(&mut course.segment, touches[0].normal, window.gravity(), window.end - time);
+                let normal = self.scratch.touches[0].normal;
+                hold(&mut new, normal, window.gravity(), window.end - time);
             }
-            if course.count >= MOST_EVENTS[usize::from(!window.flight.is_elastic)] {
-                let [_, end] = course.segment.at(window.end, window.gravity());
-                course.stopped = Some(end);
-                course.segment.velocity = [0.0; 2];
-                course.segment.falls = false;
-            }
-            let (square, reach) = (
-                window.longest_square(own.index, &course.segment),
-                f64::from(self.reaches[own.index as usize]),
-            );
-            if square > reach * reach {
-                outside.push((own.index, square.sqrt()));
-            }
+            self.turn(number, new);
         }
+    }
+
+    /// Lets a disc continue on a new segment.
+    pub(super) fn turn(&mut self, number: u32, new: Segment) {
+        let (window, most) = (self.window, self.most_events());
+        let History { courses, ended, outside, .. } = &mut *self.history;
+        let course = &mut courses[number as usize];
+        ended.push((course.segment, course.before));
+        course.before = ended.len() as u32 - 1;
+        course.segment = new;
+        course.count += 1;
+        if course.count >= most {
+            let [_, end] = course.segment.at(window.end, window.gravity());
+            course.stopped = Some(end);
+            course.segment.velocity = [0.0; 2];
+            course.segment.falls = false;
+        }
+        let square = window.longest_square(course.index, &course.segment);
+        let reach = f64::from(self.reaches[course.index as usize]);
+        if square > reach * reach {
+            outside.push((course.index, square.sqrt()));
+        }
+    }
+
+    /// Events of a disc after which it stands still.
+    pub(super) fn most_events(&self) -> u32 {
+        MOST_EVENTS[usize::from(!self.window.flight.is_elastic)]
+    }
+
+    /// Coefficient of restitution of two discs that have had so many events.
+    pub(super) fn pair_restitution(&self, pair: [u32; 2], counts: [u32; 2]) -> f64 {
+        let collapses = counts.iter().any(|&count| count >= COLLAPSE);
+        if collapses { 1.0 } else { self.window.pair_restitution(pair) }
     }
 }
 

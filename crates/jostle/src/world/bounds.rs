@@ -25,7 +25,7 @@ const CANDIDATES: f64 = 1.5;
 const MOST_SPLITS: f64 = 4096.0;
 
 /// Candidate pairs of a particle that cost less to test than another part of the step.
-const WORTH_A_SPLIT: f64 = 16.0;
+const WORTH_A_SPLIT: f64 = 4.0;
 
 /// Bounds that are too small grow to this many times what is needed, so that they rarely have to
 /// grow twice.

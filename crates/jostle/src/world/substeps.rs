@@ -161,7 +161,6 @@ impl World {
                 particles,
                 movable: &memory.moving,
                 motions,
-                candidates: &memory.pairs,
                 gravity: flow.gravity,
                 end: flow.duration,
                 flow,

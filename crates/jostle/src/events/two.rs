@@ -1,0 +1,101 @@
+//! Two discs that collide and touch nothing else at that moment, as most do.
+//!
+//! The result has the same bits as that of [`Simulation::happen`], without its lists.
+
+use super::history::Bounce;
+use super::impulses::{self, Touch};
+use super::neighbors::opposite;
+use super::queue::{Event, WALL};
+use super::simulation::Simulation;
+use crate::trajectory::{Kind, Segment, vector};
+
+impl Simulation<'_> {
+    /// Lets two discs bounce. Returns false, and changes no trajectory, if more than this happens at
+    /// that time.
+    pub(super) fn collide_two(&mut self, event: &Event) -> bool {
+        let window = self.window;
+        let Event { time, kind, code, pair: discs, .. } = *event;
+        let are_discs = discs[1] != WALL && window.starts[discs[1] as usize].is_movable();
+        if kind != Kind::Bounce || !are_discs {
+            return false;
+        }
+        let numbers = discs.map(|disc| self.course(disc));
+        let courses = numbers.map(|number| &self.history.courses[number as usize]);
+        let most = self.most_events();
+        if courses.iter().any(|course| course.stopped.is_some() || course.count + 1 >= most) {
+            return false;
+        }
+        let now = courses.map(|course| course.segment.moved(time, window.gravity()));
+        let counts = courses.map(|course| course.count);
+        // From the smaller index to the larger, so that both give the same numbers.
+        let ([a, b], code) =
+            if discs[0] < discs[1] { ([0, 1], code) } else { ([1, 0], opposite(code)) };
+        let pair = [discs[a], discs[b]];
+        let image = self.neighbors.image_of(code);
+        let offset = vector(|k| now[b].position[k] - now[a].position[k] + image[k]);
+        let touch = Touch {
+            bodies: [Some(a), Some(b)],
+            inverse_masses: [a, b].map(|k| courses[k].inverse_mass),
+            restitution: self.pair_restitution(pair, counts),
+            ..Touch::of_discs(pair, code, offset)
+        };
+        let mut velocities = now.map(|now| now.velocity);
+        impulses::apply(&mut [touch], &mut velocities, &mut self.scratch.impulses);
+        let new = [0, 1].map(|k| Segment { velocity: velocities[k], ..now[k] });
+        if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
+            return false;
+        }
+        self.history.connect(numbers[0], numbers[1]);
+        (0..2).for_each(|k| self.turn(numbers[k], new[k]));
+        self.history.bounces.push(Bounce { pair, course: numbers[a] });
+        true
+    }
+
+    /// Adds the next impacts of two discs that continue on `new` instead of `now` to the queue.
+    /// Returns false, and adds nothing, if they touch anything else.
+    fn predict_two(
+        &mut self,
+        event: &Event,
+        now: &[Segment; 2],
+        new: &[Segment; 2],
+        counts: [u32; 2],
+    ) -> bool {
+        let (window, neighbors) = (self.window, self.neighbors);
+        let Event { time, code, pair: discs, .. } = *event;
+        let mut predicted = std::mem::take(&mut self.scratch.predicted);
+        predicted.clear();
+        let mut are_alone = true;
+        for k in [0, 1] {
+            let (own, partner) = (discs[k], discs[1 - k]);
+            are_alone &= window.touched_walls(own, &now[k]).iter().all(Option::is_none);
+            predicted.extend(window.wall_event(own, &new[k], counts[k]));
+            neighbors.of(own, |neighbor| {
+                let (other, image) = (neighbor.index, neighbors.image(neighbor));
+                let is_partner = other == partner;
+                // The impacts of the two with each other are predicted once.
+                if is_partner && k == 1 {
+                    return;
+                }
+                let (before, after, count) = if is_partner {
+                    (now[1], new[1], counts[1])
+                } else {
+                    let Some((_, segment, count)) = self.current(other) else { return };
+                    let moved = segment.moved(time, window.gravity());
+                    (moved, moved, count)
+                };
+                let is_this = is_partner && neighbor.image == code;
+                are_alone &= is_this || !window.touch_now((own, &now[k]), (other, &before), image);
+                let both = ((own, &new[k]), (other, &after));
+                if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
+                    let counts = [counts[k], count];
+                    predicted.push(Event::of_discs(impact, [own, other], neighbor.image, counts));
+                }
+            });
+        }
+        if are_alone {
+            predicted.iter().for_each(|event| self.scratch.queue.push(*event));
+        }
+        self.scratch.predicted = predicted;
+        are_alone
+    }
+}
