@@ -1,9 +1,9 @@
 """Queries against a prebuilt tree: 10,000 at once, compared with other libraries, on one thread.
 
-The trees are built beforehand; the time of building is a column of its own. All answers are compared
-before they are timed: the ids in each rectangle, the distances of the neighbours. Rays cross the whole
-scene and hit nothing. No other library can cast them: a hundred are compared with brute force, and
-the figure is the growth of their time.
+The trees are built beforehand; the time of building is a column of its own. All answers are
+compared before they are timed: the ids in each rectangle, the distances of the neighbours. Rays
+cross the whole scene and hit nothing. No other library can cast them: a hundred are compared with
+brute force, and the figure is the growth of their time.
 """
 
 from __future__ import annotations

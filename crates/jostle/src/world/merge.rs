@@ -108,7 +108,7 @@ impl World {
             let rows = places.iter().map(|&place| self.rows[place]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);
-            // The merged particle has the first place, which comes from the state, not from its row.
+            // The merged particle has the first place: it comes from the state, not from the row.
             let holder = places.iter().position(|&place| self.rows[place] == first).unwrap_or(0);
             self.rows.swap(places[0], places[holder]);
         }
