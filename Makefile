@@ -1,7 +1,7 @@
-# The verbs of the house. Each does all of its own set-up, once; `make` alone lists them.
+# Each target does its own set-up once; `make` alone lists the targets.
 #
-#   make run ARGS="pile -n 2000"       arguments for the program behind a verb
-#   make setup PYTHON=/path/to/python  the interpreter that a new .venv is made from
+#   make run ARGS="pile -n 2000"       arguments for the program that a target runs
+#   make setup PYTHON=/path/to/python  the interpreter for a new .venv
 
 ARGS ?=
 PYTHON ?=
@@ -12,11 +12,11 @@ ARCADE := $(VENV)-arcade
 WHEELS := target/wheels
 RUST_NEEDED := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 
-# One interpreter for every cargo command, or PyO3 would be built anew from verb to verb.
+# One interpreter for every call of cargo; otherwise PyO3 would be built again each time.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-# The folders stand for the files that were removed from them.
+# With the folders, so that removed files count as a change.
 SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/Cargo.toml) \
   $(shell find crates/*/src python -name __pycache__ -prune -o -print 2>/dev/null)
 
@@ -24,8 +24,8 @@ SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/
 .NOTPARALLEL:
 .PHONY: help setup run test arcade lint bench docs web wheel clean
 
-help:  ## list the verbs
-	@echo "make VERB, where VERB is one of"
+help:  ## list the targets
+	@echo "make TARGET, where TARGET is one of"
 	@sed -n 's/^\([a-z]*\):.*  ## /  \1	/p' Makefile
 
 setup: $(VENV)/wheel $(VENV)/dev  ## build everything into .venv
@@ -62,9 +62,9 @@ docs: setup  ## draw the pictures of the documents again
 	$(BIN)/python docs/pictures.py $(ARGS)
 
 web:
-	@echo "The web page is not there yet: jostle runs in Python and in Rust so far."
+	@echo "There is no web page yet: jostle runs in Python and in Rust."
 
-wheel: $(VENV)/run  ## build a wheel for others into dist, with every optimisation
+wheel: $(VENV)/run  ## build an optimised wheel to distribute into dist
 	$(need_rust)
 	$(BIN)/maturin build --release --interpreter $(BIN)/python --out dist
 
@@ -72,22 +72,22 @@ clean:  ## remove everything that was built
 	rm -rf $(VENV) $(ARCADE) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# All parts of the benchmarks where none is named.
+# All parts of the benchmarks, if no part is named.
 asked = $(or $(1),$(if $(ARGS),,all))
 
-# The rivals in Rust and C. Without NDEBUG the wrapper of Box2D would leave its assertions on.
+# The rivals in Rust and C. NDEBUG switches off the assertions of Box2D's wrapper.
 NATIVE = @if cargo --version >/dev/null 2>&1; then for part in pairs step; do CFLAGS="-O3 -DNDEBUG" \
   cargo run --release --manifest-path benchmarks/native/Cargo.toml -- $$part || exit; done; \
-  else echo "The rivals in Rust and C are left out: there is no cargo."; fi
+  else echo "The rivals in Rust and C are skipped: there is no cargo."; fi
 
-# What a verb stands on. A file is the mark that its step went through.
+# Prerequisites. Each file marks a completed step.
 
 $(VENV)/created:
 	$(need_rust)
 	$(or $(find_python),$(error $(no_python))) -m venv --clear $(VENV)
 	@touch $@
 
-# Bytecode is compiled where it is first used, not for every module of every package.
+# Bytecode is compiled on first import, not for every module of every package.
 $(VENV)/run: $(VENV)/created requirements/run.txt
 	$(BIN)/python -m pip install --quiet --no-compile --requirement requirements/run.txt
 	@touch $@
@@ -117,7 +117,7 @@ $(VENV)/wheel: $(VENV)/run $(SOURCES)
 	$(BIN)/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
 	@mv $@.begun $@
 
-# What has to be on the machine. Each is tried, not looked up: a name in PATH may lead nowhere.
+# Required programs. Each is run, because a name in PATH may be a broken link.
 
 PYTHONS := python3 python3.14 python3.13 python3.12 python3.11 python3.10 python
 find_python = $(shell for python in $(or $(PYTHON),$(PYTHONS) $$HOME/.pyenv/versions/*/bin/python3); do \

@@ -1,9 +1,9 @@
-"""Questions to a tree: 10,000 at once, beside other libraries, on one thread.
+"""Queries against a prebuilt tree: 10,000 at once, compared with other libraries, on one thread.
 
-The trees are built beforehand; how long that took stands beside. All answers are compared before
-anything is timed: the ids in each rectangle, the distances of the neighbours. Rays cross the whole
-scene and hit nothing, so they have to go all the way. None of the others can cast them; a hundred
-are compared with brute force, and what counts is how their time grows.
+The trees are built beforehand; the time of building is a column of its own. All answers are
+compared before they are timed: the ids in each rectangle, the distances of the neighbours. Rays
+cross the whole scene and hit nothing. No other library can cast them: a hundred are compared with
+brute force, and the figure is the growth of their time.
 """
 
 from __future__ import annotations

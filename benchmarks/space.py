@@ -1,8 +1,8 @@
-"""A living space: what a frame costs where little moves, and where all bullets of a game do.
+"""Dynamic index: the time of a frame if few shapes move, and if all bullets of a game move.
 
-Each call of a frame is timed by itself, on one thread. Beside the bullets stand what a sort
-of as many costs: NumPy's of bare keys, and a tree of a single box, which is the tree's own sort
-and the copying around it.
+Each call of a frame is timed separately, on one thread. The bullets are compared with two sorts of
+the same number: NumPy's of 64-bit keys, and a tree of a single box, which is the tree's own sort
+and its copies.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from jostle.bench.machine import Row
 from jostle.bench.timing import Timing, clock
 
 FRAMES_TIMES = 9
-"""A frame is short, so there are so many frames for each round asked for."""
+"""Frames for each requested round, because a frame is short."""
 
 MOVERS = 1_000
 SHIPS = 50

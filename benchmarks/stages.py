@@ -1,11 +1,11 @@
-"""What the stages of a step cost: instructions, counted by valgrind's callgrind.
+"""Instructions of each stage of a step, counted by valgrind's callgrind.
 
     python benchmarks/stages.py [--count 10000]
 
-Times on a shared machine come and go; the number of instructions of the same program
-with the same input stays, so it is the figure to compare two versions of the core by.
-callgrind knows AVX2 but not AVX-512. Needs cargo and valgrind; times of the same stages
-come from `cargo bench --package jostle` and from the example `one_step` itself.
+Times on a shared machine vary; the number of instructions of the same program with the same
+input does not, so compare two versions of the core by it. callgrind supports AVX2 but not AVX-512.
+Needs cargo and valgrind; `cargo bench --package jostle` and the example `one_step` measure times of
+the same stages.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ STAGES = {
     "leaves": "quadtree::build::nodes",
     "join": "pairs::join::Join<T>::run",
     "contacts": "contacts::Contacts::collect",
-    "solve": "resolve::substep",
-    "all": "world::World::step_once",
+    "resting": "resting::Resting::support",
+    "events": "events::Events::fly",
+    "correction": "correction::Correction::run",
+    "all": "step_once",
 }
 SCENES = {"gas": 30, "pile": 300}
 STEPS = 3

@@ -1,8 +1,8 @@
-"""What the examples share besides jostle: colours, a window, axes, a caption.
+"""Code that the examples share: colours, a window, axes, a caption.
 
-Without arguments an example opens a window. `--picture FILE` makes it run without a display, with a
-hand that moves the mouse by itself, save its last frame and end; `--frames N` says how many
-frames it runs before.
+Without arguments an example opens a window. With `--picture FILE` it runs without a display and
+with simulated mouse movement, saves its last frame and ends; `--frames N` sets the number of
+frames.
 """
 
 from __future__ import annotations

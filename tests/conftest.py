@@ -14,7 +14,7 @@ BESIDE_THE_LIBRARY = [
     "test_emitters.py",
     "test_examples.py",
     "test_interrupt.py",
-    "test_rooms.py",
+    "test_layers.py",
     "test_stub.py",
     "test_tune.py",
 ]

@@ -1,4 +1,4 @@
-"""The two programs of the 2015 article in plain Python, with every fault they had.
+"""The two programs of the 2015 article in plain Python, with all their faults.
 
 This is the picture "before": `Simulation` runs the article's brute force or its quadtree by the
 article's own formulas, so that `jostle.World` can be set beside it. Units are pixels and frames,

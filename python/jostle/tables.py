@@ -1,4 +1,4 @@
-"""Printing tables whose figures must not be cut short."""
+"""Printing of tables without truncated figures."""
 
 from __future__ import annotations
 

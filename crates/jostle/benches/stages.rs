@@ -1,8 +1,8 @@
-//! What each stage takes: `cargo bench --package jostle`.
+//! Times of stages: `cargo bench --package jostle`.
 //!
 //! Building the tree and finding the pairs of discs that cover 40 % of a square, and a
-//! step of the gas and of the pile, each on one thread. The stages inside a step, and the
-//! steady figure of instructions, come from `examples/one_step.rs`.
+//! step of the gas and of the pile, each on one thread. `examples/one_step.rs` measures the
+//! stages inside a step; `benchmarks/stages.py` counts their instructions.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -16,7 +16,7 @@ fn main() {
     divan::main();
 }
 
-/// Discs of radius ½ over 40 % of a square, without pattern.
+/// Discs of radius ½ at random positions, over 40 % of a square.
 fn discs(count: usize) -> Shapes<f32> {
     let side = (count as f64 * std::f64::consts::FRAC_PI_4 / 0.4).sqrt() as f32;
     let mut random = scenes::random::Random::new(1);

@@ -1,9 +1,9 @@
 //! Milliseconds of each stage of a step:
 //! `cargo run --release --package jostle --example one_step -- gas 10000 60 31`.
 //!
-//! The arguments are a scene, the number of particles, steps before the clock starts and
-//! steps that are timed. Under valgrind's callgrind the same program gives numbers of
-//! instructions, which no other work on the machine disturbs (`benchmarks/stages.py`).
+//! The arguments are a scene, the number of particles, the number of steps before timing, and
+//! the number of timed steps. `benchmarks/stages.py` runs this program under valgrind's callgrind
+//! and counts instructions, which do not depend on the load of the machine.
 
 use std::time::Instant;
 

@@ -1,12 +1,12 @@
-//! The walls: what holds the particles in.
+//! The container: walls, or a torus.
 
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 
-/// What the particles cannot leave.
+/// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Container {
-    /// No walls: the plane.
+    /// The plane, without walls.
     #[default]
     None,
     /// Four walls around a rectangle.
@@ -23,28 +23,28 @@ pub enum Container {
         /// Its radius.
         radius: f32,
     },
-    /// A rectangle from (0, 0) to `size` whose opposite sides are one.
+    /// A periodic rectangle from (0, 0) to `size`.
     Torus {
         /// Width and height.
         size: [f32; 2],
     },
 }
 
-/// A flat piece of wall as one particle sees it: it may move `gap` against
-/// `inward` before it touches.
+/// A wall near a particle, taken as flat: the particle touches it after a displacement of `gap`
+/// against `inward`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
     /// Unit normal, pointing into the container.
     pub inward: [f32; 2],
-    /// Distance from surface to surface; negative where the wall is entered.
+    /// Distance from surface to surface; negative if they overlap.
     pub gap: f32,
 }
 
-/// Most walls that a particle can touch at once.
+/// Number of walls that a particle can touch at once, at most.
 pub const MAX_WALLS: usize = 4;
 
 impl Container {
-    /// Whether there is anything to bounce off.
+    /// Whether there are walls.
     pub fn has_walls(&self) -> bool {
         matches!(self, Self::Box { .. } | Self::Circle { .. })
     }
@@ -60,7 +60,7 @@ impl Container {
         }
     }
 
-    /// Refuses walls that hold nothing.
+    /// Refuses walls that are not finite or enclose no area.
     pub fn validate(&self) -> Result<()> {
         let reasonable = |v: &f32| v.abs() <= FARTHEST;
         match self {
@@ -100,7 +100,7 @@ impl Container {
                 (side / 2.0, "it must fit between the walls")
             }
             Self::Circle { radius, .. } => (*radius, "it must fit into the round container"),
-            // Then no two particles touch across two seams at once.
+            // So two particles touch across at most one seam on each axis.
             Self::Torus { size } => (
                 size[0].min(size[1]) / 4.0,
                 "on a torus it may be at most a quarter of the shorter side",
@@ -115,9 +115,8 @@ impl Container {
         }
     }
 
-    /// Offsets between a torus and its images, each direction once. A pair
-    /// across a seam overlaps after the first particle has moved by minus one
-    /// of them.
+    /// Offsets between a torus and its images, one of each opposite two. They are added to the
+    /// second particle of a pair.
     pub fn images(&self) -> Vec<[f32; 2]> {
         match self {
             Self::Torus { size: [w, h] } => vec![[-w, 0.0], [0.0, -h], [-w, -h], [-w, *h]],
@@ -125,8 +124,7 @@ impl Container {
         }
     }
 
-    /// The longest way that a particle may go before pairs must be looked for
-    /// again.
+    /// The largest displacement of a particle between two searches for pairs.
     pub fn reach(&self) -> f32 {
         match self {
             Self::Torus { size } => size[0].min(size[1]) / 8.0,
@@ -138,7 +136,7 @@ impl Container {
     #[inline(always)]
     pub fn clamp(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
         if let Self::Box { min, max } = self {
-            // A look in float32, with a margin for its rounding, is enough nearly always.
+            // A test in float32, with a margin for rounding, is nearly always sufficient.
             let well_inside = |axis: usize| {
                 let [low, high] = [min[axis], max[axis]];
                 let margin = radius + 1e-6 * (low.abs() + high.abs());
@@ -154,7 +152,7 @@ impl Container {
     fn clamp_exactly(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
         match self {
             Self::Box { min, max } => {
-                // Rounded inwards: a reader who adds the radius stays in the box.
+                // Rounded inwards, so that position ± radius is inside the box.
                 let within = |axis: usize| {
                     let (at, reach) = (f64::from(position[axis]), f64::from(radius));
                     let (low, high) = (f64::from(min[axis]) + reach, f64::from(max[axis]) - reach);
@@ -162,7 +160,7 @@ impl Container {
                         return position[axis];
                     }
                     let (low, high) = (up(low), down(high));
-                    // A particle as wide as the box: rounding may cross the two.
+                    // For a particle as wide as the box, rounding may exchange the two.
                     if low > high { (low + high) / 2.0 } else { position[axis].clamp(low, high) }
                 };
                 [within(0), within(1)]
@@ -190,7 +188,7 @@ impl Container {
         }
     }
 
-    /// The position with the same meaning in the range of a torus.
+    /// The equivalent position within a torus.
     #[inline]
     pub fn wrap(&self, position: [f32; 2]) -> [f32; 2] {
         let Self::Torus { size } = self else { return position };
@@ -203,7 +201,7 @@ impl Container {
         [wrapped(0), wrapped(1)]
     }
 
-    /// The offset to the nearest image of what is at `offset`.
+    /// The minimum image of an offset: that to the nearest image.
     #[inline]
     pub fn short_way(&self, offset: [f64; 2]) -> [f64; 2] {
         let Self::Torus { size } = self else { return offset };
@@ -213,7 +211,7 @@ impl Container {
         })
     }
 
-    /// Distances from the surface of a disc to the walls, flat ones at their own index.
+    /// Distances from the surface of a disc to the walls, each flat one at its own index.
     pub fn gaps(&self, position: [f64; 2], radius: f64) -> [Option<f64>; MAX_WALLS] {
         match self {
             Self::None | Self::Torus { .. } => [None; MAX_WALLS],
@@ -231,7 +229,7 @@ impl Container {
         }
     }
 
-    /// The walls near a particle, flat ones at their own index.
+    /// The walls around a particle, each flat one at its own index.
     #[inline]
     pub fn walls(&self, position: [f32; 2], radius: f32) -> [Option<Wall>; MAX_WALLS] {
         let wall = |inward, gap| Some(Wall { inward, gap });

@@ -9,15 +9,15 @@ use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
 
-/// Overlap that is left alone, as a share of the sum of radii: a resting contact
-/// should stay one.
+/// Overlap that is not corrected, as a share of the sum of radii, so that resting contacts
+/// persist.
 const SLOP: f32 = 0.003;
 
-/// Share of the overlap that is removed at once.
+/// Share of the overlap beyond [`SLOP`] that one iteration removes.
 const SOFTNESS: f32 = 0.35;
 
-/// Most that one particle is moved at once, as a share of the smaller radius: what is moved
-/// further could come out on the other side of something thin.
+/// Largest displacement of a particle in one iteration, as a share of the smaller radius. A larger
+/// one could move it to the other side of a small particle.
 const MOST: f32 = 0.2;
 
 /// Gap, as a share of the sum of radii, up to which the correction of other pairs may make two
@@ -32,7 +32,7 @@ const ITERATIONS: usize = 6;
 const TOLERANCE: f32 = 0.002;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
-/// an order that sends neighbours apart.
+/// an order that separates neighbours.
 const DIRECTIONS: [[f32; 2]; 16] = [
     [1.0, 0.0],
     [-0.707_106_77, 0.707_106_77],
@@ -52,18 +52,18 @@ const DIRECTIONS: [[f32; 2]; 16] = [
     [-0.382_683_43, -0.923_879_5],
 ];
 
-/// Two particles that overlap, or that may after others were moved.
+/// Two particles that overlap, or may overlap after the correction of other pairs.
 #[derive(Clone, Copy, Debug)]
 struct Near {
     places: [u32; 2],
     image: [f32; 2],
     reach: f32,
     inverse_masses: [f32; 2],
-    /// Limit of what moves both, over their inverse masses.
+    /// Largest impulse: a displacement is the impulse times the inverse mass.
     most: f32,
 }
 
-/// Working memory.
+/// Scratch.
 #[derive(Debug, Default)]
 pub struct Correction {
     near: Vec<Near>,
@@ -72,7 +72,7 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// Corrects the positions of all particles in `contacts`, and of those beyond a wall.
+    /// Corrects the positions of the particles of `contacts`, and of particles that overlap a wall.
     pub fn run(
         &mut self,
         contacts: &mut Contacts,

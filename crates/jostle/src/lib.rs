@@ -1,7 +1,7 @@
 //! jostle finds every pair of overlapping shapes, many times a second, and
 //! moves particles that collide.
 //!
-//! The modules stand in reading order: each uses only those above it.
+//! The modules are in reading order: each uses only those above it.
 
 pub mod error;
 pub mod memory;

@@ -1,29 +1,29 @@
-//! The particles of a world as rows: what they are, and what is refused.
+//! The particles of a world as columns, and their limits.
 
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::shapes::{self, check_finite};
 
-/// Coordinates and speeds beyond this are refused; nothing travels further.
+/// Largest coordinate, component of a velocity, and displacement of a step.
 pub const FARTHEST: f32 = 1e18;
 
-/// Masses and their inverses stay well inside float32.
+/// Range of masses, so that they and their inverses are far from the limits of float32.
 pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
 
-/// Circles with a velocity and a mass, a row each.
+/// Discs with a velocity and a mass, one row each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Particles {
     /// Centres.
     pub positions: Vec<[f32; 2]>,
-    /// World units a second. Zero where not movable.
+    /// In world units per second; zero for immovable particles.
     pub velocities: Vec<[f32; 2]>,
     /// Radii, at least 0.
     pub radii: Vec<f32>,
     /// Masses, more than 0.
     pub masses: Vec<f32>,
-    /// Share of the speed that a bounce leaves, 0 to 1; a pair multiplies its two.
+    /// Coefficients of restitution, 0 to 1; a pair has the product of its two.
     pub restitutions: Vec<f32>,
-    /// Whether anything can move the particle.
+    /// Whether contacts and forces can move the particle.
     pub movable: Vec<bool>,
 }
 
@@ -51,7 +51,7 @@ impl Particles {
         self.positions.is_empty()
     }
 
-    /// Refuses rows that no world can hold.
+    /// Refuses columns of different lengths and values out of range.
     pub fn validate(&self) -> Result<()> {
         let expected = self.len();
         let lengths = [
@@ -103,7 +103,7 @@ impl Particles {
         self.movable[row] = one.movable[0];
     }
 
-    /// Keeps the rows for which `keep` says so.
+    /// Keeps the rows for which `keep` returns true.
     pub fn retain(&mut self, keep: impl Fn(usize) -> bool) {
         fn filter<V>(column: &mut Vec<V>, keep: &impl Fn(usize) -> bool) {
             let mut row = 0;
@@ -120,7 +120,7 @@ impl Particles {
         filter(&mut self.movable, &keep);
     }
 
-    /// One over the mass; 0 for what nothing can move.
+    /// One over the mass; 0 for an immovable particle.
     #[inline]
     pub fn inverse_mass(&self, row: usize) -> f32 {
         if self.movable[row] { 1.0 / self.masses[row] } else { 0.0 }
@@ -146,7 +146,7 @@ pub fn check_radii(radii: &[f32]) -> Result<()> {
     shapes::check_radii("radii", radii)
 }
 
-/// Refuses masses that are not positive and reasonable.
+/// Refuses masses outside [`MASS_RANGE`].
 pub fn check_masses(masses: &[f32]) -> Result<()> {
     let [least, most] = MASS_RANGE;
     match masses.iter().position(|m| !(least..=most).contains(m)) {

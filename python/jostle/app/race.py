@@ -1,4 +1,4 @@
-"""Two methods side by side on the same scene, each as fast as it can be, up to real time."""
+"""Two methods side by side on the same scene, each as fast as possible, up to real time."""
 
 from __future__ import annotations
 

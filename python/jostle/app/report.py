@@ -1,4 +1,4 @@
-"""The table after a film: what was done, and what the other methods would have needed."""
+"""The table after a film: steps and times, and those of the other methods."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The benchmark: jostle against other libraries on the machine at hand.
+"""The benchmark: jostle compared with other libraries on this machine.
 
 Other libraries are imported only when they are measured, and only those that are installed
 take part. Modules in reading order:

@@ -1,4 +1,4 @@
-"""What `jostle bench` does: short races with a progress bar, a table each, and a file if asked."""
+"""The command `jostle bench`: short comparisons, a progress bar, tables, and a file on request."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["bench"]
 SMALLEST = 1_000
 PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
 PATIENCE = {"pairs": 0.3, "step": 0.1}
-"""Seconds that one answer, or one frame, may take: nobody waits here for the slowest."""
+"""Seconds that one answer, or one frame, may take; slower libraries are omitted."""
 
 OTHERS = ("scipy", "shapely", "matscipy", "vesin", "fastquadtree", "pyqtree", "pymunk")
 KEPT = (

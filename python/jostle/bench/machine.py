@@ -1,4 +1,4 @@
-"""What was measured on, and the file that keeps the figures."""
+"""The description of the machine, and the file of results."""
 
 from __future__ import annotations
 

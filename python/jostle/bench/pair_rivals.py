@@ -1,4 +1,4 @@
-"""Every way to find all overlapping pairs that is compared, each a function of a few lines.
+"""All compared libraries that find overlapping pairs, each a function of a few lines.
 
 A way gets `Shapes` and returns the pairs as an (m, 2) array, in any order. Whatever it has to
 build or to convert is inside. What it cannot do at all it refuses with `Unable`.

@@ -1,4 +1,4 @@
-"""The race for all overlapping pairs: same arrays, same answers, then the clock."""
+"""Comparison of the search for all overlapping pairs: same arrays, same answers, then times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every way to simulate discs that is compared, each a `Running` made from the same beginning."""
+"""All compared simulations of discs, each a `Running` made from the same initial state."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Running:
     state: Callable[[], tuple[Column, Column]]
     """Positions and velocities, in the order of the beginning."""
     close: Callable[[], object] = lambda: None
-    """Is called when nobody needs it any more."""
+    """Called when the simulation is no longer needed."""
 
 
 def begun(world: jostle.World) -> Beginning:

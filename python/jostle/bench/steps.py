@@ -1,4 +1,4 @@
-"""The race of simulations: the same discs, the same second, then the clock."""
+"""Comparison of simulations: the same discs, the same second, then times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Interleaved rounds: the machine's noise falls on all that is compared alike."""
+"""Interleaved rounds, so that noise of the machine affects all compared calls equally."""
 
 from __future__ import annotations
 

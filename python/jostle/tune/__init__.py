@@ -1,4 +1,4 @@
-"""The article's advice as a tool: which settings find the pairs of a scene fastest.
+"""Measures which settings find the pairs of a scene fastest, as the article advises.
 
 In reading order: `timing` is the protocol and knows no tree; `sample` the shapes of a scene;
 `contenders` what is timed; `sweep` which settings, in which order; `report`, `records`

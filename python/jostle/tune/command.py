@@ -1,4 +1,4 @@
-"""The way through a tuning: sweeps under a progress bar, then tables, CSV and pictures."""
+"""The command `jostle tune`: sweeps with a progress bar, then tables, CSV and pictures."""
 
 from __future__ import annotations
 

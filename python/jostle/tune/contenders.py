@@ -1,4 +1,4 @@
-"""What is timed: finding the pairs of a sample, or a whole step of its world."""
+"""The timed calls: the search for the pairs of a sample, or a whole step of its world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the measurements say: where curves cross, how many particles fit into a picture's time."""
+"""Conclusions from the measurements: where curves cross, how many particles fit into a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came of it, in tables and sentences."""
+"""The results, in tables and sentences."""
 
 from __future__ import annotations
 

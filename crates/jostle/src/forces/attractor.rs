@@ -1,43 +1,43 @@
-//! A pull to a point, or to a particle.
+//! Attraction to a point or to a particle.
 
 use super::{Bodies, check_number, nearest};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
 
-/// Where an attractor pulls to.
+/// The centre of an attraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pole {
-    /// A place that does not move.
+    /// A fixed point.
     Point([f32; 2]),
-    /// The particle in this row. The attractor goes when the particle does.
+    /// The particle in this row. If it is removed, the attractor is removed too.
     Particle(u32),
 }
 
-/// How the pull depends on the distance d.
+/// The acceleration a as a function of the distance d.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Law {
     /// a = strength · d, as in the article.
     #[default]
     Harmonic,
-    /// a = strength / d²; nearer than its own radius, a particle is pulled as by a
-    /// ball of that radius, so that nothing is ever flung away.
+    /// a = strength / d². At a distance r below its own radius R, a particle has the
+    /// acceleration strength · r / R³, as inside a homogeneous ball, so that it stays finite.
     InverseSquare,
 }
 
-/// Pulls everything to its pole, and feels nothing itself. A negative strength pushes.
+/// Attracts all particles to its pole, without a reaction. A negative strength repels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attractor {
-    /// Where to.
+    /// The centre.
     pub pole: Pole,
-    /// Acceleration for each unit of distance, or G · M.
+    /// Acceleration for each unit of distance (harmonic), or G · M (inverse square).
     pub strength: f32,
-    /// Which of the two.
+    /// Harmonic or inverse square.
     pub law: Law,
 }
 
 impl Attractor {
-    /// Refuses numbers that no world can work with.
+    /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
         if let Pole::Point([x, y]) = self.pole {
             check_vectors("point", &[[x, y]]).map_err(|_| {
@@ -49,8 +49,8 @@ impl Attractor {
     }
 }
 
-/// Energy of a body of mass 1 at `offset` from the pole: 0 there for the harmonic law, far
-/// away for the other.
+/// Energy of a body of mass 1 at `offset` from the pole. It is 0 at the pole for the harmonic law,
+/// and at infinity for the other.
 pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
     let strength = f64::from(attractor.strength);
     let [x, y] = offset.map(f64::from);
@@ -67,7 +67,7 @@ pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
     }
 }
 
-/// Adds the pull on every body.
+/// Adds the acceleration of every body.
 pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32; 2]]) {
     let pole = match attractor.pole {
         Pole::Point(point) => point,

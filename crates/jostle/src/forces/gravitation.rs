@@ -1,14 +1,13 @@
-//! All bodies pull each other: Barnes and Hut's method on the quadtree.
+//! Gravitation between all bodies, by Barnes and Hut's method on the quadtree.
 //!
 //! The bodies are sorted by a tree of their own, so the order of every sum comes
-//! from where they are. A *group* is a node of few bodies. For each group the tree is
-//! walked once: a node that looks smaller than `theta` from the nearest point of
-//! the group's box counts as one body at its centre of mass, a larger one is
-//! opened. What the walk has found then pulls every body of the group.
+//! from their positions. A *group* is a node of few bodies. For each group the tree is
+//! traversed once. A node counts as one body at its centre of mass if its diagonal over its
+//! distance from the group's box is below `theta`; otherwise it is opened. The bodies and
+//! nodes found attract every body of the group.
 //!
-//! Nodes that are looked at from one side only break Newton's third law a little.
-//! The mean acceleration, which ought to be 0, is taken off everything, so momentum
-//! is kept to rounding.
+//! The approximation breaks Newton's third law slightly. Therefore the mean acceleration,
+//! which should be 0, is subtracted from all, so that momentum is conserved to rounding.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -25,22 +24,22 @@ use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
 use crate::shapes::{Each, Shapes};
 use crate::simd::{LANES, Number, Simd, Work};
 
-/// Up to so many bodies, each pulls each: that is faster.
+/// Up to this number of bodies all pairs are summed, which is faster.
 const DIRECT: usize = 512;
 
-/// Bodies that walk the tree together.
+/// Bodies of a group, at most.
 const GROUP: usize = 64;
 
-/// Groups that a thread takes at a time, with one list.
+/// Groups of one task of a thread.
 const SHARE: usize = 16;
 
 /// Bodies in a leaf of the tree.
 const LEAF: usize = 16;
 
-/// Sources whose pulls are summed in float32, before the sum goes on in float64.
+/// Sources whose accelerations are summed in float32; the sums are added in float64.
 const RUN: usize = 16 * LANES;
 
-/// Distances squared are at least this, so that no pull overflows.
+/// Lower limit of squared distances, so that nothing overflows.
 const LEAST_SQUARE: f32 = 1e-24;
 
 /// The default of [`Gravitation::theta`].
@@ -51,14 +50,15 @@ pub const DEFAULT_THETA: f32 = 0.5;
 pub struct Gravitation {
     /// The constant of gravitation.
     pub g: f32,
-    /// Below this distance the pull weakens.
+    /// Softening length.
     pub softening: f32,
-    /// Diagonal of a box over its distance, up to which it counts as one body; 0 never.
+    /// Opening parameter θ: a node whose diagonal over its distance is below θ counts as one
+    /// body; 0 is exact summation.
     pub theta: f32,
 }
 
 impl Gravitation {
-    /// Refuses numbers that no world can work with.
+    /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
         check_number("G", self.g, -FARTHEST)?;
         check_number("softening", self.softening, 0.0)?;
@@ -69,7 +69,7 @@ impl Gravitation {
     }
 }
 
-/// What [`add`] needs and the next call uses again.
+/// Scratch of [`add`].
 #[derive(Debug, Default)]
 pub struct Memory {
     shapes: Shapes<f32>,
@@ -90,7 +90,7 @@ struct Moment {
     width: f32,
 }
 
-/// Adds the pull of all on each.
+/// Adds the accelerations by all bodies on each.
 pub fn add(
     gravitation: &Gravitation,
     bodies: &Bodies<'_>,
@@ -124,8 +124,8 @@ pub fn add(
     }
 }
 
-/// Energy of all in the pull of each other, 0 where they are far apart: summed over pairs where
-/// [`add`] does so, else over the same bodies and boxes.
+/// Energy of gravitation, 0 at infinity: summed over pairs where [`add`] does so, else over the
+/// same bodies and nodes.
 pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     let mut memory = Memory::default();
     let direct = prepare(gravitation, bodies, &mut memory);
@@ -133,11 +133,11 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
     let parts = parallel::map(threads, groups.len(), |index| walk.energy(groups[index], direct));
-    // Every pair has been looked at from both ends.
+    // Every pair was summed twice.
     -0.5 * f64::from(gravitation.g) * parts.iter().sum::<f64>()
 }
 
-/// Sorts and weighs the bodies, and says whether each is to pull each directly.
+/// Sorts the bodies and sums their moments. Returns whether all pairs are to be summed.
 fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, memory: &mut Memory) -> bool {
     sort(bodies, memory);
     let direct = memory.tree.len() <= DIRECT || gravitation.theta == 0.0;
@@ -148,7 +148,7 @@ fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, memory: &mut Memory) 
     direct
 }
 
-/// Brings the bodies into the order of their tree.
+/// Sorts the bodies into the order of their tree.
 fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
     let Memory { shapes, tree, all, .. } = memory;
     shapes.centers.clear();
@@ -214,7 +214,7 @@ fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
     }
 }
 
-/// Takes the mean acceleration off everything.
+/// Subtracts the mean acceleration from all.
 fn balance(pulls: &mut [[f64; 2]], masses: &[f32]) {
     let mut sum = [0.0f64; 3];
     for (pull, &mass) in pulls.iter().zip(masses) {
@@ -228,7 +228,7 @@ fn balance(pulls: &mut [[f64; 2]], masses: &[f32]) {
     }
 }
 
-/// Bodies that pull, in columns whose length is a multiple of [`LANES`] once padded.
+/// Bodies that attract, in columns whose length is a multiple of [`LANES`] once padded.
 #[derive(Debug, Default)]
 struct Sources {
     x: Vec<f32>,
@@ -261,7 +261,7 @@ impl Sources {
         }
     }
 
-    /// What they pull at `position`; `wrap` brings offsets to the nearest image.
+    /// Their acceleration at `position` for G = 1; `wrap` returns the minimum image of an offset.
     #[inline(always)]
     fn pull(
         &self,
@@ -308,14 +308,14 @@ impl Sources {
     }
 }
 
-/// What pulls at one group, and the nodes still to be looked at.
+/// The sources of one group, and the nodes still to be visited.
 #[derive(Debug, Default)]
 struct List {
     found: Sources,
     stack: Vec<u32>,
 }
 
-/// What all groups look at.
+/// The input of all groups.
 struct Walk<'a> {
     gravitation: &'a Gravitation,
     tree: &'a Quadtree<f32>,
@@ -325,7 +325,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Writes what pulls at each body of a group.
+    /// Writes the accelerations of the bodies of a group, for G = 1.
     fn pull(&self, group: u32, direct: bool, list: &mut List, pulls: &mut [[f64; 2]]) {
         let sources = if direct { self.all } else { self.collect(group, list) };
         let bodies = self.tree.nodes()[group as usize].range();
@@ -347,7 +347,7 @@ impl Walk<'_> {
         self.tree.nodes()[group as usize].range().map(energy).sum()
     }
 
-    /// Lists what pulls at a group: bodies that are near, nodes that are far.
+    /// Lists the sources of a group: bodies that are near, nodes that are far.
     fn collect<'a>(&self, group: u32, list: &'a mut List) -> &'a Sources {
         let List { found, stack } = list;
         found.clear();
@@ -370,7 +370,7 @@ impl Walk<'_> {
         found
     }
 
-    /// Whether a node counts as one body for everything in the box of a group.
+    /// Whether a node counts as one body for all bodies of a group.
     #[inline(always)]
     fn is_far(&self, middle: [f32; 2], half: [f32; 2], moment: &Moment) -> bool {
         let Moment { center, width, .. } = *moment;
@@ -379,7 +379,7 @@ impl Walk<'_> {
         }
         let offset = nearest(&self.container, [0, 1].map(|k| center[k] - middle[k]));
         if let Container::Torus { size } = self.container {
-            // Seen from one side of the group or the other, the nearest image is the same.
+            // The nearest image must be the same for all bodies of the group.
             let same = |k: usize| offset[k].abs() + half[k] + width < 0.5 * size[k];
             if !same(0) || !same(1) {
                 return false;
@@ -391,8 +391,8 @@ impl Walk<'_> {
     }
 }
 
-/// What the bodies of a group feel, by the widest instructions of the machine: the compiler
-/// makes them of plain loops.
+/// The accelerations of a group, with the widest instructions of the machine, into which the
+/// compiler translates plain loops.
 struct Pull<'a> {
     walk: &'a Walk<'a>,
     sources: &'a Sources,

@@ -1,9 +1,9 @@
-//! Forces: what accelerates particles, apart from gravity and contacts.
+//! Forces that accelerate particles, apart from gravity and contacts.
 //!
-//! [`accelerate`] sums the accelerations that attractors and gravitation give at
-//! some positions; springs act by themselves ([`springs::Sprung`]), in parts of a
-//! sub-step that are short enough for them, and the thermostat acts where particles
-//! bounce off walls. Every sum runs in an order that comes from the state.
+//! [`accelerate`] sums the accelerations of attractors and gravitation at some
+//! positions. Springs act in parts of a sub-step that are short enough for them
+//! ([`springs::Sprung`]), and the thermostat acts when particles bounce off walls.
+//! Every sum runs in an order that comes from the state.
 
 pub mod attractor;
 pub mod gravitation;
@@ -20,21 +20,21 @@ use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::FARTHEST;
 
-/// Something that accelerates particles.
+/// A force.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Force {
-    /// A pull to a point or to a particle.
+    /// Attraction to a point or to a particle.
     Attractor(Attractor),
-    /// All pull each other by their masses.
+    /// Attraction between all particles.
     Gravitation(Gravitation),
-    /// Some pairs are tied together.
+    /// Springs between pairs of particles.
     Springs(Springs),
-    /// Walls drive what bounces off them towards a speed.
+    /// Walls that heat or cool the particles that bounce off them.
     Thermostat(Thermostat),
 }
 
 impl Force {
-    /// Refuses numbers that no world can work with.
+    /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
         match self {
             Self::Attractor(attractor) => attractor.validate(),
@@ -81,8 +81,8 @@ pub fn validate(forces: &[Force], len: usize) -> Result<()> {
     Ok(())
 }
 
-/// Follows particles that are removed or merged: `moved[row]` is the new row, none if it is
-/// gone. What is tied to a particle that is gone goes with it.
+/// Updates the rows of particles that are removed or merged: `moved[row]` is the new row, None if
+/// the particle was removed. Attractors and springs of a removed particle are removed.
 pub fn follow(forces: &mut Vec<Force>, moved: &[Option<u32>]) {
     forces.retain_mut(|force| match force {
         Force::Attractor(Attractor { pole: Pole::Particle(row), .. }) => {
@@ -103,7 +103,7 @@ pub fn name_rows(forces: &[Force]) -> bool {
     forces.iter().any(Force::names_rows)
 }
 
-/// Whether any of them has accelerations that [`accelerate`] would find.
+/// Whether any of them is summed by [`accelerate`].
 pub fn pull(forces: &[Force]) -> bool {
     forces.iter().any(|force| matches!(force, Force::Attractor(_) | Force::Gravitation(_)))
 }
@@ -116,32 +116,32 @@ pub fn thermostat(forces: &[Force]) -> Option<Thermostat> {
     })
 }
 
-/// Particles in any order, as forces see them.
+/// Particles in any order, as arguments of the forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a> {
-    /// Where they are.
+    /// Centres.
     pub positions: &'a [[f32; 2]],
-    /// What they weigh.
+    /// Masses.
     pub masses: &'a [f32],
-    /// Their radii.
+    /// Radii.
     pub radii: &'a [f32],
-    /// `places[row]` is the place of the particle that a force calls `row`; may be
-    /// empty where no force names rows.
+    /// `places[row]` is the place of the particle in `row`; may be empty if no force
+    /// names rows.
     pub places: &'a [u32],
-    /// On a torus, everything pulls from its nearest image.
+    /// The container; on a torus forces act between nearest images.
     pub container: Container,
     /// Threads to use.
     pub threads: Option<usize>,
 }
 
-/// What [`accelerate`] needs and the next call uses again.
+/// Scratch of [`accelerate`].
 #[derive(Debug, Default)]
 pub struct Memory {
     gravitation: gravitation::Memory,
 }
 
-/// Writes the sum of all accelerations of each body. They are finite, and the same
-/// whatever the order of the bodies.
+/// Writes the sum of all accelerations of each body. They are finite, and do not depend on the
+/// order of the bodies.
 pub fn accelerate(
     forces: &[Force],
     bodies: &Bodies<'_>,
@@ -165,12 +165,12 @@ pub fn accelerate(
     });
 }
 
-/// A number that a world can hold; 0 where infinities have met.
+/// A number within the limits of a world; 0 for NaN.
 fn bounded(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
 }
 
-/// The offset to the nearest image of what is at `offset`.
+/// The minimum image of an offset.
 #[inline(always)]
 pub fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
     let Container::Torus { size } = container else { return offset };
@@ -188,7 +188,7 @@ fn nearest_on(offset: f32, side: f32) -> f32 {
     }
 }
 
-/// Refuses a number that is not finite or beyond what a world can hold.
+/// Refuses a number that is not finite or out of range.
 fn check_number(argument: &'static str, value: f32, least: f32) -> Result<()> {
     if (least..=FARTHEST).contains(&value) {
         return Ok(());

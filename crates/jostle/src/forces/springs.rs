@@ -1,9 +1,9 @@
-//! Pairs that are tied together.
+//! Springs between pairs of particles.
 //!
-//! Springs are much stiffer than anything else, so they act in parts of a sub-step:
-//! as many as the stiffest needs, up to a limit; beyond it, springs are softened to
-//! what the parts can follow. Each part is a leapfrog: half the way, the change of
-//! speed, the other half.
+//! Springs are much stiffer than the other forces, so they act in parts of a sub-step.
+//! The stiffest spring determines the number of parts, up to a limit; springs that need
+//! more are softened. Each part is a leapfrog step: half of the displacement, the change
+//! of velocity, the other half.
 
 use super::{Bodies, check_number, nearest};
 use crate::container::Container;
@@ -16,13 +16,13 @@ use crate::particles::FARTHEST;
 /// Parts of a sub-step at most.
 const MOST_PARTS: f64 = 32.0;
 
-/// Swing of the fastest spring in one part, in radians: its period is right to 0.2 %.
+/// Phase of the fastest spring in one part, in radians: its period is right to 0.2 %.
 const SWING: f64 = 0.2;
 
-/// The same where there are no more parts to be had: still stable.
+/// The same with the maximum number of parts: still stable.
 const MOST_SWING: f64 = 1.0;
 
-/// Share of a speed that damping may take in one part.
+/// Largest relative change of a velocity by damping in one part.
 const MOST_DAMPING: f64 = 0.25;
 
 /// F = stiffness · (L − length) + damping · dL/dt along the line between two particles.
@@ -36,7 +36,7 @@ pub struct Spring {
     pub stiffness: f32,
     /// Force for each unit of speed at which it gets longer.
     pub damping: f32,
-    /// It breaks when it is longer than at rest by more than this; infinite for never.
+    /// It breaks if its length exceeds that at rest by more than this; infinite for never.
     pub max_stretch: f32,
 }
 
@@ -45,7 +45,7 @@ pub struct Spring {
 pub struct Springs(pub Vec<Spring>);
 
 impl Springs {
-    /// Refuses numbers that no world can work with.
+    /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
         for (index, spring) in self.0.iter().enumerate() {
             let [i, j] = spring.pair;
@@ -69,8 +69,8 @@ impl Springs {
         Ok(())
     }
 
-    /// Follows particles that are removed, and with them their springs, or merged: a spring
-    /// is tied to the particle that an end has become, and goes if that has become both.
+    /// Updates the rows of particles that are removed or merged. Springs of removed particles
+    /// are removed, and springs whose ends merged into one particle.
     pub fn follow(&mut self, moved: &[Option<u32>]) {
         self.0.retain_mut(|spring| {
             let [i, j] = spring.pair.map(|row| moved[row as usize]);
@@ -87,12 +87,12 @@ impl Springs {
             0.5 * f64::from(spring.stiffness) * stretch * stretch
         };
         let mut all: Vec<f64> = self.0.iter().map(energy).collect();
-        // Springs come in any order; their sum must not depend on it.
+        // The sum must not depend on the order of the springs.
         all.sort_unstable_by(f64::total_cmp);
         all.iter().sum()
     }
 
-    /// Removes those that are stretched too far.
+    /// Removes springs that are stretched too far.
     pub fn break_stretched(&mut self, bodies: &Bodies<'_>) {
         self.0.retain(|spring| {
             spring.max_stretch == f32::INFINITY
@@ -102,16 +102,16 @@ impl Springs {
     }
 }
 
-/// How long a spring is.
+/// The length of a spring.
 fn length(spring: &Spring, bodies: &Bodies<'_>) -> f64 {
     let [a, b] = spring.pair.map(|row| bodies.positions[bodies.places[row as usize] as usize]);
     let [x, y] = nearest(&bodies.container, [0, 1].map(|k| b[k] - a[k])).map(f64::from);
     (x * x + y * y).sqrt()
 }
 
-/// Writes how far springs may carry each particle aside in a step of `dt`, into
-/// `reaches[place]`. What hangs together shares its fastest, for a blow to one end
-/// arrives at the other within the step.
+/// Writes an estimate of the displacement of each particle by springs in a step of `dt` into
+/// `reaches[place]`. All particles of an island have the largest one, because an impact on one end
+/// may move the other within the step.
 pub fn reach<'a>(
     springs: impl Iterator<Item = &'a Spring> + Clone,
     bodies: &Bodies<'_>,
@@ -146,7 +146,7 @@ pub fn reach<'a>(
     }
 }
 
-/// The springs of a world during one step, in an order that comes from the state.
+/// The springs of a world in one step, in an order that comes from the state.
 #[derive(Debug, Default)]
 pub struct Sprung {
     ties: Vec<Tie>,
@@ -163,7 +163,7 @@ struct Tie {
     damping: f64,
 }
 
-/// A particle that springs hold.
+/// A particle with springs.
 #[derive(Clone, Copy, Debug, Default)]
 struct End {
     place: u32,
@@ -183,7 +183,7 @@ impl Sprung {
         self.ties.is_empty()
     }
 
-    /// Takes up all springs; `inverse_mass` is 0 for what cannot be moved.
+    /// Replaces all springs; `inverse_mass` is 0 for immovable particles.
     pub fn prepare<'a>(
         &mut self,
         springs: impl Iterator<Item = &'a Spring>,
@@ -230,8 +230,8 @@ impl Sprung {
         }
     }
 
-    /// Adds what the springs do in a sub-step of `step` seconds to the kicks: before the flight,
-    /// the mean velocity, and after it the last one.
+    /// Adds the effect of the springs in a sub-step of `step` seconds to the kicks: the flight gets
+    /// their mean velocity, and the velocity after it is the last one.
     pub fn act(&mut self, motions: &Motions, kicks: &mut [Kick], step: f64) {
         let parts = self.parts(step);
         let part = step / parts;
@@ -242,7 +242,7 @@ impl Sprung {
             let kick = &kicks[end.place as usize];
             end.velocity = [0, 1].map(|k| f64::from(velocity[k]) + kick.before[k]);
         }
-        // Springs stiffer than the parts can follow are softened (Gershgorin's bound).
+        // Springs that are too stiff for the parts are softened (Gershgorin's bound).
         let most_stiff = 0.5 * (MOST_SWING / part) * (MOST_SWING / part);
         let most_damped = MOST_DAMPING / part;
         let soften = |most: f64, own: f64| if own > most { most / own } else { 1.0 };
@@ -278,7 +278,7 @@ impl Sprung {
         }
     }
 
-    /// How many parts a sub-step needs.
+    /// The number of parts of a sub-step.
     fn parts(&self, h: f64) -> f64 {
         let most = |number: fn(&End) -> f64| self.ends.iter().map(number).fold(0.0, f64::max);
         let swings = (2.0 * most(|end| end.stiffness)).sqrt() * h / SWING;
@@ -287,7 +287,7 @@ impl Sprung {
     }
 }
 
-/// A velocity that a world can hold; 0 where infinities have met.
+/// A velocity within the limits of a world; 0 for NaN.
 fn bounded(value: f64) -> f64 {
     let most = f64::from(FARTHEST);
     if value.is_nan() { 0.0 } else { value.clamp(-most, most) }

@@ -1,20 +1,20 @@
-//! Walls that drive what bounces off them towards a speed.
+//! Walls that heat or cool the particles that bounce off them.
 
 use super::check_number;
 use crate::error::{Error, Result};
 
 /// Every bounce off a wall changes the speed s to s + rate · (speed − s), as in the
-/// article's lesson about gases.
+/// article.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermostat {
-    /// The speed that the walls have.
+    /// The speed to which the walls heat or cool.
     pub speed: f32,
-    /// Their share in a bounce, 0 to 1.
+    /// Relative change in one bounce, 0 to 1.
     pub rate: f32,
 }
 
 impl Thermostat {
-    /// Refuses numbers that no world can work with.
+    /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
         check_number("speed", self.speed, 0.0)?;
         if (0.0..=1.0).contains(&self.rate) {
@@ -23,7 +23,7 @@ impl Thermostat {
         Err(Error::of("rate", self.rate, "it must lie between 0 and 1"))
     }
 
-    /// The velocity after the bounce off a wall, from that which the bounce alone gives.
+    /// The velocity after a bounce off a wall, from that without a thermostat.
     pub fn drive(&self, velocity: [f64; 2]) -> [f64; 2] {
         let [x, y] = velocity;
         let speed = (x * x + y * y).sqrt();

@@ -2,10 +2,10 @@
 //!
 //! In one part of a step no particle may move further than an eighth of a torus, because it could
 //! collide with images that the search does not list. So a fast particle needs many parts. If only
-//! few are fast, they are held while all others make the step. Then each moves separately, in parts
-//! of its own, among the others, which do not move. It moves until its first hit: both particles
-//! get new velocities, and the rest of its displacement is lost. So the work depends on the parts
-//! of the fast particles only.
+//! few are fast, they are held while all others make the step. Then they move, in parts of their
+//! own, among the others, which do not move. Each moves until its first hit: both particles
+//! get new velocities, and the rest of its displacement is lost. So only the fast particles and
+//! their neighbours are computed in the additional parts.
 
 use std::cmp::Ordering;
 
@@ -17,7 +17,7 @@ use crate::quadtree::Quadtree;
 use crate::query::{self, Rect};
 use crate::shapes::{Each, Shapes};
 
-/// Up to this number of parts, all particles make them together.
+/// Up to this number of parts, the step of all particles is divided.
 const FEW_PARTS: f32 = 8.0;
 
 /// Particles are held if they are fewer than one in this number.
@@ -46,7 +46,7 @@ impl World {
     /// all particles would need `parts`. Returns whether there are any.
     pub(super) fn hold_the_fast(&mut self, dt: f32, parts: f32) -> bool {
         self.memory.fast.held.clear();
-        // Merging changes rows, which is not possible in the small world.
+        // Merging changes rows, which the small world cannot pass back.
         if parts <= FEW_PARTS || self.settings.on_touch == OnTouch::Merge {
             return false;
         }

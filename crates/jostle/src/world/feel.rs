@@ -1,4 +1,4 @@
-//! What the forces of a world do to its particles in a step.
+//! The forces of a world in a step: accelerations, kicks and springs.
 
 use super::{World, WorldSettings};
 use crate::container::Container;
@@ -9,26 +9,26 @@ use crate::groups::Groups;
 use crate::motion::Motions;
 use crate::particles::{self, Particles};
 
-/// What forces need; none of it is used in a world without them.
+/// Scratch of the forces; unused in a world without them.
 #[derive(Debug, Default)]
 pub(super) struct ForceMemory {
     pub(super) all: forces::Memory,
     /// The place of each row, where forces name rows.
     pub(super) places: Vec<u32>,
-    /// Where the particles are halfway along the sub-step.
+    /// Positions of the particles in the middle of the sub-step.
     pub(super) halfway: Vec<[f32; 2]>,
-    /// What forces give there; empty where none does.
+    /// Accelerations there; empty if no force has any.
     pub(super) accelerations: Vec<[f32; 2]>,
     pub(super) old_accelerations: Vec<[f32; 2]>,
-    /// How far springs may carry each particle aside; empty where there is none.
+    /// Estimated displacements by springs; empty if there are none.
     pub(super) reaches: Vec<f32>,
-    /// What hangs together by springs.
+    /// Islands of particles connected by springs.
     pub(super) groups: Groups,
     pub(super) sprung: Sprung,
 }
 
 impl ForceMemory {
-    /// Writes what the accelerations do in a sub-step.
+    /// Writes the kicks of the accelerations in a sub-step.
     pub(super) fn kick(&self, kicks: &mut [Kick], flow: &Flow) {
         for (kick, acceleration) in kicks.iter_mut().zip(&self.accelerations) {
             let by = acceleration.map(f64::from);
@@ -37,7 +37,7 @@ impl ForceMemory {
         }
     }
 
-    /// Writes where particles are in the middle of a sub-step of `h` seconds.
+    /// Writes the positions in the middle of a sub-step of `h` seconds.
     pub(super) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
         for (middle, place) in self.halfway.iter_mut().zip(0..) {
             let (position, velocity) = (motions.position(place), motions.velocity(place));
@@ -47,7 +47,7 @@ impl ForceMemory {
 }
 
 impl World {
-    /// Finds out what the forces do in the first sub-step. It does not depend on the
+    /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn feel(&mut self, dt: f32) -> Result<()> {
         let substeps = self.substeps();
@@ -108,7 +108,7 @@ pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs
     })
 }
 
-/// Writes the place of each row, if any force asks for it.
+/// Writes the place of each row, if any force names rows.
 pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>) {
     places.clear();
     if forces::name_rows(forces) {
@@ -119,7 +119,7 @@ pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>)
     }
 }
 
-/// The particles as forces see them, at some positions.
+/// The particles at some positions, as arguments of the forces.
 pub(super) fn bodies<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
@@ -137,7 +137,7 @@ pub(super) fn bodies<'a>(
     }
 }
 
-/// Finds the accelerations halfway along the sub-step.
+/// Computes the accelerations in the middle of the sub-step.
 pub(super) fn accelerate(
     all: &[Force],
     particles: &Particles,
@@ -149,13 +149,13 @@ pub(super) fn accelerate(
     forces::accelerate(all, &bodies, scratch, accelerations);
 }
 
-/// Where a particle would be in the middle of a sub-step of `h` seconds.
+/// Position of a free particle in the middle of a sub-step of `h` seconds.
 #[inline]
 fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
     [0, 1].map(|k| position[k] + velocity[k] * (0.5 * h))
 }
 
-/// How far forces may carry a particle aside from its straight way in `dt` seconds.
+/// Estimated displacement by forces in `dt` seconds, beside that of the velocity.
 pub(super) fn aside(acceleration: Option<&[f32; 2]>, reach: Option<&f32>, dt: f32) -> Option<f32> {
     let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
     match (pulled, reach) {

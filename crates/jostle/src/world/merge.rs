@@ -1,9 +1,9 @@
 //! Merging of particles that touch.
 //!
-//! During a step they pass through each other, and every sub-step notes which of
-//! them met: those whose straight ways came nearer than their radii. When the step
-//! ends, everything that hangs together by such meetings becomes one particle, and
-//! where that makes new ones touch, they follow, for a few rounds.
+//! During a step particles pass through each other. Each sub-step marks the candidate pairs
+//! that touch along their straight displacements. At the end of the step each island of
+//! touching particles merges into one. If merged particles overlap others, these merge too, in
+//! a limited number of iterations.
 
 use super::World;
 use crate::container::Container;
@@ -12,21 +12,21 @@ use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles};
 
-/// Rounds in which what merges makes others touch; the next step goes on from there.
+/// Iterations in a step at most; the next step merges the remaining overlaps.
 const ROUNDS: usize = 16;
 
-/// Two places that may meet during a step.
+/// A candidate pair of particles that may merge.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Meeting {
     places: [u32; 2],
-    /// The first, moved by minus this, is the one that is meant (torus).
+    /// Offset that is added to the second (torus).
     image: [f32; 2],
     /// Sum of the radii.
     reach: f32,
     happened: bool,
 }
 
-/// Lists the meetings to watch for.
+/// Lists the pairs to test.
 pub(super) fn expect(
     lists: &[([f32; 2], Vec<[u32; 2]>)],
     all: &Particles,
@@ -44,7 +44,7 @@ pub(super) fn expect(
     }
 }
 
-/// Notes who met during a sub-step that has just ended.
+/// Marks the pairs that touched during the sub-step that has just ended.
 pub(super) fn note(meetings: &mut [Meeting], motions: &Motions, threads: Option<usize>) {
     parallel::for_chunks(threads, meetings, |_, chunk| {
         chunk.iter_mut().for_each(|meeting| meeting.happened |= met(meeting, motions));
@@ -59,7 +59,7 @@ fn met(meeting: &Meeting, motions: &Motions) -> bool {
     let (offset, way) = (both(Motions::position), both(Motions::travel));
     let end = [0, 1].map(|k| offset[k] + f64::from(meeting.image[k]));
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    // Going back from the end, where are they nearest?
+    // The share of the displacement, back from its end, at which they are nearest.
     let back = if dot(way, way) > 0.0 { dot(end, way) / dot(way, way) } else { 0.0 };
     let back = back.clamp(0.0, 1.0);
     let nearest = [0, 1].map(|k| end[k] - way[k] * back);
@@ -68,7 +68,7 @@ fn met(meeting: &Meeting, motions: &Motions) -> bool {
 }
 
 impl World {
-    /// Makes one of those who met, and of those whom that makes touch.
+    /// Merges the particles that touched, and those that merged particles then overlap.
     pub(super) fn merge(&mut self) {
         let meetings = std::mem::take(&mut self.memory.meetings);
         let happened = meetings.iter().filter(|meeting| meeting.happened);
@@ -78,14 +78,14 @@ impl World {
             if touching.is_empty() || !self.merge_touching(&touching) {
                 return;
             }
-            // Too many pairs to list are left to the next step, which says so.
+            // If there are too many pairs to list, the next step returns the error.
             let Ok((overlaps, tests)) = self.overlapping() else { return };
             self.stats.tests += tests;
             touching = overlaps.into_iter().map(|overlap| overlap.places).collect();
         }
     }
 
-    /// Merges what hangs together by these pairs of places; returns whether anything did.
+    /// Merges each island of these pairs of places; returns whether any merged.
     fn merge_touching(&mut self, touching: &[[u32; 2]]) -> bool {
         let mut groups = Groups::default();
         groups.reset(self.len());
@@ -94,7 +94,7 @@ impl World {
             touching.iter().flatten().map(|&place| [groups.root(place), place]).collect();
         members.sort_unstable();
         members.dedup();
-        // Whose row each row becomes: a survivor has the first of its group.
+        // The new row of each old one, before renumbering: the smallest of its island.
         let mut heirs: Vec<u32> = (0..self.len() as u32).collect();
         let mut any = false;
         for group in members.chunk_by(|a, b| a[0] == b[0]) {
@@ -108,7 +108,7 @@ impl World {
             let rows = places.iter().map(|&place| self.rows[place]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);
-            // The union stands in the first place, which comes from the state, whatever its row.
+            // The merged particle has the first place: it comes from the state, not from the row.
             let holder = places.iter().position(|&place| self.rows[place] == first).unwrap_or(0);
             self.rows.swap(places[0], places[holder]);
         }
@@ -118,7 +118,7 @@ impl World {
         any
     }
 
-    /// Removes the rows that are not their own heirs.
+    /// Removes the rows that became others.
     fn close_up(&mut self, heirs: &[u32]) {
         let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
         let shifted = self.take_out(&gone);
@@ -132,8 +132,8 @@ impl World {
     }
 }
 
-/// The particle that these become: their area, mass and momentum at their centre of mass.
-/// None if there could be no such particle in this container.
+/// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it
+/// would not be valid or not fit into the container.
 fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Particles> {
     let origin = all.positions[places[0]].map(f64::from);
     let mut mass = 0.0f64;
@@ -156,7 +156,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
     if !(whole <= MASS_RANGE[1] && radius <= FARTHEST && container.check_fit(&[radius]).is_ok()) {
         return None;
     }
-    // What cannot be moved holds the others: the heaviest where there are several.
+    // The position is that of the heaviest immovable particle, if there is any.
     let anchors = places.iter().filter(|&&place| !all.movable[place]);
     let anchor = anchors
         .copied()
@@ -166,7 +166,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         None => {
             let center = [0, 1].map(|k| (origin[k] + moment[k] / mass) as f32);
             let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);
-            // By the mass as rounded, so that the momentum is right.
+            // Divided by the rounded mass, so that momentum is conserved.
             let inside = container.wrap(container.clamp(center, radius));
             (inside, momentum.map(|p| limit(p / f64::from(whole))))
         }

@@ -1,10 +1,10 @@
-//! The world: particles that move and collide, and the one function that knows
-//! the order of a step.
+//! The world: particles that move and collide. `World::step_once` defines the order
+//! of a step.
 //!
-//! Particles are kept in the canonical order of the last step (Z-order of their
-//! bounds, ties by state), so that neighbours in space are neighbours in memory
-//! and every sum and every loop runs in an order that comes from the state.
-//! `rows` leads back to the order of adding, which is all that callers see.
+//! Particles are kept in the canonical order of the last step: Morton order of their
+//! positions at its beginning, ties by their other values. So neighbours in space are
+//! neighbours in memory, and every sum and every loop runs in an order that comes from
+//! the state. `rows` gives the order of adding, which is the only one that callers see.
 
 mod bounds;
 mod fast;
@@ -44,30 +44,30 @@ use undo::{Before, Ordered};
 pub enum Stage {
     /// The bounds of every particle.
     Integrate,
-    /// The tree, and the particles in its order.
+    /// The tree of the bounds.
     Build,
-    /// The pairs that may touch.
+    /// The candidate pairs.
     Pairs,
-    /// Contacts from pairs, coloured.
+    /// The particles in the order of the tree, their neighbours, and the contacts, coloured.
     Contacts,
-    /// Velocities and positions from contacts.
+    /// The sub-steps: resting contacts, collisions in the order of time, position correction.
     Resolve,
-    /// The forces, before and between the other stages; only if there are forces.
+    /// The forces, before the other stages and in each sub-step; only if there are forces.
     Forces,
 }
 
-/// The search of the last step.
+/// The search of the last step, and its unresolved particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
-    /// Boxes of the tree.
+    /// Nodes of the tree.
     pub nodes: usize,
-    /// Boxes that did not split.
+    /// Nodes without children.
     pub leaves: usize,
-    /// Subdivisions above the deepest box.
+    /// Subdivisions above the deepest node.
     pub depth: usize,
     /// Pairs tested.
     pub tests: u64,
-    /// Particles that had so many collisions in a part of the step that they stood still for the
+    /// Particles that had too many collisions in a part of the step, and stood still for the
     /// rest of the step.
     pub unresolved: u64,
 }
@@ -83,7 +83,7 @@ pub struct Touch {
     pub depth: f32,
 }
 
-/// Particles, walls and rules.
+/// Particles, their settings and forces.
 ///
 /// ```
 /// use jostle::{Particles, World, WorldSettings};
@@ -98,10 +98,11 @@ pub struct Touch {
 pub struct World {
     settings: WorldSettings,
     forces: Vec<Force>,
-    /// In canonical order, as everything below.
+    /// In canonical order, like `rows`, `wall_pushes` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
     rows: Vec<u32>,
+    /// Impulse over mass that each wall gave in the last sub-step, at rest.
     wall_pushes: Vec<[f32; MAX_WALLS]>,
     contacts: Contacts,
     time: f64,
@@ -114,12 +115,13 @@ pub struct World {
 /// Scratch of a step.
 #[derive(Debug, Default)]
 struct Memory {
-    /// What the event-driven step needs, see [`substeps`].
+    /// A multiple of the mean speed, for the bounds.
     usual_speed: f32,
-    /// Distances from the positions at the beginning to the bounds.
+    /// Largest displacements that stay in the bounds.
     reaches: Vec<f32>,
     old_reaches: Vec<f32>,
     grown: bounds::Grown,
+    /// Particles that move in the step: movable, not held, not exhausted.
     moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
@@ -132,22 +134,22 @@ struct Memory {
     resting: Resting,
     correction: Correction,
     sorting: SortScratch,
-    /// The pairs that may touch.
+    /// The candidate pairs.
     pairs: search::Lists,
-    /// Those that overlap as an event-driven step begins.
+    /// Those that overlap at the beginning of a step in which nothing can rest.
     overlaps: search::Lists,
-    /// Candidate pairs where touching particles merge.
+    /// The candidate pairs of a world whose particles merge.
     meetings: Vec<merge::Meeting>,
     kicks: Vec<Kick>,
     forces: ForceMemory,
     fast: FastMemory,
     before: Before,
-    /// The columns that the first part of a step moves to `before`, for its other parts.
+    /// Columns to reorder into, for all parts of a step but the first.
     spare: Ordered,
 }
 
 impl World {
-    /// A world of `particles`. Refuses what no world can hold.
+    /// A world of `particles`. Refuses invalid particles and settings.
     pub fn new(particles: Particles, settings: WorldSettings) -> Result<Self> {
         let mut world = Self::default();
         world.configure(settings)?;
@@ -165,12 +167,12 @@ impl World {
         self.rows.is_empty()
     }
 
-    /// The rules.
+    /// The settings.
     pub fn settings(&self) -> &WorldSettings {
         &self.settings
     }
 
-    /// Changes the rules. Refused rules leave the old ones.
+    /// Changes the settings. If they are refused, the old ones stay.
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
@@ -186,15 +188,15 @@ impl World {
         &self.forces
     }
 
-    /// Changes the forces. They name particles by their rows. Refused forces leave the
-    /// old ones.
+    /// Changes the forces. They name particles by their rows. If they are refused, the old
+    /// ones stay.
     pub fn set_forces(&mut self, forces: Vec<Force>) -> Result<()> {
         forces::validate(&forces, self.len())?;
         self.forces = forces;
         Ok(())
     }
 
-    /// Adds particles behind the others and returns their rows.
+    /// Adds particles after the others and returns their rows.
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
@@ -209,8 +211,8 @@ impl World {
         Ok(old as u32..new as u32)
     }
 
-    /// Removes the particles in `rows`; the rows behind them close up. Springs and
-    /// attractors that name one go with it.
+    /// Removes the particles in `rows`; the rows after them move up. Springs and
+    /// attractors of a removed particle are removed too.
     pub fn remove(&mut self, rows: &[u32]) -> Result<()> {
         self.check_rows(rows)?;
         let mut gone = vec![false; self.len()];
@@ -223,7 +225,7 @@ impl World {
         Ok(())
     }
 
-    /// Takes rows out and lets the others close up; returns how many are left before each.
+    /// Removes rows, so that the others move up; returns how many remain before each.
     fn take_out(&mut self, gone: &[bool]) -> Vec<u32> {
         let mut shifted = Vec::with_capacity(self.len());
         let mut left = 0;
@@ -362,7 +364,7 @@ impl World {
         self.time
     }
 
-    /// The search of the last step.
+    /// Numbers of the last step.
     pub fn stats(&self) -> Stats {
         self.stats
     }

@@ -10,8 +10,8 @@ use crate::quadtree::Quadtree;
 use crate::settings::Method;
 use crate::shapes::{Each, Shapes};
 
-/// Sorted pairs of places: those of the plane, then those across each seam of a torus. There
-/// the first of a pair, moved by minus the offset, is the one that is meant.
+/// Pairs of places, a list for each offset: first those in the plane, with offset 0, then those
+/// across each seam of a torus. A pair overlaps if the second is moved by the offset.
 pub(super) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
 
 /// Lists the pairs of shapes that overlap, sorted if there is memory to sort them in; returns how
@@ -22,7 +22,7 @@ pub(super) fn list(
     mut sorting: Option<&mut SortScratch>,
     lists: &mut Lists,
 ) -> Result<u64> {
-    // Brute force is worth other threads long before a tree is.
+    // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
     let brute = settings.method == Method::Brute;
     lists.clear();
@@ -100,13 +100,13 @@ impl World {
         Ok((found, tests))
     }
 
-    /// The same as callers see them.
+    /// The overlapping pairs by row, as callers see them.
     pub(super) fn overlaps(&self) -> Result<Vec<Touch>> {
         let touch = |Overlap { places, offset, reach }: Overlap| {
             let [i, j] = places.map(|place| self.rows[place as usize]);
             let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
             let sign = if i < j { 1.0 } else { -1.0 };
-            // Coincident centres have no direction of their own and get +x.
+            // The normal of coincident centres is +x.
             let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
             Touch { pair: [i.min(j), i.max(j)], normal, depth: reach - length }
         };

@@ -1,47 +1,46 @@
-//! What a world can be told, apart from its particles and forces.
+//! The settings of a world, apart from its particles and forces.
 
 use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::particles;
 use crate::settings::{Method, Settings};
 
-/// What becomes of particles that touch.
+/// What happens to particles that touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnTouch {
-    /// They bounce, or lean on each other.
+    /// They bounce, or rest on each other.
     #[default]
     Bounce,
-    /// They become one: area, mass and momentum are summed up, at the centre of mass.
-    /// Where one cannot be moved, all end up in it, and their momentum is lost.
+    /// They merge at the centre of mass: area, mass and momentum are summed. If one of them
+    /// is immovable, they merge at its position, and momentum is lost.
     Merge,
     /// They pass through each other.
     Ignore,
 }
 
-/// The rules of a world, apart from its particles.
+/// The settings of a world, apart from its particles and forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldSettings {
     /// Acceleration of everything movable, world units per second squared.
     pub gravity: [f32; 2],
-    /// Rate at which speeds die away, per second: dv/dt = −drag · v.
+    /// Linear damping, per second: dv/dt = −drag · v.
     pub drag: f32,
-    /// The world's share of every bounce, 0 to 1.
+    /// Coefficient of restitution of the world, 0 to 1; multiplied by those of the particles.
     pub restitution: f32,
     /// The walls.
     pub container: Container,
-    /// What becomes of particles that touch.
+    /// What happens to particles that touch.
     pub on_touch: OnTouch,
-    /// How pairs are found. Both give the same world.
+    /// How pairs are found. The result is the same.
     pub method: Method,
-    /// Parts of a step in which forces act and resting contacts are solved, at least 1. None: as
-    /// many as the scene needs, which is 1 if flights are exact and nothing can rest, otherwise
-    /// [`DEFAULT_SUBSTEPS`].
+    /// Sub-steps of a step, in which forces act and resting contacts are solved, at least 1.
+    /// None: 1 if flights are exact and nothing can rest, otherwise [`DEFAULT_SUBSTEPS`].
     pub substeps: Option<usize>,
     /// Leaf capacity, maximum depth and threads.
     pub tree: Settings,
 }
 
-/// Sub-steps of a world in which contacts can rest: enough for piles.
+/// Sub-steps of a step with forces or resting contacts: piles then rest with small overlaps.
 pub const DEFAULT_SUBSTEPS: usize = 4;
 
 impl Default for WorldSettings {

@@ -1,8 +1,8 @@
-//! A world as bytes, from which it goes on to the bit.
+//! A world as bytes. A world restored from them continues with the same bits.
 //!
-//! Everything that the next step depends on is in them: settings, forces, particles in
-//! their canonical order, what walls and neighbours hold up at rest. Columns that are the
-//! same for all particles take one value.
+//! They contain everything that the next step depends on: settings, forces, particles in
+//! their canonical order, and the impulses of resting contacts with walls and particles. A
+//! column with the same value for all particles is stored as one value.
 
 use super::{OnTouch, Stats, World, WorldSettings};
 use crate::bytes::{Reader, Writer, damaged};
@@ -13,14 +13,14 @@ use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, T
 use crate::particles::Particles;
 use crate::settings::{Method, Settings};
 
-/// What the bytes begin with.
+/// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Changes with every change of what follows.
+/// Version of the format of the other bytes.
 const VERSION: u32 = 2;
 
 impl World {
-    /// All of the world in bytes that are the same on every machine.
+    /// The whole world in bytes, the same on every machine.
     ///
     /// ```
     /// use jostle::{Particles, World, WorldSettings};
@@ -75,7 +75,7 @@ impl World {
         get_wall_pushes(&mut from, &mut world.wall_pushes)?;
         world.contacts.recall(get_contacts(&mut from, len)?, len);
         let count = from.get_count()?;
-        // Not reserved: a count may be anything.
+        // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
         world.set_forces(forces?).map_err(valid)?;
         from.close()?;

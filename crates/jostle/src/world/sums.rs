@@ -1,4 +1,4 @@
-//! A world summed up: momentum, energies, and one number for its state.
+//! Sums over a world: momentum, energies, and a hash of its state.
 
 use super::World;
 use super::feel::{bodies, find_places};
@@ -24,8 +24,8 @@ impl World {
         masses.iter().zip(velocities).map(energy).sum()
     }
 
-    /// Energy in the field of gravity, of everything movable, and in all forces that have
-    /// a potential: attractors, as if their poles stood still, springs and gravitation.
+    /// Energy of all movable particles in the field of gravity, and of all forces that have
+    /// a potential: attractors (with poles taken as fixed), springs and gravitation.
     pub fn potential_energy(&self) -> f64 {
         let Particles { masses, positions, movable, .. } = &self.particles;
         let [gx, gy] = self.settings.gravity.map(f64::from);
@@ -53,8 +53,8 @@ impl World {
         parallel::among(self.threads(), || self.forces.iter().map(energy).sum())
     }
 
-    /// Energy of everything movable in the field of an attractor, whose own particle feels
-    /// nothing of it.
+    /// Energy of all movable particles in the field of an attractor, which does not act on its
+    /// own particle.
     fn energy_at(&self, attractor: &Attractor, bodies: &Bodies<'_>) -> f64 {
         let (pole, own) = match attractor.pole {
             Pole::Point(point) => (point, None),
@@ -74,7 +74,7 @@ impl World {
         (0..self.len()).filter(felt).map(energy).sum()
     }
 
-    /// 64 bits that are the same for the same particles on every platform.
+    /// A 64-bit hash of the particles, the same on every platform.
     pub fn state_hash(&self) -> u64 {
         let all = self.particles();
         let mut hash = 0xcbf2_9ce4_8422_2325u64;

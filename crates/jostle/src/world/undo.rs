@@ -14,8 +14,8 @@ pub(super) struct Ordered {
     pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
 }
 
-/// The world before the current step. Almost nothing is copied: the first part of a step moves
-/// the old columns and contacts here and writes new ones.
+/// The world before the current step. The first part of a step moves the old columns and contacts
+/// here and writes new ones, so almost nothing is copied.
 #[derive(Debug, Default)]
 pub(super) struct Before {
     /// Whether the old columns and contacts are here.

@@ -1,4 +1,4 @@
-"""What a person can do, in reading order.
+"""User actions, in reading order.
 
 ======================= ========================================================================
 controls                the table of keys

@@ -1,4 +1,4 @@
-"""What a person does to particles: make, copy, remove, stop, fix, scatter; and walls of beads."""
+"""Commands on particles: make, copy, remove, stop, fix, scatter; and walls of discs."""
 
 from __future__ import annotations
 

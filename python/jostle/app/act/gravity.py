@@ -1,4 +1,4 @@
-"""The direction and strength of gravity, changed while everything falls."""
+"""Changes of the direction and strength of gravity while the scene runs."""
 
 from __future__ import annotations
 

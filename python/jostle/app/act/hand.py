@@ -1,4 +1,4 @@
-"""Pick up and throw: a cursor in the world that may hold one particle."""
+"""Dragging and throwing of one particle with the cursor."""
 
 from __future__ import annotations
 

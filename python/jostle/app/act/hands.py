@@ -1,4 +1,4 @@
-"""What a person does to the scene with the mouse: the part of a session that is about it."""
+"""The part of a session that handles the mouse in the scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mouse and keys to acts on a session: what a click, a drag, a turn of the wheel or a key means."""
+"""Translation of mouse and key events into actions on a session."""
 
 from __future__ import annotations
 

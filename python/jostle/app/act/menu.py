@@ -1,4 +1,4 @@
-"""What the right mouse button offers, as data: menus draw it, and tests act on it without them.
+"""The items of the context menus as data, which menus draw and tests use.
 
 On a particle: its numbers, and what can be done to it, or to the selection that it belongs to.
 On the ground: what can be done to everything.

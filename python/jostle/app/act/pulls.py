@@ -1,4 +1,4 @@
-"""What a person lets attract the rest: places, particles, and the cursor while Space is held.
+"""Attractors of the user: points, particles, and the cursor while Space is held.
 
 All of them pull by distance × strength, as in the article's fuller program, whatever the mass.
 """

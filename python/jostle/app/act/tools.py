@@ -1,4 +1,4 @@
-"""What the left mouse button does: pick up and select, draw a wall, place an attractor."""
+"""The tools of the left mouse button: pick up and select, draw a wall, place an attractor."""
 
 from __future__ import annotations
 

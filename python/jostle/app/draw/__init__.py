@@ -1,4 +1,4 @@
-"""What is seen, in reading order.
+"""Drawing, in reading order.
 
 ======================= ========================================================================
 palette, camera         every colour, in one place; world to screen and back, pan and zoom

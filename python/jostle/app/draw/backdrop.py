@@ -1,4 +1,4 @@
-"""The scene beside the window: a picture that takes long is drawn in a thread of its own.
+"""Background rendering: a slow picture is drawn in a worker thread.
 
 Meanwhile the last finished one is shown, moved and stretched to where the camera looks now. So a
 million particles slow the picture, and neither the mouse nor the panels.

@@ -1,4 +1,4 @@
-"""Which few of many to draw: always the same ones, so that nothing flickers."""
+"""The choice of a few of many objects to draw: always the same ones, so that nothing flickers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The painter on a graphics card: every stroke is one call, however many discs it draws.
+"""The painter on a graphics card: each method is one draw call for any number of discs.
 
 It draws into a texture of its own, so that the picture can be read at any time, and `show` puts
 that on the window.

@@ -1,4 +1,4 @@
-"""What can be drawn: the few strokes that every picture is made of, whoever draws them.
+"""The interface of painters: the operations that draw every picture.
 
 Everything is in pixels of the canvas, x to the right and y down, as columns of numbers: which
 discs and lines there are is decided once, above; a painter only puts them on the screen.

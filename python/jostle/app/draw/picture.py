@@ -1,4 +1,4 @@
-"""All layers in their order: the one picture of window and film."""
+"""All layers of the picture in their order, for the window and films."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which painter: the graphics card where there is one, else the processor.
+"""The choice of the painter: the graphics card if there is one, else the processor.
 
 OpenGL that the processor has to play is slower than stamps, so it counts only where it is asked
 for by name.

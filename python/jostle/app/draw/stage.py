@@ -1,4 +1,4 @@
-"""The ground, the walls and the discs: what every picture begins with."""
+"""The background, the walls and the discs, which are the lowest layers of every picture."""
 
 from __future__ import annotations
 

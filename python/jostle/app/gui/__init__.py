@@ -1,4 +1,4 @@
-"""The host of ImGui, in reading order; nothing is imported where it is not installed.
+"""The host of ImGui, in reading order; nothing is imported if it is not installed.
 
 ======================= ========================================================================
 keys, style             pygame's keys in ImGui's words; colours, spacing and the face of the app

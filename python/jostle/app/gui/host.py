@@ -1,4 +1,4 @@
-"""The host of ImGui: one context, events in, panels out, whoever draws them.
+"""The host of ImGui: one context, which takes events and returns panels to draw.
 
 imgui-bundle is not there for every Python; the app goes on without it, so ask `available` first.
 """

@@ -1,4 +1,4 @@
-"""How much room the panels have: they leave the scene the better part of every window."""
+"""The layout of the window: the panels leave most of it to the scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The look of the panels: the palette of the app, quiet frames, room to breathe."""
+"""The style of the panels: the palette of the app, thin frames, wide margins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lasts, in reading order.
+"""Files and history, in reading order.
 
 ======================= ========================================================================
 history                 the last half minute: snapshots, and the steps between made again

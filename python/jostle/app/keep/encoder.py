@@ -1,4 +1,4 @@
-"""Pictures to MP4 and GIF: one ffmpeg that is fed frames, and says what went wrong."""
+"""Encoding of frames as MP4 and GIF with ffmpeg, and its errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The last half minute, to go back to: snapshots within a budget of memory, and steps between.
+"""The history of the last half minute: snapshots within a budget of memory, and the steps between.
 
 A *moment* is the state after a step. Some moments hold a snapshot; the others are made again from
 the snapshot before them, which gives the same bits, unless a person has acted in between. Moments

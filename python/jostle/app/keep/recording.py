@@ -1,4 +1,4 @@
-"""A film of a session: drawn and written beside the window, which never waits for it.
+"""A film of a session, drawn and written by a worker thread; the UI thread never blocks on it.
 
 The window hands over frames, which nobody changes any more; a thread draws them with a painter of
 its own, so the film has its own size, and feeds an encoder. The queue between them is short. When

@@ -1,4 +1,4 @@
-"""The statistics: where the time goes, how many pairs are tested, what energy and momentum do."""
+"""The statistics panel: times of the stages, tested pairs, energy and momentum."""
 
 from __future__ import annotations
 

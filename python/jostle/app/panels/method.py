@@ -1,4 +1,4 @@
-"""How pairs are found, by whose rules they bounce, and a race of two methods."""
+"""The panel of the method: search for pairs, rules of collisions, and a race of two methods."""
 
 from __future__ import annotations
 

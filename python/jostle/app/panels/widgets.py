@@ -1,4 +1,4 @@
-"""The few widgets that all panels are made of, in one look: label, control, number at the right."""
+"""The widgets of all panels in one style: label, control, number at the right."""
 
 from __future__ import annotations
 

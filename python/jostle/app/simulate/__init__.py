@@ -1,4 +1,4 @@
-"""What runs, in reading order.
+"""Simulations, in reading order.
 
 ======================= ========================================================================
 rules, settings         what to simulate: the command, a file and the sliders have it in common

@@ -1,4 +1,4 @@
-"""The article's own programs in the same window: `jostle.article.Simulation` as the app sees it."""
+"""The article's programs in the app: `jostle.article.Simulation` as a `Simulation`."""
 
 from __future__ import annotations
 

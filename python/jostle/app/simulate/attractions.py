@@ -1,4 +1,4 @@
-"""The attractions that a person has placed, as forces of a world behind those of its own."""
+"""Attractors placed by the user, as forces of a world after its own forces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From one set of rules to the other with the same particles, each where it is."""
+"""Switching between the rules of jostle and of the article, with the same particles."""
 
 from __future__ import annotations
 

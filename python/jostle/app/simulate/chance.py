@@ -1,4 +1,4 @@
-"""Chance that comes out the same everywhere: no sine in it, whose last bits differ by machine."""
+"""Random numbers that are the same on every machine: computed without a library sine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the app knows of the particles of a world beside it, row by row.
+"""Columns of particles that the app adds to those of a world.
 
 Rows move up when others are removed or merge; tags do not. So whatever changes the rows of a world
 tells its columns.

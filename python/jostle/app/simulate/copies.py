@@ -1,4 +1,4 @@
-"""Copies of particles, at places where nothing is."""
+"""Copies of particles at free positions."""
 
 from __future__ import annotations
 

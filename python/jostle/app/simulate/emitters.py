@@ -1,4 +1,4 @@
-"""What a world does not have: nozzles that add drops, and a cap above which the oldest go."""
+"""Emitters that add particles to a world, and a limit above which the oldest are removed."""
 
 from __future__ import annotations
 

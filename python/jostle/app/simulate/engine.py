@@ -1,4 +1,4 @@
-"""Who steps the simulation, and when: short steps at once, long ones beside the window.
+"""The engine: makes short steps at once, and long ones in a worker thread.
 
 Only one thread at a time uses a simulation. While a long step is under way the window goes on
 with the last frame, and edits wait; so a million particles slow the picture, never the hand.

@@ -1,4 +1,4 @@
-"""New simulations of very many particles, made beside the window while the old one is shown."""
+"""New simulations of very many particles, made by a worker thread while the old one is shown."""
 
 from __future__ import annotations
 

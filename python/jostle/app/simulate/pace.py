@@ -1,4 +1,4 @@
-"""Real time to whole steps of fixed length."""
+"""Conversion of real time to whole steps of fixed length."""
 
 from __future__ import annotations
 

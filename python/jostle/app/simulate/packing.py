@@ -1,4 +1,4 @@
-"""Facts and arrays in one piece of bytes: what states and scene files are made of.
+"""Numbers and arrays packed into bytes, for states and scene files.
 
 A first line that says what it is, a header in JSON with the facts and the arrays' names, types and
 shapes, then the arrays' bytes in that order, little-endian. Nothing in it is ever executed.

@@ -1,4 +1,4 @@
-"""What the app asks of a simulation, whichever rules it follows, and what it gets to see."""
+"""The interface of simulations of either rules, and the frames that they return."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A world as a frame: its columns, the numbers of its last step, and what is asked for beside."""
+"""A world as a frame: its columns, the numbers of its last step, and requested extras."""
 
 from __future__ import annotations
 

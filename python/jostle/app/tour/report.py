@@ -1,4 +1,4 @@
-"""What the command shows of a tour: a bar while it is under way, and a table at its end."""
+"""The output of the command `jostle tour`: a progress bar, and a table at its end."""
 
 from __future__ import annotations
 

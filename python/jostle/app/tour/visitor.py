@@ -1,4 +1,4 @@
-"""A person at a window without a display, who does the same things each time.
+"""Scripted user input in a window without a display, the same each time.
 
 Their time is counted in frames of a sixtieth of a second, not by a clock, so that the same visit
 gives the same picture.

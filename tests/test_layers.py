@@ -1,4 +1,4 @@
-"""The rules of the house (ARCHITECTURE.md): who may know whom, and what a file may name."""
+"""The rules of ARCHITECTURE.md: which part may import which, and what a file may name."""
 
 import ast
 import re
@@ -29,14 +29,14 @@ def names_of(paths: list[Path], base: Path) -> list[str]:
     return [path.relative_to(base).as_posix() for path in paths]
 
 
-# ---- who depends on whom -------------------------------------------------------------------------
+# ---- dependencies --------------------------------------------------------------------------------
 
 MAY_DEPEND_ON = {"jostle": {"rayon"}, "jostle-py": {"jostle", "numpy", "pyo3"}}
 MANIFESTS = sorted(ROOT.glob("crates/*/Cargo.toml"))
 
 
 @pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda path: path.parent.name)
-def test_crate_depends_only_on_what_its_room_allows(manifest: Path) -> None:
+def test_crate_depends_only_on_what_its_layer_allows(manifest: Path) -> None:
     crate = tomllib.loads(manifest.read_text(encoding="utf-8"))
     assert set(crate["dependencies"]) <= MAY_DEPEND_ON[crate["package"]["name"]]
     assert not {"build-dependencies", "target"} & set(crate)
@@ -101,7 +101,7 @@ def branches(tree: str) -> Iterator[str]:
 
 
 def from_the_root(path: str, file: Path) -> str | None:
-    """The path as seen from lib.rs, without `crate::`; None if it leads elsewhere."""
+    """The path relative to lib.rs, without `crate::`; None if it is outside the crate."""
     parts = path.split("::")
     if parts[0] == "crate":
         return "::".join(parts[1:])
@@ -122,7 +122,7 @@ def test_the_modules_of_the_core_are_found() -> None:
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=names_of(SOURCES, CORE))
-def test_core_knows_no_world_outside(source: Path) -> None:
+def test_core_uses_nothing_outside(source: Path) -> None:
     code = rust_code(source)
     said = " ".join([*rust_paths(code), *re.findall(r"\w+!", code)])
     found = [name for name in FORBIDDEN_IN_CORE if re.search(rf"\b{name}(?!\w)", said)]
@@ -149,7 +149,7 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 COMMAND = {"cli.py", "interrupt.py", "tables.py"}
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
-# The files of the app that act on a simulation; all others look at it.
+# The files of the app that act on a simulation; all others only read it.
 ACTING = {
     *("world_simulation", "article_simulation", "carry", "engine", "session", "running", "report"),
     *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
@@ -160,7 +160,7 @@ ACTS = {"step", "restart", "adjust", "attract", "drag", "change", "load", "add",
 
 
 def imports(path: Path) -> Iterator[str]:
-    """The full name of everything that a file imports, wherever in the file it does."""
+    """The full name of everything that a file imports, at any place in the file."""
     package = ["jostle", *path.relative_to(PACKAGE).parts[:-1]]
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
@@ -198,21 +198,21 @@ def test_importing_jostle_loads_no_part_of_the_app() -> None:
 SIBLINGS = ("app", "bench", "tune")
 
 
-@pytest.mark.parametrize("room", SIBLINGS)
-def test_siblings_do_not_know_each_other(room: str) -> None:
-    others = "|".join({*SIBLINGS, "cli"} - {room})
+@pytest.mark.parametrize("package", SIBLINGS)
+def test_siblings_do_not_import_each_other(package: str) -> None:
+    others = "|".join({*SIBLINGS, "cli"} - {package})
     above = rf"jostle\.(?:{others})\b"
-    for path in sorted((PACKAGE / room).rglob("*.py")):
+    for path in sorted((PACKAGE / package).rglob("*.py")):
         assert not [name for name in imports(path) if re.match(above, name)], path.name
 
 
-def test_only_the_pictures_of_the_tuning_know_matplotlib() -> None:
-    knowing = {
+def test_only_the_pictures_of_the_tuning_import_matplotlib() -> None:
+    importing = {
         path.relative_to(PACKAGE).as_posix()
         for path in PACKAGE.rglob("*.py")
         if any(name.split(".")[0] == "matplotlib" for name in imports(path))
     }
-    assert knowing == {"tune/pictures.py"}
+    assert importing == {"tune/pictures.py"}
 
 
 def test_bench_imports_a_rival_only_when_it_is_measured() -> None:
@@ -227,27 +227,27 @@ def test_bench_imports_a_rival_only_when_it_is_measured() -> None:
     assert not {*rivals, "scipy", "matplotlib", "rich", "typer", "jostle.app"} & set(loaded)
 
 
-ROOMS = {path.parent: path for path in sorted(APP.glob("*/__init__.py"))}
+PACKAGES = {path.parent: path for path in sorted(APP.glob("*/__init__.py"))}
 
 
-def reading_order(room: Path) -> list[str]:
-    """The files of a room of the app, as the table in its docstring lists them."""
-    words = ast.get_docstring(ast.parse(ROOMS[room].read_text(encoding="utf-8")))
+def reading_order(package: Path) -> list[str]:
+    """The files of a package of the app, as the table in its docstring lists them."""
+    words = ast.get_docstring(ast.parse(PACKAGES[package].read_text(encoding="utf-8")))
     rows = re.findall(r"^(\w+(?:, \w+)*) {2,}\S", words, re.M)
     return [name for row in rows for name in row.split(", ")]
 
 
-@pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.name)
-def test_the_table_of_a_room_lists_each_file_once(room: Path) -> None:
-    files = {path.stem for path in room.glob("*.py")} - {"__init__"}
-    assert sorted(reading_order(room)) == sorted(files)
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_the_table_of_a_package_lists_each_file_once(package: Path) -> None:
+    files = {path.stem for path in package.glob("*.py")} - {"__init__"}
+    assert sorted(reading_order(package)) == sorted(files)
 
 
-@pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.name)
-def test_a_file_uses_only_files_above_it_in_the_table(room: Path) -> None:
-    order, home = reading_order(room), f"jostle.app.{room.name}."
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_a_file_uses_only_files_above_it_in_the_table(package: Path) -> None:
+    order, home = reading_order(package), f"jostle.app.{package.name}."
     for place, name in enumerate(order):
-        for used in imports(room / f"{name}.py"):
+        for used in imports(package / f"{name}.py"):
             file = used.removeprefix(home).split(".")[0]
             if used.startswith(home) and file in order:
                 assert file in order[:place], f"{name} uses {file}, which is not above it"
@@ -255,7 +255,7 @@ def test_a_file_uses_only_files_above_it_in_the_table(room: Path) -> None:
 
 @pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))
 def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
-    """It may hold a simulation, but neither sets anything in it nor tells it to act."""
+    """Drawing code may hold a simulation, but sets nothing in it and calls no method that acts."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         written = isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del))
         told = isinstance(node, ast.Attribute) and node.attr in ACTS
@@ -264,7 +264,7 @@ def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
             assert not owner & {"simulation", "world", "frame"}, f"line {node.lineno} writes"
 
 
-# Everything that a state comes from without a person's doing, but for the article's own programs.
+# The modules that determine a state without user input, except the article's own programs.
 STATE = ["chance", "emitters", "room", "start", "walls"]
 
 
@@ -280,7 +280,7 @@ def test_states_come_from_no_function_that_differs_by_machine(name: str) -> None
 
 
 def files_of_the_repository() -> list[Path]:
-    """Those that git keeps or would keep."""
+    """The files that git tracks, and those that it does not ignore."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     try:
         listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
@@ -289,7 +289,7 @@ def files_of_the_repository() -> list[Path]:
     return [path for path in map(ROOT.joinpath, listed.stdout.splitlines()) if path.is_file()]
 
 
-# Taken apart, or this file would name them.
+# Split, so that this file does not contain them.
 HOSTS = [
     "py" + "pi.org",
     "pythonhosted" + ".org",
@@ -301,7 +301,7 @@ PLACES = ["work", "root", "home"]
 
 
 def test_no_file_names_a_registry_or_a_place_on_one_machine() -> None:
-    """Cargo.lock may name the index of its crates, which is the same for everybody."""
+    """Cargo.lock may name the index of its crates, which is the same on every machine."""
     hosts = "|".join(map(re.escape, HOSTS))
     places = "|".join(PLACES)
     named = re.compile(rf"(?:{hosts})(?!-index)|(?<![\w.~])/(?:{places})/")
