@@ -23,11 +23,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from event_driven import Floats, Result, simulate
+from gases import Container, displacements, lattice, random_velocities, torus
 from numpy.typing import ArrayLike
 
 import jostle
 
-Container = jostle.Box | jostle.Circle | jostle.Torus | None
 EPSILON = float(np.finfo(np.float32).eps)
 
 
@@ -69,10 +69,7 @@ def world(state: Discs, **settings: Any) -> jostle.World:
 
 def separation(a: ArrayLike, b: ArrayLike, container: Container = None) -> Floats:
     """Return the distance of each position from its counterpart, on a torus the minimum image."""
-    d = np.asarray(a, float) - np.asarray(b, float)
-    if isinstance(container, jostle.Torus):
-        period = np.array([container.width, container.height])
-        d -= period * np.rint(d / period)
+    d = displacements(a, b, container)
     lengths: Floats = np.hypot(d[:, 0], d[:, 1])
     return lengths
 
@@ -87,31 +84,6 @@ def deepest(positions: ArrayLike, radii: Floats, container: Container = None) ->
     i, j = np.triu_indices(len(positions), 1)
     distances = separation(positions[i], positions[j], container)
     return float((radii[i] + radii[j] - distances).max())
-
-
-def lattice(n: int, width: float, height: float) -> Floats:
-    """Return n points of a triangular lattice that is periodic in the rectangle."""
-    columns = max(1, round(math.sqrt(n * width / height * math.sqrt(3) / 2)))
-    rows = 2 * math.ceil(n / columns / 2)
-    k = np.arange(n)
-    shift = np.where(k // columns % 2, 0.75, 0.25)
-    return np.stack(
-        [(k % columns + shift) * width / columns, (k // columns + 0.5) * height / rows], 1
-    )
-
-
-def random_velocities(n: int, rng: np.random.Generator) -> Floats:
-    """Return Maxwellian velocities of mean speed 1 and total momentum 0, for equal masses."""
-    velocities = rng.normal(size=(n, 2))
-    velocities -= velocities.mean(axis=0)
-    scaled: Floats = velocities * math.sqrt(4 / math.pi / (velocities**2).sum(axis=1).mean())
-    return scaled
-
-
-def torus(n: int, eta: float) -> jostle.Torus:
-    """Return the square torus in which n discs of radius 1 cover the share eta of the area."""
-    side = math.sqrt(n * math.pi / eta)
-    return jostle.Torus(side, side)
 
 
 def gas(n: int, eta: float, seed: int, container: Container, **settings: Any) -> Discs:
