@@ -1,0 +1,51 @@
+"""Hard discs for tests: a lattice to start from, Maxwellian velocities, and a torus.
+
+Lengths are in radii, and the mean speed is 1: a step of `dt` is one of `dt` radii of mean
+displacement.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import jostle
+
+Floats = NDArray[np.float64]
+Container = jostle.Box | jostle.Circle | jostle.Torus | None
+
+
+def lattice(n: int, width: float, height: float) -> Floats:
+    """Return n points of a triangular lattice that is periodic in the rectangle."""
+    columns = max(1, round(math.sqrt(n * width / height * math.sqrt(3) / 2)))
+    rows = 2 * math.ceil(n / columns / 2)
+    k = np.arange(n)
+    shift = np.where(k // columns % 2, 0.75, 0.25)
+    return np.stack(
+        [(k % columns + shift) * width / columns, (k // columns + 0.5) * height / rows], 1
+    )
+
+
+def random_velocities(n: int, rng: np.random.Generator) -> Floats:
+    """Return Maxwellian velocities of mean speed 1 and total momentum 0, for equal masses."""
+    velocities = rng.normal(size=(n, 2))
+    velocities -= velocities.mean(axis=0)
+    scaled: Floats = velocities * math.sqrt(4 / math.pi / (velocities**2).sum(axis=1).mean())
+    return scaled
+
+
+def torus(n: int, eta: float) -> jostle.Torus:
+    """Return the square torus in which n discs of radius 1 cover the share eta of the area."""
+    side = math.sqrt(n * math.pi / eta)
+    return jostle.Torus(side, side)
+
+
+def displacements(a: ArrayLike, b: ArrayLike, container: Container = None) -> Floats:
+    """Return the vectors from positions b to positions a, on a torus the minimum images."""
+    d: Floats = np.asarray(a, float) - np.asarray(b, float)
+    if isinstance(container, jostle.Torus):
+        period = np.array([container.width, container.height])
+        d -= period * np.rint(d / period)
+    return d
