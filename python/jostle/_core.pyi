@@ -2086,7 +2086,7 @@ class World:
 
         Parameters
         ----------
-        ids : array_like of int, shape (k,)
+        ids : int or array_like of int, shape (k,)
             Row numbers, each at most once.
 
         Raises
@@ -2120,9 +2120,9 @@ class World:
 
         Parameters
         ----------
-        ids : array_like of int, shape (k,)
+        ids : int or array_like of int, shape (k,)
             Row numbers, each at most once.
-        positions, velocities : array_like, shape (k, 2), optional
+        positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
@@ -2141,6 +2141,7 @@ class World:
         >>> world.set([1], velocities=[(2, 0)], masses=3.0)
         >>> world.momentum
         (6.0, 0.0)
+        >>> world.set(0, positions=(2, 1))
         """
     @property
     def positions(self) -> NDArray[np.float32]:
@@ -2247,7 +2248,9 @@ class World:
     def method(self, value: Literal["quadtree", "brute"]) -> None: ...
     @property
     def threads(self) -> int | None:
-        """Number of threads; None for one on each core."""
+        """Number of threads that was set; None for one on each core. A call uses at most one on
+        each core.
+        """
     @threads.setter
     def threads(self, value: SupportsIndex | None) -> None: ...
     @property
