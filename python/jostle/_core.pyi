@@ -124,12 +124,13 @@ _Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
 def abandon_threads() -> None:
     """Forgets the threads of the process that this one was forked from."""
 
+@overload
 def find_pairs(
-    centers: _Vectors | None = None,
+    centers: _Vectors,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
-    boxes: _Boxes | None = None,
+    boxes: None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -204,6 +205,18 @@ def find_pairs(
     array([[1, 2]])
     """
 
+@overload
+def find_pairs(
+    centers: None = None,
+    radii: ArrayLike = 0.0,
+    half_sizes: None = None,
+    *,
+    boxes: _Boxes,
+    method: Literal["auto", "brute", "quadtree"] = "auto",
+    sort: bool = False,
+    max_pairs: SupportsIndex = 134217728,
+    threads: SupportsIndex | None = None,
+) -> _Pairs: ...
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -341,13 +354,28 @@ class Quadtree:
     Stats(nodes=1, leaves=1, depth=0, tests=3)
     """
 
+    @overload
     def __new__(
         cls,
-        centers: _Vectors | None = None,
+        centers: _Vectors,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
-        boxes: _Boxes | None = None,
+        boxes: None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        leaf_capacity: SupportsIndex = 96,
+        max_depth: SupportsIndex = 4096,
+        threads: SupportsIndex | None = None,
+    ) -> Self: ...
+    @overload
+    def __new__(
+        cls,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Boxes,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         leaf_capacity: SupportsIndex = 96,
@@ -1090,13 +1118,8 @@ class Space:
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int | _Ids | Any: ...
-    def move(
-        self,
-        ids: ArrayLike,
-        centers: _Vectors | None = None,
-        *,
-        boxes: _Boxes | _Rect | None = None,
-    ) -> None:
+    @overload
+    def move(self, ids: ArrayLike, centers: _Vectors, *, boxes: None = None) -> None:
         """Change the centres or the boxes of shapes.
 
         Shapes whose values stay the same cost almost nothing.
@@ -1135,6 +1158,8 @@ class Space:
         >>> tile = space.add(boxes=(0, 0, 0.1, 0.1))
         >>> space.move(tile, boxes=(0.1, 0, 0.2, 0.1))
         """
+    @overload
+    def move(self, ids: ArrayLike, centers: None = None, *, boxes: _Boxes | _Rect) -> None: ...
     def resize(
         self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None:
