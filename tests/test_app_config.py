@@ -163,6 +163,42 @@ def test_what_is_wrong_is_refused_by_name_and_line(
     assert sentence in refusal(tmp_path, text)
 
 
+@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("radius = [1, 20]", "particles[1].radius is 20; a disc must fit between the walls, from"),
+        (
+            "region = [40, 0, 50, 10]",
+            "particles[1].region is [40, 0, 50, 10]; it must overlap the walls, from (0, 0) to",
+        ),
+        (
+            "count = 2000\nradius = [1, 2]",
+            "particles[1].count is 2000; discs of radius 1 at least need more area than there is",
+        ),
+    ],
+)
+def test_a_group_that_cannot_be_between_the_walls_is_refused(
+    tmp_path: Path, method: str, text: str, sentence: str
+) -> None:
+    text = f'scene = "gas"\nn = 0\nmethod = "{method}"\n[[particles]]\n[[particles]]\n{text}'
+    with pytest.raises(ValueError) as caught:
+        start(read(tmp_path, text).settings)
+    assert sentence in str(caught.value)
+
+
+def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 0\ncontainer = "none"\n[[particles]]\nradius = 1e18'
+    with pytest.raises(ValueError, match=r"^particles\[0\] cannot be added: radii\[0\] is 1000"):
+        start(read(tmp_path, text).settings)
+
+
+def test_a_group_may_fill_the_walls_and_overlap_them(tmp_path: Path) -> None:
+    text = "[[particles]]\nradius = 10\nregion = [15, 15, 99, 99]"
+    simulation = start(read(tmp_path, f'scene = "gas"\nn = 0\n{text}').settings)
+    assert len(simulation.frame()) == 1
+
+
 def test_a_file_that_is_no_text(tmp_path: Path) -> None:
     (tmp_path / "film.mp4").write_bytes(b"\x00\xff\xfe")
     with pytest.raises(ConfigError, match=r"film\.mp4 is not a text in UTF-8"):

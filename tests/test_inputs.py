@@ -274,9 +274,9 @@ def test_more_than_32_bits_are_refused(bits: int) -> None:
 
 def test_ids_are_no_bit_sets() -> None:
     world = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
-    with pytest.raises(ValueError, match=r"^ids\[1\] is -1; it must be between 0"):
+    with pytest.raises(ValueError, match=r"^ids\[1\] is -1; no particle has this id"):
         world.remove([0, -1])
-    with pytest.raises(ValueError, match=r"^pairs\[1\] is -2; it must be between 0"):
+    with pytest.raises(ValueError, match=r"^pairs\[1\] is -2; it must be the id of a particle"):
         jostle.Springs([(0, 1), (2, -2)], lengths=1.0, stiffness=1.0)
 
 

@@ -181,6 +181,33 @@ print("fine")
     assert printed == "fine\n"
 
 
+@linux
+def test_the_error_names_the_size_of_the_whole_answer() -> None:
+    """The size so far, if the whole is not known; the parts of an answer are smaller."""
+    printed = run_child(
+        """
+from signals import limit_memory
+zeros = np.zeros((3000, 2))
+points = np.random.default_rng(0).random((9000, 2))
+tree, other = jostle.Quadtree(zeros, 1.0), jostle.Quadtree(points)
+calls = [
+    lambda: jostle.find_pairs(zeros, 1.0, method="brute"),
+    lambda: tree.query_circle(zeros, 1.0),
+    lambda: other.nearest(points, k=200),
+]
+limit_memory(20 << 20)
+for call in calls:
+    try:
+        call()
+    except MemoryError as error:
+        words = str(error).split()
+        assert words[4] == "MiB" and float(words[3]) > 6, error
+        print("refused")
+"""
+    )
+    assert printed == "refused\n" * 3
+
+
 # ---- threads -------------------------------------------------------------------------------------
 
 

@@ -37,6 +37,7 @@ from pygame.sprite import (  # noqa: E402
 
 import jostle.pygame as ours  # noqa: E402
 from jostle._core import Quadtree, sprite_pairs  # noqa: E402
+from jostle.sprites import Near, Radii  # noqa: E402
 
 theirs = pygame.sprite
 
@@ -916,6 +917,23 @@ def test_ctrl_c_ends_a_long_search_among_sprites() -> None:
         took = reaction_to_ctrl_c(lambda r=rule: ours.groupcollide(crowd, crowd, False, False, r))
         print(f"{rule}: {took:.3f} s")
         assert took < 1.0
+
+
+def test_pairs_become_lists_in_parts_so_that_ctrl_c_is_handled(monkeypatch) -> None:
+    lengths = []
+
+    class Pairs(np.ndarray):
+        def tolist(self) -> Any:
+            lengths.append(len(self))
+            return super().tolist()
+
+    many = 70_000
+    pairs = np.tile(np.array([(0, 1)], np.uint32), (many, 1)).view(Pairs)
+    near = Near(pairs, np.zeros(many, np.bool_).view(Pairs), lambda a, b: True, Radii())
+    monkeypatch.setattr(ours, "_near", lambda *arguments: near)
+    assert ours.selfcollide("ab", collide_rect) == [("a", "b")] * many
+    assert [(row, len(list(triples))) for row, triples in near.by_left()] == [(0, many)]
+    assert max(lengths) < many
 
 
 def test_ctrl_c_during_the_first_call_of_all_is_no_panic() -> None:

@@ -567,22 +567,48 @@ def test_a_long_call_can_be_interrupted() -> None:
     world.step(1 / 60)  # and it is still in order
 
 
+def test_one_id_may_be_given_instead_of_many() -> None:
+    worlds = [jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0) for _ in range(2)]
+    one, many = worlds
+    one.set(1, positions=(4, 1), velocities=np.array([2, 3]), radii=0.5, movable=False)
+    many.set([1], positions=[(4, 1)], velocities=[(2, 3)], radii=[0.5], movable=[False])
+    assert one.positions[1].tolist() == [4, 1]
+    assert one.state_hash() == many.state_hash()
+    one.remove(np.int64(0))
+    many.remove([0])
+    assert one.radii.tolist() == [0.5, 1]
+    assert one.state_hash() == many.state_hash()
+
+
 # ---- what is refused -----------------------------------------------------------------------------
 
 NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: w.step(0), ValueError, "dt is 0; it must be finite and above 0"),
     (lambda w: w.step(-0.1), ValueError, "dt is -0.1; it must be finite and above 0"),
+    (
+        lambda w: w.step(1e-300),
+        ValueError,
+        "dt is 1e-300; it must be finite and above 0 in float32",
+    ),
+    (lambda w: w.step(-1.5e300), ValueError, "dt is -1.5e300; it must be finite and above 0"),
     (lambda w: w.step(np.nan, 0), ValueError, "dt is NaN; it must be finite and above 0"),
     (lambda w: w.step("1"), TypeError, "dt must be a number, not str"),
     (lambda w: w.step(0.1, -1), ValueError, "steps is -1; it must be at least 0"),
     (lambda w: w.step(0.1, 1.5), TypeError, "steps must be an integer, not float"),
-    (lambda w: w.remove([3]), ValueError, "ids[0] is 3; there are 3 particles, so it must be"),
+    (lambda w: w.remove([3]), ValueError, "ids[0] is 3; no particle has this id; ids are below 3"),
     (lambda w: w.remove([0, 1, 0]), ValueError, "ids[2] is 0; it is given twice"),
-    (lambda w: w.remove([0, -1]), ValueError, "ids[1] is -1; it must be between 0 and 4294967295"),
-    (lambda w: w.remove(0), ValueError, "ids has shape (); it must be (n,)"),
+    (lambda w: w.remove([0, -1]), ValueError, "ids[1] is -1; no particle has this id"),
+    (lambda w: w.remove(-1), ValueError, "ids is -1; no particle has this id"),
+    (lambda w: w.remove(3), ValueError, "ids is 3; no particle has this id; ids are below 3"),
+    (lambda w: w.remove(2**70), ValueError, "ids is 1180591620717411303424; no particle has"),
+    (lambda w: w.remove(True), TypeError, "ids must hold integers, not bool"),
+    (lambda w: w.remove(1.0), TypeError, "ids must hold integers, not float"),
+    (lambda w: w.remove([[0, 1]]), ValueError, "ids has shape (1, 2); it must be an integer or"),
+    (lambda w: w.set(1, positions=[(1, 2)]), ValueError, "positions has shape (1, 2); it must be"),
+    (lambda w: w.set(1, velocities=(0, np.nan)), ValueError, "velocities is (0, NaN); both"),
     (lambda w: w.remove([0.5]), TypeError, "ids must hold integers, not float64"),
     (lambda w: w.remove([True, False, True]), TypeError, "ids must hold integers, not bool"),
-    (lambda w: w.set([1, 7], radii=1), ValueError, "ids[1] is 7; there are 3 particles"),
+    (lambda w: w.set([1, 7], radii=1), ValueError, "ids[1] is 7; no particle has this id"),
     (lambda w: w.set([1, 1], radii=1), ValueError, "ids[1] is 1; it is given twice"),
     (lambda w: w.set([1], radii=[1, 2]), ValueError, "radii has shape (2,); it must be a number"),
     (lambda w: w.set([1], positions=(1, 2)), ValueError, "positions has shape (2,); it must be (1"),

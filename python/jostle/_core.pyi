@@ -124,12 +124,13 @@ _Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
 def abandon_threads() -> None:
     """Forgets the threads of the process that this one was forked from."""
 
+@overload
 def find_pairs(
-    centers: _Vectors | None = None,
+    centers: _Vectors,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
-    boxes: _Boxes | None = None,
+    boxes: None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -204,6 +205,18 @@ def find_pairs(
     array([[1, 2]])
     """
 
+@overload
+def find_pairs(
+    centers: None = None,
+    radii: ArrayLike = 0.0,
+    half_sizes: None = None,
+    *,
+    boxes: _Boxes,
+    method: Literal["auto", "brute", "quadtree"] = "auto",
+    sort: bool = False,
+    max_pairs: SupportsIndex = 134217728,
+    threads: SupportsIndex | None = None,
+) -> _Pairs: ...
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -341,13 +354,28 @@ class Quadtree:
     Stats(nodes=1, leaves=1, depth=0, tests=3)
     """
 
+    @overload
     def __new__(
         cls,
-        centers: _Vectors | None = None,
+        centers: _Vectors,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
-        boxes: _Boxes | None = None,
+        boxes: None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        leaf_capacity: SupportsIndex = 96,
+        max_depth: SupportsIndex = 4096,
+        threads: SupportsIndex | None = None,
+    ) -> Self: ...
+    @overload
+    def __new__(
+        cls,
+        centers: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: _Boxes,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         leaf_capacity: SupportsIndex = 96,
@@ -1090,13 +1118,8 @@ class Space:
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int | _Ids | Any: ...
-    def move(
-        self,
-        ids: ArrayLike,
-        centers: _Vectors | None = None,
-        *,
-        boxes: _Boxes | _Rect | None = None,
-    ) -> None:
+    @overload
+    def move(self, ids: ArrayLike, centers: _Vectors, *, boxes: None = None) -> None:
         """Change the centres or the boxes of shapes.
 
         Shapes whose values stay the same cost almost nothing.
@@ -1135,6 +1158,8 @@ class Space:
         >>> tile = space.add(boxes=(0, 0, 0.1, 0.1))
         >>> space.move(tile, boxes=(0.1, 0, 0.2, 0.1))
         """
+    @overload
+    def move(self, ids: ArrayLike, centers: None = None, *, boxes: _Boxes | _Rect) -> None: ...
     def resize(
         self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None:
@@ -2086,7 +2111,7 @@ class World:
 
         Parameters
         ----------
-        ids : array_like of int, shape (k,)
+        ids : int or array_like of int, shape (k,)
             Row numbers, each at most once.
 
         Raises
@@ -2120,9 +2145,9 @@ class World:
 
         Parameters
         ----------
-        ids : array_like of int, shape (k,)
+        ids : int or array_like of int, shape (k,)
             Row numbers, each at most once.
-        positions, velocities : array_like, shape (k, 2), optional
+        positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
@@ -2141,6 +2166,7 @@ class World:
         >>> world.set([1], velocities=[(2, 0)], masses=3.0)
         >>> world.momentum
         (6.0, 0.0)
+        >>> world.set(0, positions=(2, 1))
         """
     @property
     def positions(self) -> NDArray[np.float32]:
@@ -2247,7 +2273,9 @@ class World:
     def method(self, value: Literal["quadtree", "brute"]) -> None: ...
     @property
     def threads(self) -> int | None:
-        """Number of threads; None for one on each core."""
+        """Number of threads that was set; None for one on each core. A call uses at most one on
+        each core.
+        """
     @threads.setter
     def threads(self, value: SupportsIndex | None) -> None: ...
     @property

@@ -39,7 +39,7 @@ from pygame.sprite import (
 
 from jostle._core import Quadtree, sprite_dict, sprite_pairs, sprite_sides
 from jostle.results import RayHit
-from jostle.sprites import Collided, Near, Prefilter, Radii
+from jostle.sprites import Collided, Near, Prefilter, Radii, rows_of
 
 if not hasattr(pygame, "FRect"):
     raise ImportError("jostle.pygame needs pygame-ce; what is installed here is pygame")
@@ -293,7 +293,7 @@ def selfcollide(
         return [(a, b) for a, b in combinations(sprites, 2) if meet(a, b)]
     near.radii.store(sprites)
     pairs = near.decided(sprites, sprites)
-    return [(sprites[i], sprites[j]) for i, j in pairs.tolist()]
+    return [(sprites[i], sprites[j]) for i, j in rows_of(pairs)]
 
 
 def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, repeat
 from operator import itemgetter
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Collided", "Near", "Prefilter", "Radii"]
+__all__ = ["Collided", "Near", "Prefilter", "Radii", "rows_of"]
 
 Collided: TypeAlias = Callable[[Any, Any], object]
+_AT_A_TIME = 1 << 16  # rows
+
+
+def rows_of(array: NDArray[Any]) -> Iterator[Any]:
+    """Yield the rows as numbers or lists of Python, so that Ctrl-C ends long loops soon."""
+    for start in range(0, len(array), _AT_A_TIME):
+        yield from array[start : start + _AT_A_TIME].tolist()
 
 
 class Prefilter:
@@ -104,13 +111,14 @@ class Near(NamedTuple):
             return self.pairs
         collide = self.sure.copy()
         doubtful = np.flatnonzero(~collide)
-        for place, (i, j) in zip(doubtful.tolist(), self.pairs[doubtful].tolist(), strict=True):
+        pairs = rows_of(self.pairs[doubtful])
+        for place, (i, j) in zip(rows_of(doubtful), pairs, strict=True):
             collide[place] = bool(self.collided(left[i], right[j]))
         return self.pairs[collide]
 
     def by_left(self) -> Iterator[tuple[int, Iterator[tuple[int, int, bool]]]]:
         """Yield each left row with its triples (row, other row, whether the pair is sure)."""
-        rows = self.pairs.tolist()
-        sure = [True] * len(rows) if self.sure is None else self.sure.tolist()
-        triples = ((i, j, is_sure) for (i, j), is_sure in zip(rows, sure, strict=True))
+        sure = repeat(True) if self.sure is None else rows_of(self.sure)
+        pairs = rows_of(self.pairs)
+        triples = ((i, j, is_sure) for (i, j), is_sure in zip(pairs, sure, strict=False))
         return groupby(triples, key=itemgetter(0))

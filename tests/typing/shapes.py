@@ -36,3 +36,19 @@ def worlds(points: list[tuple[float, float]], given: Any) -> None:
     world.step(1 / 60, steps=10)
     world.set([0], positions=[(1, 2)])
     assert_type(jostle.scenes.create("pile", 100), World)
+
+
+def contradictions(points: list[tuple[float, float]], boxes: NDArray[np.float64]) -> None:
+    jostle.find_pairs(boxes=boxes)
+    jostle.find_pairs(None, 1.0, boxes=boxes)
+    jostle.find_pairs(points, boxes=boxes)  # type: ignore[call-overload]
+    jostle.find_pairs(half_sizes=1.0, boxes=boxes)  # type: ignore[call-overload]
+    jostle.find_pairs(radii=1.0)  # type: ignore[call-overload]
+    assert_type(Quadtree(boxes=boxes), Quadtree)
+    Quadtree(points, boxes=boxes)  # type: ignore[call-overload]
+    Quadtree()  # type: ignore[call-overload]
+    space = jostle.Space()
+    space.move(0, boxes=(0, 0, 1, 1))
+    space.move(0, (0, 0), boxes=(0, 0, 1, 1))  # type: ignore[call-overload]
+    space.move(0)  # type: ignore[call-overload]
+    space.add(points, boxes=boxes)  # type: ignore[call-overload]

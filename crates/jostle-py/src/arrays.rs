@@ -49,8 +49,8 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
 const BIT_SET_RULE: &str = "a set of 32 bits: between 0 and 4294967295, or a negative integer from \
                             -4294967296 as ~bits gives it";
 
-/// Values of row numbers.
-const ROW_RULE: &str = "between 0 and 4294967295";
+/// Values of the ids of particles.
+const ROW_RULE: &str = "the id of a particle, between 0 and 4294967295";
 
 /// What an array argument may hold.
 #[derive(Clone, Copy, PartialEq)]
@@ -181,6 +181,14 @@ impl<'py> Argument<'py> {
         }
     }
 
+    /// The pair of a single id.
+    pub fn only_pair<T: Scalar + Element>(&self) -> PyResult<[T; 2]> {
+        match self.array.shape() {
+            [2] => self.only(self.real_pairs()?),
+            _ => Err(self.wrong_shape("(2,), as there is one id")),
+        }
+    }
+
     /// Number of rows, where each is a box.
     pub fn boxes_len(&self) -> PyResult<usize> {
         match self.array.shape() {
@@ -253,17 +261,11 @@ impl<'py> Argument<'py> {
         self.each(len, "an integer", |argument| argument.unsigned(low_bits, BIT_SET_RULE))
     }
 
-    /// Row numbers.
-    pub fn ids(&self) -> PyResult<Vec<u32>> {
-        self.len()?;
-        self.row_numbers()
-    }
-
-    /// Pairs of row numbers.
+    /// Pairs of ids of particles.
     pub fn id_pairs(&self) -> PyResult<Vec<[u32; 2]>> {
         match self.array.shape() {
             [_, 2] | [0] => {
-                let ids = self.row_numbers()?;
+                let ids = self.unsigned(|number| number.try_into().ok(), ROW_RULE)?;
                 let pairs = ids.as_chunks::<2>().0;
                 self.collected(pairs.len(), pairs.iter().copied())
             }
@@ -271,15 +273,15 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// Ids of 63 bits: one, or a row of them.
-    pub fn long_ids(&self) -> PyResult<Each<i64>> {
+    /// Ids of 63 bits: one, or a row of them; `of` says what they identify.
+    fn long_ids(&self, of: &str) -> PyResult<Each<i64>> {
         if self.array.ndim() > 1 {
             return Err(self.wrong_shape("an integer or (k,)"));
         }
         let ids = if self.array.dtype().kind() == b'u' {
             self.read(|ids: &[u64]| {
                 if let Some(row) = ids.iter().position(|&id| i64::try_from(id).is_err()) {
-                    return Err(too_long_id(&self.entry(row), ids[row]));
+                    return Err(too_long_id(&self.entry(row), ids[row], of));
                 }
                 self.collected(ids.len(), ids.iter().map(|&id| id as i64))
             })
@@ -337,11 +339,6 @@ impl<'py> Argument<'py> {
                 self.collected(rows.len(), rows.iter().map(|row| row.map(T::from_f64)))
             })
         }
-    }
-
-    /// All numbers as row numbers.
-    fn row_numbers(&self) -> PyResult<Vec<u32>> {
-        self.unsigned(|number| number.try_into().ok(), ROW_RULE)
     }
 
     /// The result of `narrow` for each integer; `rule` describes the integers that it accepts.
@@ -516,17 +513,17 @@ pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     }
 }
 
-/// An id of 63 bits or an array of them.
-pub fn long_ids(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Each<i64>> {
+/// An id of 63 bits or an array of them; `of` says what they identify: "shape".
+pub fn long_ids(name: &'static str, value: &Bound<'_, PyAny>, of: &str) -> PyResult<Each<i64>> {
     if value.is_instance_of::<PyInt>() && !is_truth(value) {
-        return value.extract().map(Each::One).map_err(|_| too_long_id(name, value));
+        return value.extract().map(Each::One).map_err(|_| too_long_id(name, value, of));
     }
-    Argument::integers(name, value)?.long_ids()
+    Argument::integers(name, value)?.long_ids(of)
 }
 
 /// What does not fit into an id is none.
-fn too_long_id(name: &str, id: impl Display) -> PyErr {
-    PyValueError::new_err(format!("{name} is {id}; no shape has this id"))
+fn too_long_id(name: &str, id: impl Display, of: &str) -> PyErr {
+    PyValueError::new_err(format!("{name} is {id}; no {of} has this id"))
 }
 
 /// Two real numbers.
@@ -634,6 +631,14 @@ impl Widen for [u32; 2] {
 
     fn widen(self) -> [i64; 2] {
         self.map(i64::from)
+    }
+}
+
+impl Widen for [i64; 2] {
+    type Long = Self;
+
+    fn widen(self) -> Self {
+        self
     }
 }
 

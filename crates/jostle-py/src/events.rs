@@ -1,6 +1,5 @@
 //! `jostle.Events`.
 
-use jostle::memory;
 use jostle::space::{Events, Id};
 use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
@@ -8,8 +7,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
-use crate::arrays::table;
+use crate::arrays::{long, table};
 use crate::error::refused;
+use crate::interrupt::detached;
 use crate::space::PySpace;
 
 /// Changes of the overlapping pairs of a space between two updates.
@@ -90,7 +90,7 @@ impl PyEvents {
 }
 
 fn copied(py: Python<'_>, pairs: &[[Id; 2]]) -> PyResult<Vec<[Id; 2]>> {
-    py.detach(|| memory::collect(pairs.iter().copied())).map_err(refused)
+    detached(py, || long(pairs))?.map_err(refused)
 }
 
 /// The same array each time.

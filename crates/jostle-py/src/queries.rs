@@ -38,11 +38,16 @@ fn reach<T: Scalar>(max_distance: &Given<'_>) -> PyResult<T> {
 }
 
 /// An error about the only query, or shape, has no row.
-pub fn without_row(error: Error) -> Error {
+fn without_row(error: Error) -> Error {
     match error {
         Error::Value { argument, index: Some(_), value, rule } => Error::of(argument, value, &rule),
         other => other,
     }
+}
+
+/// The result of a call; where one id was given, an error names no row.
+pub fn told<V>(done: jostle::Result<V>, single: bool) -> PyResult<V> {
+    done.map_err(|error| if single { without_row(error) } else { error }).map_err(refused)
 }
 
 /// Makes regions, searches them, and returns the ids of `many`, or of one.
@@ -62,7 +67,7 @@ fn region<'py, R: Send, I: Send + Into<i64>>(
     if many {
         results::hits(py, hits.map_err(refused)?)
     } else {
-        Ok(column(py, hits.map_err(without_row).map_err(refused)?.ids).into_any())
+        Ok(column(py, told(hits, true)?.ids).into_any())
     }
 }
 
@@ -210,7 +215,7 @@ pub fn nearest<'py, T: Scalar + Element>(
     match &asked {
         Each::One(one) => {
             let found = detached(py, || ask(std::slice::from_ref(one), (k, reach)))??;
-            results::neighbors(py, found.map_err(without_row).map_err(refused)?, None)
+            results::neighbors(py, told(found, true)?, None)
         }
         Each::Rows(rows) => {
             let found = detached(py, || ask(rows, (k, reach)))??.map_err(refused)?;
@@ -250,6 +255,6 @@ pub fn cast<'py, T: Scalar + Element>(
     if len.is_some() {
         results::ray_hits(py, hits.map_err(refused)?)
     } else {
-        results::ray_hit(py, &hits.map_err(without_row).map_err(refused)?)
+        results::ray_hit(py, &told(hits, true)?)
     }
 }

@@ -16,7 +16,7 @@ use crate::error::{refused, type_error, value_error};
 use crate::events::PyEvents;
 use crate::interrupt::detached;
 use crate::lock::Shared;
-use crate::queries::{self, Asked, Maybe, without_row};
+use crate::queries::{self, Asked, Maybe, told};
 use crate::settings;
 use crate::shapes::{Places, Where};
 
@@ -1053,7 +1053,7 @@ struct Ids {
 
 impl Ids {
     fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let ids = long_ids("ids", value)?;
+        let ids = long_ids("ids", value, "shape")?;
         let single = matches!(ids, Each::One(_));
         Ok(Self { all: ids.rows(1), single })
     }
@@ -1062,10 +1062,6 @@ impl Ids {
     fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
         told(done, self.single)
     }
-}
-
-fn told<V>(done: jostle::Result<V>, single: bool) -> PyResult<V> {
-    done.map_err(|error| if single { without_row(error) } else { error }).map_err(refused)
 }
 
 /// What new shapes are besides where they are.

@@ -10,7 +10,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{Argument, Given, column, count, decimal, number, point, read_only, table};
+use crate::arrays::{
+    Argument, Given, column, count, decimal, long_ids, number, point, read_only, table,
+};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
@@ -18,6 +20,7 @@ use crate::forces;
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
 use crate::particles::{Draft, reals, truths, vectors};
+use crate::queries::told;
 use crate::results;
 use crate::settings;
 
@@ -285,7 +288,7 @@ impl PyWorld {
     ///
     /// Parameters
     /// ----------
-    /// ids : array_like of int, shape (k,)
+    /// ids : int or array_like of int, shape (k,)
     ///     Row numbers, each at most once.
     ///
     /// Raises
@@ -304,17 +307,17 @@ impl PyWorld {
     /// >>> world.renumbered  # particle 2 is now 1, and 1 is removed
     /// array([ 0, -1,  1])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
-        let ids = Argument::integers("ids", ids)?.ids()?;
-        self.long(py, |state| state.world.remove(&ids))?.map_err(refused)
+        let rows = Rows::read(ids)?;
+        rows.told(self.long(py, |state| state.world.remove(&rows.all))?)
     }
 
     /// Change some columns of some particles.
     ///
     /// Parameters
     /// ----------
-    /// ids : array_like of int, shape (k,)
+    /// ids : int or array_like of int, shape (k,)
     ///     Row numbers, each at most once.
-    /// positions, velocities : array_like, shape (k, 2), optional
+    /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
@@ -333,6 +336,7 @@ impl PyWorld {
     /// >>> world.set([1], velocities=[(2, 0)], masses=3.0)
     /// >>> world.momentum
     /// (6.0, 0.0)
+    /// >>> world.set(0, positions=(2, 1))
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
         movable=None,
@@ -349,18 +353,18 @@ impl PyWorld {
         restitutions: Option<&Bound<'_, PyAny>>,
         movable: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let ids = Argument::integers("ids", ids)?.ids()?;
-        let len = ids.len();
+        let rows = Rows::read(ids)?;
+        let len = rows.all.len();
         let draft = Draft {
-            positions: vectors("positions", positions, len)?,
-            velocities: vectors("velocities", velocities, len)?,
+            positions: rows.vectors("positions", positions)?,
+            velocities: rows.vectors("velocities", velocities)?,
             radii: reals("radii", radii, len)?,
             masses: reals("masses", masses, len)?,
             restitutions: reals("restitutions", restitutions, len)?,
             movable: truths("movable", movable, len)?,
             densities: None,
         };
-        self.long(py, |state| state.write_some(draft, &ids))?.map_err(refused)
+        rows.told(self.long(py, |state| state.write_some(draft, &rows.all))?)
     }
 
     /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
@@ -573,7 +577,8 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.method = method)
     }
 
-    /// Number of threads; None for one on each core.
+    /// Number of threads that was set; None for one on each core. A call uses at most one on
+    /// each core.
     #[getter]
     fn threads(&self, py: Python<'_>) -> PyResult<Option<usize>> {
         Ok(self.rules(py)?.tree.threads)
@@ -959,6 +964,42 @@ impl State {
             draft.write(particles, Some(ids));
             Ok(())
         })
+    }
+}
+
+/// Which particles a call is about.
+struct Rows {
+    all: Vec<u32>,
+    /// Whether it was one id and no array.
+    single: bool,
+}
+
+impl Rows {
+    fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let ids = long_ids("ids", value, "particle")?;
+        let single = matches!(ids, Each::One(_));
+        let row = |(index, id): (usize, i64)| {
+            u32::try_from(id).map_err(|_| Error::at("ids", index, id, "no particle has this id"))
+        };
+        let all = ids.rows(1).into_iter().enumerate().map(row).collect();
+        Ok(Self { all: told(all, single)?, single })
+    }
+
+    /// A pair for each, or one pair for a single id.
+    fn vectors(
+        &self,
+        name: &'static str,
+        value: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Option<Vec<[f32; 2]>>> {
+        if !self.single {
+            return vectors(name, value, self.all.len());
+        }
+        value.map(|value| Ok(vec![Argument::reals(name, value)?.only_pair()?])).transpose()
+    }
+
+    /// Where one id was given, an error names no row.
+    fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
+        told(done, self.single)
     }
 }
 

@@ -64,12 +64,7 @@ pub enum Error {
 impl Error {
     /// Refuses the value at `index` of `argument`.
     pub fn at(argument: &'static str, index: usize, value: impl fmt::Display, rule: &str) -> Self {
-        Self::Value {
-            argument,
-            index: Some(index),
-            value: value.to_string(),
-            rule: rule.to_string(),
-        }
+        Self::Value { argument, index: Some(index), value: printed(value), rule: rule.to_string() }
     }
 
     /// The same refusal of a value, once it is known in which row it stands.
@@ -84,7 +79,16 @@ impl Error {
 
     /// Refuses `argument` as a whole.
     pub fn of(argument: &'static str, value: impl fmt::Display, rule: &str) -> Self {
-        Self::Value { argument, index: None, value: value.to_string(), rule: rule.to_string() }
+        Self::Value { argument, index: None, value: printed(value), rule: rule.to_string() }
+    }
+
+    /// The same error, if a part of an answer that needs at least `bytes` in all could not be
+    /// allocated.
+    pub(crate) fn in_all(self, bytes: usize) -> Self {
+        match self {
+            Self::NoMemory { bytes: part } => Self::NoMemory { bytes: bytes.max(part) },
+            other => other,
+        }
     }
 }
 
@@ -132,6 +136,18 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
+/// Longer numbers are printed with an exponent.
+const LONGEST: usize = 20;
+
+/// The text of a value; that of a number is short.
+fn printed(value: impl fmt::Display) -> String {
+    let text = value.to_string();
+    match text.parse::<f64>() {
+        Ok(number) if text.len() > LONGEST => format!("{number:e}"),
+        _ => text,
+    }
+}
+
 /// A number of bytes in the largest unit that leaves at least 1.
 struct Size(usize);
 
@@ -149,3 +165,30 @@ impl fmt::Display for Size {
 
 /// A result whose error is [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_numbers_have_an_exponent() {
+        let text = |value: f64| Error::of("dt", value, "no").to_string();
+        assert_eq!(text(1e-300), "dt is 1e-300; no");
+        assert_eq!(text(-1.25e300), "dt is -1.25e300; no");
+        assert_eq!(text(0.001), "dt is 0.001; no");
+        assert_eq!(
+            Error::at("ids", 2, i64::MIN, "no").to_string(),
+            format!("ids[2] is {}; no", i64::MIN)
+        );
+        assert_eq!(Error::of("drag", 1e-30_f32, "no").to_string(), "drag is 1e-30; no");
+    }
+
+    #[test]
+    fn an_error_of_memory_names_the_larger_size() {
+        let bytes = |error: Error| error.to_string();
+        let part = Error::NoMemory { bytes: 2048 };
+        assert!(bytes(part.clone().in_all(3 << 20)).contains("3.0 MiB"));
+        assert!(bytes(part.in_all(10)).contains("2.0 KiB"));
+        assert_eq!(Error::Interrupted.in_all(10), Error::Interrupted);
+    }
+}

@@ -17,6 +17,7 @@ from jostle.app.draw.readout import SPACE, Readout
 from jostle.app.draw.shown import Shown, TreeView
 from jostle.app.draw.software import SoftwarePainter
 from jostle.app.draw.words import film_name
+from jostle.app.keep.paths import free_name
 from jostle.app.keep.recorder import Recorder, save_png
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Simulation
@@ -59,7 +60,8 @@ def make_film(
     steps
         How many steps to go on by.
     out
-        A folder that exists; the files are named for the scene and the method.
+        A folder that exists; the files are named for the scene and the method. A number is
+        added to the name if there is such a file already.
     console
         Where the progress bar goes.
     size
@@ -67,7 +69,7 @@ def make_film(
     shown
         What to show; if None, the scene alone first, and the tree over it in the second half.
     """
-    name = film_name(simulation.scene, simulation.method)
+    name = free_name(out, film_name(simulation.scene, simulation.method), ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"
     engine, painter = Engine(simulation), SoftwarePainter(size)
     changing, shown = shown is None, shown or Shown()

@@ -172,7 +172,14 @@ impl<'a> Output<'a> {
     /// Reserves memory for more pairs; returns whether that succeeded.
     #[cold]
     fn grow(&mut self, more: usize) -> bool {
-        memory::reserve(&mut self.pairs, more).map_err(|error| self.fail(error)).is_ok()
+        let reserved = memory::reserve(&mut self.pairs, more);
+        reserved.map_err(|error| self.fail(error.in_all(self.bytes_of_all(more)))).is_ok()
+    }
+
+    /// Bytes of `more` pairs and of those that all tasks have found so far.
+    fn bytes_of_all(&self, more: usize) -> usize {
+        let new = self.pairs.len() - self.reported;
+        (self.budget.count.load(Ordering::Relaxed) + new + more) * size_of::<Pair>()
     }
 
     fn report(&mut self) {

@@ -351,8 +351,10 @@ pub fn nearest_by<T: Scalar>(
         }
         Ok(found)
     });
-    let found = found.into_iter().collect::<Result<Vec<_>>>()?;
     let len = k * points.len();
+    let bytes = len.saturating_mul(size_of::<T>() + size_of::<i64>());
+    let found = found.into_iter().collect::<Result<Vec<_>>>();
+    let found = found.map_err(|error: Error| error.in_all(bytes))?;
     let mut pulse = Pulse::of(&stop);
     let distances = memory::filled(len, T::INFINITY)?;
     let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };

@@ -194,7 +194,10 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
             }
             let (before, mut from) = (hits.ids.len(), 0);
             for (&question, &end) in group.iter().zip(&ends) {
-                self.answer(simd, question, &nodes[from..end], &mut hits)?;
+                self.answer(simd, question, &nodes[from..end], &mut hits).map_err(|error| {
+                    let new = hits.ids.len() - before;
+                    error.in_all((self.count.load(Ordering::Relaxed) + new) * size_of::<u32>())
+                })?;
                 from = end;
             }
             self.count.fetch_add(hits.ids.len() - before, Ordering::Relaxed);

@@ -10,7 +10,7 @@ use super::slots::Id;
 use super::touching::{MOST_RECORDS, NONE, Touching};
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
-use crate::interrupt::{self, Pulse};
+use crate::interrupt::Pulse;
 use crate::memory;
 use crate::sorting;
 
@@ -100,12 +100,8 @@ impl<T: Scalar> Space<T> {
         let left = difference.left.iter().map(|&record| self.touching.pair(record));
         let (left, entered) =
             (self.sorted_ids(left)?, self.sorted_ids(difference.entered.iter().copied())?);
-        self.touching.reserve(entered.len(), left.len())?;
         self.slots.reserve_free(self.changes.leaving.len())?;
-        interrupt::check()?;
-        difference.left.iter().for_each(|&record| self.touching.unlink(record));
-        difference.entered.iter().for_each(|&pair| self.touching.link(pair));
-        self.touching.tidy();
+        self.touching.change(&difference.left, &difference.entered)?;
         self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
         self.changes.clear();
         Ok(Events { entered, left, update })
@@ -136,7 +132,8 @@ impl<T: Scalar> Space<T> {
         }
         sorting::sort(&mut pairs, &mut pulse)?;
         let mut entered = events.entered.iter().peekable();
-        pairs.retain(|pair| entered.next_if_eq(&pair).is_none());
+        pairs.retain(|pair| !pulse.stops(1) && entered.next_if_eq(&pair).is_none());
+        pulse.check(0)?;
         Ok(Some(pairs))
     }
 }

@@ -3,6 +3,7 @@
 //! Each pair is a record in two doubly linked lists, one for each of its shapes.
 
 use crate::error::Result;
+use crate::interrupt::{self, Pulse, Stop};
 use crate::memory;
 
 /// No record, or no slot.
@@ -14,6 +15,15 @@ pub(super) const MOST_RECORDS: usize = 1 << 31;
 
 /// Fewer records than this are never moved together.
 const FEW: usize = 1024;
+
+/// Changes of fewer pairs take less than 0.1 s and are not interrupted.
+const MANY: usize = 1 << 20;
+
+/// Values that are copied between two checks for an interruption.
+const COPIED: usize = 1 << 16;
+
+/// Approximate number of values read, not adjacent in memory, when a record changes.
+const RECORD_WORK: usize = 16;
 
 /// Two slots, and the neighbours of the record in the list of either.
 #[derive(Clone, Copy, Debug)]
@@ -39,10 +49,45 @@ impl Touching {
         memory::lengthen(&mut self.heads, slots, NONE)
     }
 
+    /// Removes the records `left` and adds the pairs `entered`. After an error, which may be an
+    /// interruption, all is as before: changes that take long are made to a copy.
+    pub(super) fn change(&mut self, left: &[u32], entered: &[[u32; 2]]) -> Result<()> {
+        interrupt::check()?;
+        let len = self.len() + entered.len() - left.len();
+        let moved = if self.is_wasteful(len) { len } else { 0 };
+        if left.len() + entered.len() + moved < MANY {
+            self.reserve(entered.len(), left.len())?;
+            return self.apply(left, entered, &mut Pulse::of(&Stop::default()));
+        }
+        let mut pulse = Pulse::current();
+        let mut changed = Self {
+            records: copied(&self.records, &mut pulse)?,
+            free: copied(&self.free, &mut pulse)?,
+            heads: copied(&self.heads, &mut pulse)?,
+        };
+        changed.reserve(entered.len(), left.len())?;
+        changed.apply(left, entered, &mut pulse)?;
+        *self = changed;
+        Ok(())
+    }
+
     /// Reserves memory for numbers of added and of removed pairs.
-    pub(super) fn reserve(&mut self, come: usize, go: usize) -> Result<()> {
+    fn reserve(&mut self, come: usize, go: usize) -> Result<()> {
         memory::reserve(&mut self.records, come.saturating_sub(self.free.len()))?;
         memory::reserve(&mut self.free, go)
+    }
+
+    /// As [`change`](Self::change), in place; there is memory for it.
+    fn apply(&mut self, left: &[u32], entered: &[[u32; 2]], pulse: &mut Pulse) -> Result<()> {
+        for &record in left {
+            pulse.check(RECORD_WORK)?;
+            self.unlink(record);
+        }
+        for &pair in entered {
+            pulse.check(RECORD_WORK)?;
+            self.link(pair);
+        }
+        self.tidy(pulse)
     }
 
     /// Number of pairs.
@@ -78,7 +123,7 @@ impl Touching {
     }
 
     /// Adds a pair that is not there.
-    pub(super) fn link(&mut self, slots: [u32; 2]) {
+    fn link(&mut self, slots: [u32; 2]) {
         let next = slots.map(|slot| self.heads[slot as usize]);
         let record = Record { slots, next, back: [NONE; 2] };
         let index = if let Some(index) = self.free.pop() {
@@ -97,7 +142,7 @@ impl Touching {
     }
 
     /// Takes a pair out.
-    pub(super) fn unlink(&mut self, index: u32) {
+    fn unlink(&mut self, index: u32) {
         let Record { slots, next, back } = self.records[index as usize];
         for side in 0..2 {
             let slot = slots[side];
@@ -113,23 +158,36 @@ impl Touching {
         self.free.push(index);
     }
 
+    /// Whether most of the records are unused if there are `len` pairs.
+    fn is_wasteful(&self, len: usize) -> bool {
+        self.records.len() >= FEW && len <= self.records.len() / 4
+    }
+
     /// Frees memory if most of it is unused and there is enough memory for that.
-    pub(super) fn tidy(&mut self) {
-        if self.records.len() < FEW || self.len() > self.records.len() / 4 {
-            return;
+    fn tidy(&mut self, pulse: &mut Pulse) -> Result<()> {
+        if !self.is_wasteful(self.len()) {
+            return Ok(());
         }
         let (Ok(mut pairs), Ok(records)) =
             (memory::with_room(self.len()), memory::with_room(2 * self.len()))
         else {
-            return;
+            return Ok(());
         };
-        pairs.extend(self.pairs());
+        for pair in self.pairs() {
+            pulse.check(1)?;
+            pairs.push(pair);
+        }
         for slot in pairs.as_flattened() {
+            pulse.check(1)?;
             self.heads[*slot as usize] = NONE;
         }
         self.records = records;
         self.free = Vec::new();
-        pairs.into_iter().for_each(|pair| self.link(pair));
+        for pair in pairs {
+            pulse.check(RECORD_WORK)?;
+            self.link(pair);
+        }
+        Ok(())
     }
 
     /// Bytes of memory that they keep, used or not.
@@ -146,9 +204,22 @@ impl Record {
     }
 }
 
+/// A copy that can be interrupted.
+fn copied<V: Copy>(values: &[V], pulse: &mut Pulse) -> Result<Vec<V>> {
+    let mut copy = memory::with_room(values.len())?;
+    for some in values.chunks(COPIED) {
+        pulse.check(some.len())?;
+        copy.extend_from_slice(some);
+    }
+    Ok(copy)
+}
+
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
+    use crate::error::Error;
 
     fn of(touching: &Touching, slot: u32) -> Vec<u32> {
         let mut others: Vec<u32> = touching.of(slot).map(|(_, other)| other).collect();
@@ -185,9 +256,30 @@ mod tests {
             let (record, _) = touching.of(slot).next().unwrap();
             touching.unlink(record);
         }
-        touching.tidy();
+        touching.tidy(&mut Pulse::current()).unwrap();
         assert!(touching.kept_bytes() < full / 4);
         assert_eq!(touching.len(), 99);
         assert_eq!(of(&touching, 9_950), [9_949, 9_951]);
+    }
+
+    #[test]
+    fn an_interrupted_change_changes_nothing() {
+        thread_local! {
+            static POLLS: Cell<u32> = const { Cell::new(0) };
+        }
+        fn third_time() -> bool {
+            POLLS.set(POLLS.get() + 1);
+            POLLS.get() >= 3
+        }
+        let mut touching = Touching::default();
+        touching.widen(MANY + 1).unwrap();
+        touching.link([0, 7]);
+        touching.link([3, 7]);
+        let entered: Vec<[u32; 2]> = (0..MANY as u32).map(|slot| [slot, slot + 1]).collect();
+        let stopped = interrupt::watch(third_time, || touching.change(&[0], &entered));
+        assert_eq!(stopped, Err(Error::Interrupted));
+        assert_eq!((of(&touching, 7), touching.len()), (vec![0, 3], 2));
+        touching.change(&[0], &entered).unwrap();
+        assert_eq!((of(&touching, 7), touching.len()), (vec![3, 6, 8], MANY + 1));
     }
 }

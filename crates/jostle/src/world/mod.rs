@@ -324,7 +324,7 @@ impl World {
         for (index, &row) in rows.iter().enumerate() {
             match seen.get_mut(row as usize) {
                 None => {
-                    let rule = format!("there are {} particles, so it must be below", self.len());
+                    let rule = format!("no particle has this id; ids are below {}", self.len());
                     return Err(Error::at("ids", index, row, &rule));
                 }
                 Some(true) => return Err(Error::at("ids", index, row, "it is given twice")),

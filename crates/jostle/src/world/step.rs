@@ -34,7 +34,7 @@ impl World {
     ) -> Result<()> {
         let single = dt as f32;
         if !(single > 0.0 && single.is_finite()) {
-            return Err(Error::of("dt", dt, "it must be finite and above 0"));
+            return Err(Error::of("dt", dt, "it must be finite and above 0 in float32"));
         }
         let threads = self.threads();
         parallel::among(threads, || self.step_often(single, dt, steps, watch))

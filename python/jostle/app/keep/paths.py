@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import tempfile
@@ -16,11 +17,15 @@ def new_path(folder: Path, stem: str, suffix: str) -> Path:
     """
     folder.mkdir(parents=True, exist_ok=True)
     stem = re.sub(r"[^\w-]+", "-", stem) + time.strftime("-%Y%m%d-%H%M%S")
-    path, number = folder / f"{stem}{suffix}", 1
-    while path.exists():
-        number += 1
-        path = folder / f"{stem}-{number}{suffix}"
-    return path
+    return folder / (free_name(folder, stem, suffix) + suffix)
+
+
+def free_name(folder: Path, name: str, *suffixes: str) -> str:
+    """Return the first of name, name-2, name-3, … that no file has with one of the suffixes."""
+    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+    return next(
+        new for new in names if not any((folder / (new + suffix)).exists() for suffix in suffixes)
+    )
 
 
 def write_whole(path: Path, data: bytes) -> None:

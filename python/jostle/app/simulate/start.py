@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,19 +11,31 @@ from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.chance import directions
 from jostle.app.simulate.room import free_places
 from jostle.app.simulate.settings import Group, Settings
-from jostle.app.simulate.simulation import Simulation
+from jostle.app.simulate.simulation import Container, Simulation
+from jostle.app.simulate.walls import bounds
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 
 def start(settings: Settings) -> Simulation:
-    """Return the simulation that the settings describe, in its first state."""
+    """Return the simulation that the settings describe, in its first state.
+
+    Raises
+    ------
+    ValueError
+        If the library refuses a setting, or if a group of particles cannot be between the walls.
+    """
     simulation: Simulation
     if settings.by_article:
         simulation = ArticleSimulation(settings)
     else:
         simulation = WorldSimulation.of_scene(settings)
     for number, group in enumerate(settings.particles):
-        _scatter(simulation, group, np.random.default_rng([settings.seed, number]))
+        name = f"particles[{number}]"
+        _require_room(name, group, simulation.frame().container)
+        try:
+            _scatter(simulation, group, np.random.default_rng([settings.seed, number]))
+        except ValueError as error:
+            raise ValueError(f"{name} cannot be added: {error}") from error
     return simulation
 
 
@@ -31,6 +44,26 @@ def resume(settings: Settings, state: bytes) -> Simulation:
     empty = start(replace(settings, n=0, particles=()))  # the state brings its own
     empty.load(state)
     return empty
+
+
+def _require_room(name: str, group: Group, container: Container) -> None:
+    """Raise a ValueError if a group is too large for the walls, or outside them."""
+    walls = bounds(container)
+    if walls is None or not group.count:
+        return
+    x0, y0, x1, y1 = walls
+    words = f"the walls, from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g})"
+    smallest, largest = group.radius
+    if 2 * largest > min(x1 - x0, y1 - y0):
+        raise ValueError(f"{name}.radius is {largest:g}; a disc must fit between {words}")
+    if group.region is not None:
+        left, top, right, bottom = group.region
+        if right < x0 or left > x1 or bottom < y0 or top > y1:
+            region = ", ".join(f"{side:g}" for side in group.region)
+            raise ValueError(f"{name}.region is [{region}]; it must overlap {words}")
+    if group.count * math.pi * smallest**2 > (x1 - x0) * (y1 - y0):
+        why = f"discs of radius {smallest:g} at least need more area than there is between {words}"
+        raise ValueError(f"{name}.count is {group.count}; {why}")
 
 
 def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) -> None:
