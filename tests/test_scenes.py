@@ -143,7 +143,7 @@ def test_one_heavy_disc_at_rest_in_the_middle() -> None:
 
 @pytest.mark.slow
 def test_no_grain_leaves_the_hourglass() -> None:
-    world = scenes.create("sand")
+    world = scenes.create("sand", 500)
     glass = np.abs(world.positions[~world.movable])
     world.step(1 / 60, steps=600)
     done = (world.positions[world.movable, 1] > 0).mean()

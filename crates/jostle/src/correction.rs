@@ -1,17 +1,17 @@
 //! Position correction: particles that overlap are moved apart, and back inside the walls. Only
 //! positions change, so it adds no kinetic energy; the lighter particle moves further.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{COLOURS, Contact, Contacts};
 use crate::container::Container;
-use crate::motion::Motions;
+use crate::motion::{Motions, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
 
-/// Overlap that is not corrected, as a share of the sum of radii, so that resting contacts
-/// persist.
-const SLOP: f32 = 0.003;
+/// Overlap to which positions are corrected, as a share of the sum of radii, so that resting
+/// contacts persist.
+const SLOP: f32 = 0.002;
 
 /// Share of the overlap beyond [`SLOP`] that one iteration removes.
 const SOFTNESS: f32 = 0.35;
@@ -27,9 +27,9 @@ const NEAR: f32 = 0.02;
 /// Iterations over all pairs at most.
 const ITERATIONS: usize = 6;
 
-/// The iteration ends when no pair overlaps by more than this share of the sum of radii beyond
+/// Two particles are moved apart if they overlap by more than this share of the sum of radii beyond
 /// [`SLOP`].
-const TOLERANCE: f32 = 0.002;
+const TOLERANCE: f32 = 0.001;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that separates neighbours.
@@ -66,6 +66,7 @@ struct Near {
 /// Scratch.
 #[derive(Debug, Default)]
 pub struct Correction {
+    positions: Vectors,
     near: Vec<Near>,
     /// Where in `near` each colour ends.
     ends: Vec<usize>,
@@ -88,15 +89,23 @@ impl Correction {
             parallel::for_rows(threads, particles.len(), |index| {
                 if particles.movable[index] {
                     let place = index as u32;
-                    motions.set_position(place, inside(place, motions.position(place)));
+                    let position = motions.position(place);
+                    let allowed = inside(place, position);
+                    if allowed != position {
+                        motions.set_position(place, allowed);
+                    }
                 }
             });
         }
+        self.positions.resize(particles.len());
         self.list(contacts, motions, radii);
-        for _ in 0..ITERATIONS {
-            if self.separate(motions, inside, threads) <= TOLERANCE {
-                break;
-            }
+        let mut sweeps = 0;
+        while sweeps < ITERATIONS && self.separate(inside, threads) {
+            sweeps += 1;
+        }
+        if sweeps > 0 {
+            let places = self.near.iter().flat_map(|near| near.places);
+            places.for_each(|place| motions.set_position(place, self.positions.get(place)));
         }
     }
 
@@ -115,6 +124,8 @@ impl Correction {
                 if square < near * near {
                     let [p, q] = places.map(|place| radii[place as usize]);
                     let most = MOST * p.min(q) / inverse_masses[0].max(inverse_masses[1]);
+                    self.positions.set(places[0], a);
+                    self.positions.set(places[1], b);
                     self.near.push(Near { places, image, reach, inverse_masses, most });
                 }
             }
@@ -122,16 +133,13 @@ impl Correction {
         }
     }
 
-    /// Moves all overlapping pairs apart, colour after colour. Returns the largest overlap beyond
-    /// [`SLOP`], as a share of the sum of radii.
+    /// Moves all overlapping pairs apart, colour after colour. Returns whether there are any.
     fn separate(
         &self,
-        motions: &Motions,
         inside: impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
         threads: Option<usize>,
-    ) -> f32 {
-        // The bits of numbers that are not negative are in the order of the numbers.
-        let largest = AtomicU32::new(0);
+    ) -> bool {
+        let any = AtomicBool::new(false);
         let mut start = 0;
         for (colour, &end) in self.ends.iter().enumerate() {
             let near = &self.near[std::mem::replace(&mut start, end)..end];
@@ -140,25 +148,24 @@ impl Correction {
             }
             let threads = if colour == COLOURS { Some(1) } else { threads };
             parallel::for_slices(threads, near, |near| {
-                let all = near.iter().map(|near| near.separate(motions, &inside));
-                largest.fetch_max(all.fold(0.0, f32::max).to_bits(), Ordering::Relaxed);
+                let all = near.iter().map(|near| near.separate(&self.positions, &inside));
+                any.fetch_or(all.fold(false, |any, moves| any | moves), Ordering::Relaxed);
             });
         }
-        f32::from_bits(largest.into_inner())
+        any.into_inner()
     }
 }
 
 impl Near {
-    /// Moves two overlapping particles apart. Returns their overlap beyond [`SLOP`], as a share of
-    /// the sum of radii.
+    /// Moves two overlapping particles apart. Returns whether they overlap.
     #[inline(always)]
-    fn separate(&self, motions: &Motions, inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) -> f32 {
-        let [a, b] = self.places.map(|place| motions.position(place));
+    fn separate(&self, positions: &Vectors, inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) -> bool {
+        let [a, b] = self.places.map(|place| positions.get(place));
         let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
         let square = offset[0] * offset[0] + offset[1] * offset[1];
-        let free = (1.0 - SLOP) * self.reach;
-        if square >= free * free {
-            return 0.0;
+        let least = (1.0 - SLOP - TOLERANCE) * self.reach;
+        if square >= least * least {
+            return false;
         }
         let length = square.sqrt();
         let normal = if length > 0.0 {
@@ -166,16 +173,16 @@ impl Near {
         } else {
             DIRECTIONS[(self.places[1] - self.places[0]) as usize % DIRECTIONS.len()]
         };
-        let excess = free - length;
+        let excess = (1.0 - SLOP) * self.reach - length;
         let [inverse_a, inverse_b] = self.inverse_masses;
         let push = (SOFTNESS * excess / (inverse_a + inverse_b)).min(self.most);
         for (k, position, sign) in [(0, a, -1.0), (1, b, 1.0)] {
             let (place, by) = (self.places[k], sign * push * self.inverse_masses[k]);
             if by != 0.0 {
                 let new = [0, 1].map(|k| position[k] + normal[k] * by);
-                motions.set_position(place, inside(place, new));
+                positions.set(place, inside(place, new));
             }
         }
-        excess / self.reach
+        true
     }
 }

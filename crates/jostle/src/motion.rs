@@ -124,25 +124,25 @@ impl Motions {
     }
 }
 
-/// The velocities of all particles, and nothing else in the way.
+/// The velocities or the positions of all particles, in an array of their own.
 #[derive(Debug, Default)]
-pub struct Velocities(Vec<Two>);
+pub struct Vectors(Vec<Two>);
 
-impl Velocities {
-    /// Makes room for `len` velocities; what is in them is unspecified.
+impl Vectors {
+    /// Makes room for `len` vectors; what is in them is unspecified.
     pub fn resize(&mut self, len: usize) {
         self.0.resize_with(len, Default::default);
     }
 
-    /// The velocity of the particle at `place`.
+    /// The vector of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> [f32; 2] {
         self.0[place as usize].vector()
     }
 
-    /// Replaces the velocity of the particle at `place`.
+    /// Replaces the vector of the particle at `place`.
     #[inline(always)]
-    pub fn set(&self, place: u32, velocity: [f32; 2]) {
-        self.0[place as usize].set_vector(velocity);
+    pub fn set(&self, place: u32, vector: [f32; 2]) {
+        self.0[place as usize].set_vector(vector);
     }
 }

@@ -204,7 +204,7 @@ fn an_inelastic_gas_never_gains_energy() {
         };
         let mut world = world(cloud(2000, 600.0, 5.0, 200.0, 4), settings);
         let mut last = world.kinetic_energy();
-        for step in 0..1000 {
+        for step in 0..400 {
             run(&mut world, STEP, 1);
             let now = world.kinetic_energy();
             assert!(now <= last * (1.0 + 1e-6), "e {restitution}, step {step}: {last} → {now}");
@@ -230,7 +230,7 @@ fn deepest_overlap(particles: &Particles) -> f32 {
 fn a_pile_comes_to_rest_and_stays() {
     for seed in [0, 1] {
         let mut world = jostle::scenes::find("pile").unwrap().create(Some(1000), seed).unwrap();
-        for seconds in [20, 25, 30, 35, 40] {
+        for seconds in [20, 25, 30] {
             let missing = f64::from(seconds) - world.time();
             run(&mut world, STEP, (missing * 60.0).round() as usize);
             let particles = world.particles();
@@ -284,7 +284,7 @@ fn no_shot_passes_through_a_disc() {
 
 #[test]
 fn no_shot_passes_through_a_curtain_of_discs() {
-    for seed in 0..100 {
+    for seed in 0..40 {
         let mut random = Random::new(seed);
         let side = 400.0;
         // Discs that nothing moves, a shot's radius apart, across the whole box.

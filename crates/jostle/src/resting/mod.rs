@@ -12,33 +12,29 @@
 mod pairs;
 mod walls;
 
-use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
-
 use crate::contacts::{COLOURS, Contacts};
 use crate::container::{Container, MAX_WALLS};
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
 use crate::interrupt;
-use crate::motion::{Motions, Velocities};
+use crate::motion::{Motions, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::rest_speeds;
-use pairs::{Impact, Pair};
+use pairs::{Block, Pair, Phase, Sweep};
 use walls::Walls;
 
 /// Surfaces touch if their gap is at most this share of the sum of radii.
 const TOUCHING: f32 = 0.003;
 
-/// Iterations in a sub-step at most.
+/// Iterations in a sub-step. Always as many, so that no particle depends on what is far away.
 const ITERATIONS: usize = 12;
 
 /// The same for the impacts at its beginning.
 const IMPACT_ITERATIONS: usize = 4;
 
-/// The iteration ends when no speed changes by more than this share of the speed that gravity and
-/// forces give.
-const TOLERANCE: f32 = 0.002;
+/// Blocks of a colour that are worth another thread.
+const BLOCKS_OF_A_THREAD: usize = 128;
 
 /// What the resting contacts of a sub-step depend on.
 pub struct Support<'a> {
@@ -61,12 +57,12 @@ pub struct Support<'a> {
 /// Working memory.
 #[derive(Debug, Default)]
 pub struct Resting {
-    velocities: Velocities,
-    pairs: Vec<Pair>,
-    /// One for each pair.
-    impacts: Vec<Impact>,
-    /// Where in `pairs` each colour ends.
+    velocities: Vectors,
+    blocks: Vec<Block>,
+    /// Where in `blocks` each colour ends.
     ends: Vec<usize>,
+    /// Whether particles touch and approach too fast to rest.
+    is_fast: bool,
     walls: Vec<Walls>,
 }
 
@@ -101,8 +97,8 @@ struct Surfaces {
 struct Start {
     /// Speed at which the gap may close.
     closing_speed: f32,
-    /// Speed of separation after an impact at the beginning, at least. Where the other surface is
-    /// approached too, it may be negative: then all contacts can have the speeds that they need.
+    /// Speed of separation after the impacts at the beginning, at least. Slow contacts keep their
+    /// speed, so they change nothing where no contact is fast.
     bounce: f32,
     /// Whether the surfaces touch and approach too fast to rest.
     is_fast: bool,
@@ -123,10 +119,17 @@ impl Surfaces {
         if approach == 0.0 || !is_near || !rests {
             return None;
         }
+        let is_fast = is_touching && normal_speed < -approach;
         Some(Start {
             closing_speed,
-            bounce: if is_touching { -self.restitution * normal_speed } else { f32::MIN },
-            is_fast: is_touching && normal_speed < -approach,
+            bounce: if is_fast {
+                -self.restitution * normal_speed
+            } else if is_touching {
+                normal_speed
+            } else {
+                f32::MIN
+            },
+            is_fast,
         })
     }
 }
@@ -141,23 +144,30 @@ impl Resting {
         wall_pushes: &mut [[f32; MAX_WALLS]],
         kicks: &mut [Kick],
     ) -> Result<()> {
-        let tolerance = TOLERANCE * self.begin(scene, kicks);
+        self.begin(scene, kicks);
         self.list_pairs(scene, contacts, kicks);
         self.list_walls(scene, wall_pushes, kicks);
         let threads = scene.threads;
-        let Self { velocities, pairs, impacts, ends, walls } = self;
+        let Self { velocities, blocks, ends, walls, is_fast } = self;
         let velocities = &*velocities;
-        let colours = ranges(ends);
-        let is_fast = impacts.iter().any(|impact| impact.is_fast);
-        if is_fast || walls.iter().any(Walls::is_fast) {
-            iterate(IMPACT_ITERATIONS, tolerance, || {
+        let mut sweep = |phase, only_apply| {
+            let mut start = 0;
+            for (colour, &end) in ends.iter().enumerate() {
+                let blocks = &mut blocks[std::mem::replace(&mut start, end)..end];
+                let threads = if colour == COLOURS { Some(1) } else { threads };
+                parallel::for_parts(threads, blocks, BLOCKS_OF_A_THREAD, |blocks| {
+                    Sweep { blocks, velocities, phase, only_apply }.run();
+                });
+            }
+        };
+        if *is_fast || walls.iter().any(Walls::is_fast) {
+            for _ in 0..IMPACT_ITERATIONS {
+                interrupt::check()?;
                 parallel::for_chunks(threads, walls, |_, chunk| {
                     chunk.iter_mut().for_each(|walls| walls.collide(velocities));
                 });
-                largest(pairs, impacts, &colours, threads, |pair, impact| {
-                    pair.collide(impact, velocities)
-                })
-            })?;
+                sweep(Phase::Impact, false);
+            }
         }
         let change = |place: usize| {
             let [u, v] = velocities.get(place as u32);
@@ -167,33 +177,30 @@ impl Resting {
             }
         };
         parallel::for_rows(threads, kicks.len(), change);
-        largest(pairs, impacts, &colours, threads, |pair, _| pair.start(velocities));
+        sweep(Phase::Rest, true);
         parallel::for_chunks(threads, walls, |_, chunk| {
             chunk.iter().for_each(|walls| walls.start(velocities));
         });
-        iterate(ITERATIONS, tolerance, || {
-            let solve = |pair: &mut Pair, _: &mut Impact| pair.solve(velocities);
-            let most = largest(pairs, impacts, &colours, threads, solve);
+        for _ in 0..ITERATIONS {
+            interrupt::check()?;
+            sweep(Phase::Rest, false);
             parallel::for_chunks(threads, walls, |_, chunk| {
                 chunk.iter_mut().for_each(|walls| walls.solve(velocities));
             });
-            most
-        })?;
-        let both = pairs.iter().zip(impacts);
-        both.for_each(|(pair, impact)| pair.store(impact, &mut contacts.list));
+        }
+        blocks.iter().for_each(|block| block.store(&mut contacts.list));
         walls.iter().for_each(|walls| walls.store(wall_pushes));
         self.end(scene, kicks);
         Ok(())
     }
 
-    /// Writes the velocities without contacts. Returns the largest speed that gravity and forces
-    /// give.
-    fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) -> f32 {
-        self.velocities.resize(kicks.len());
+    /// Writes the velocities without contacts, and the speeds that gravity and forces give.
+    fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) {
+        // One more for lanes without a pair.
+        self.velocities.resize(kicks.len() + 1);
+        self.velocities.set(kicks.len() as u32, [0.0; 2]);
         let velocities = &self.velocities;
-        let fastest = AtomicU32::new(0);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
-            let mut most = 0.0f32;
             for (kick, place) in kicks.iter_mut().zip(first..) {
                 if !scene.moving[place] {
                     velocities.set(place as u32, [0.0; 2]);
@@ -202,28 +209,32 @@ impl Resting {
                 velocities.set(place as u32, scene.motions.velocity(place as u32));
                 let [x, y] = [0, 1].map(|k| scene.change(kick, k));
                 kick.speed = (x * x + y * y).sqrt() as f32;
-                most = most.max(kick.speed);
             }
-            fastest.fetch_max(most.to_bits(), Ordering::Relaxed);
         });
-        f32::from_bits(fastest.into_inner())
     }
 
     /// Lists the pairs whose contacts rest, colour by colour.
     fn list_pairs(&mut self, scene: &Support<'_>, contacts: &mut Contacts, kicks: &[Kick]) {
-        self.pairs.clear();
-        self.impacts.clear();
-        self.ends.clear();
-        for range in contacts.colours() {
+        let Self { blocks, ends, is_fast, .. } = self;
+        blocks.clear();
+        ends.clear();
+        *is_fast = false;
+        for (colour, range) in contacts.colours().into_iter().enumerate() {
+            let first = blocks.len();
             for at in range {
                 let contact = &mut contacts.list[at];
-                if let Some((pair, impact)) = Pair::of(contact, at as u32, scene, kicks) {
-                    self.pairs.push(pair);
-                    self.impacts.push(impact);
+                if let Some(pair) = Pair::of(contact, at as u32, scene, kicks) {
+                    *is_fast |= pair.is_fast;
+                    // The pairs of the last colour share particles.
+                    let has_room = |block: &Block| block.has_room() && colour < COLOURS;
+                    if blocks.len() == first || !blocks.last().is_some_and(has_room) {
+                        blocks.push(Block::new(kicks.len() as u32));
+                    }
+                    blocks.last_mut().expect("it has room").push(&pair);
                 }
                 contact.impulse = 0.0;
             }
-            self.ends.push(self.pairs.len());
+            ends.push(blocks.len());
         }
     }
 
@@ -263,43 +274,4 @@ impl Resting {
             }
         });
     }
-}
-
-/// Iterates until no speed changes by more than `tolerance`.
-fn iterate(most: usize, tolerance: f32, mut iteration: impl FnMut() -> f32) -> Result<()> {
-    for _ in 0..most {
-        interrupt::check()?;
-        if iteration() <= tolerance {
-            break;
-        }
-    }
-    Ok(())
-}
-
-/// The range of each colour; the last one is solved in sequence.
-fn ranges(ends: &[usize]) -> Vec<Range<usize>> {
-    let mut start = 0;
-    ends.iter().map(|&end| std::mem::replace(&mut start, end)..end).collect()
-}
-
-/// Calls `act` on every pair and its impact, colour after colour, and returns the largest of what it
-/// returns, and at least 0. Pairs of one colour share no particle that moves.
-fn largest(
-    pairs: &mut [Pair],
-    impacts: &mut [Impact],
-    colours: &[Range<usize>],
-    threads: Option<usize>,
-    act: impl Fn(&mut Pair, &mut Impact) -> f32 + Sync + Send,
-) -> f32 {
-    // The bits of numbers that are not negative are in the order of the numbers.
-    let most = AtomicU32::new(0);
-    for (colour, range) in colours.iter().enumerate().filter(|(_, range)| !range.is_empty()) {
-        let threads = if colour == COLOURS { Some(1) } else { threads };
-        let (pairs, impacts) = (&mut pairs[range.clone()], &mut impacts[range.clone()]);
-        parallel::for_chunks_of_two(threads, pairs, impacts, |_, pairs, impacts| {
-            let all = pairs.iter_mut().zip(impacts).map(|(pair, impact)| act(pair, impact));
-            most.fetch_max(all.fold(0.0f32, f32::max).to_bits(), Ordering::Relaxed);
-        });
-    }
-    f32::from_bits(most.into_inner())
 }

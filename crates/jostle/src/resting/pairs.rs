@@ -1,44 +1,32 @@
-//! Resting contacts of two particles.
+//! Resting contacts of two particles, in blocks of contacts that share no particle that moves.
 
 use super::{Support, Surfaces};
 use crate::contacts::Contact;
 use crate::flow::Kick;
-use crate::motion::Velocities;
+use crate::motion::Vectors;
+use crate::simd::{LANES, Number, Simd, Work};
 
 /// Two particles whose contact rests.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
+    /// Whether they touch and approach too fast to rest.
+    pub is_fast: bool,
     places: [u32; 2],
     normal: [f32; 2],
     inverse_masses: [f32; 2],
-    /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
-    effective_mass: f32,
     /// Speed at which the gap may close.
     closing_speed: f32,
+    /// Speed at which the two separate at least after the impact at the beginning.
+    bounce: f32,
     impulse: f32,
     /// The index of the contact.
     contact: u32,
 }
 
-/// The impact of a pair at the beginning of the sub-step.
-#[derive(Clone, Copy, Debug)]
-pub struct Impact {
-    /// Speed at which the two separate at least after it.
-    bounce: f32,
-    /// Whether they touch and approach too fast to rest.
-    pub is_fast: bool,
-    impulse: f32,
-}
-
 impl Pair {
     /// The pair, if its contact may rest in this sub-step. The contact is up to date with the
     /// positions.
-    pub fn of(
-        contact: &Contact,
-        index: u32,
-        scene: &Support<'_>,
-        kicks: &[Kick],
-    ) -> Option<(Self, Impact)> {
+    pub fn of(contact: &Contact, index: u32, scene: &Support<'_>, kicks: &[Kick]) -> Option<Self> {
         let h = scene.flow.duration as f32;
         let places = contact.places;
         let [a, b] = places.map(|place| scene.motions.velocity(place));
@@ -56,75 +44,164 @@ impl Pair {
         if dot(relative, relative).sqrt() * h > 0.5 * contact.reach {
             return None;
         }
-        let [inverse_a, inverse_b] = contact.inverse_masses;
-        let pair = Self {
+        Some(Self {
+            is_fast: start.is_fast,
             places,
             normal: contact.normal,
             inverse_masses: contact.inverse_masses,
-            effective_mass: 1.0 / (inverse_a + inverse_b),
             closing_speed: start.closing_speed,
+            bounce: start.bounce,
             impulse: contact.impulse,
             contact: index,
-        };
-        Some((pair, Impact { bounce: start.bounce, is_fast: start.is_fast, impulse: 0.0 }))
+        })
     }
+}
 
-    /// Starts from the impulse of the sub-step before.
-    pub fn start(&self, velocities: &Velocities) -> f32 {
-        if self.impulse > 0.0 {
-            let both = self.places.map(|place| velocities.get(place));
-            self.apply(velocities, both, self.impulse);
+/// Some pairs of one colour, a column for each number. Lanes without a pair have inverse masses
+/// of 0, so their impulses change nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    len: usize,
+    places: [[u32; LANES]; 2],
+    normal: [[f32; LANES]; 2],
+    inverse_masses: [[f32; LANES]; 2],
+    /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
+    effective_masses: [f32; LANES],
+    /// The normal speeds after the impacts at the beginning and at the end of the sub-step, at least.
+    least_speeds: [[f32; LANES]; 2],
+    /// The impulses of both.
+    impulses: [[f32; LANES]; 2],
+    contacts: [u32; LANES],
+}
+
+/// What the impulses of a sweep belong to: the first or the second of [`Block::impulses`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The impacts at the beginning of the sub-step.
+    Impact,
+    /// The contacts at its end.
+    Rest,
+}
+
+impl Block {
+    /// A block without pairs; `spare` is a place without a particle.
+    pub fn new(spare: u32) -> Self {
+        Self {
+            len: 0,
+            places: [[spare; LANES]; 2],
+            normal: [[0.0; LANES]; 2],
+            inverse_masses: [[0.0; LANES]; 2],
+            effective_masses: [0.0; LANES],
+            least_speeds: [[0.0; LANES]; 2],
+            impulses: [[0.0; LANES]; 2],
+            contacts: [0; LANES],
         }
-        0.0
     }
 
-    /// Corrects the impulse so that the two do not come closer than touching. Returns by how much
-    /// that changed the speed of the lighter one.
+    /// Whether there is room for another pair.
+    pub fn has_room(&self) -> bool {
+        self.len < LANES
+    }
+
+    /// Adds a pair.
+    pub fn push(&mut self, pair: &Pair) {
+        let lane = self.len;
+        self.len += 1;
+        for k in [0, 1] {
+            self.places[k][lane] = pair.places[k];
+            self.normal[k][lane] = pair.normal[k];
+            self.inverse_masses[k][lane] = pair.inverse_masses[k];
+        }
+        self.effective_masses[lane] = 1.0 / (pair.inverse_masses[0] + pair.inverse_masses[1]);
+        self.least_speeds[Phase::Impact as usize][lane] = pair.bounce;
+        self.least_speeds[Phase::Rest as usize][lane] = -pair.closing_speed;
+        self.impulses[Phase::Rest as usize][lane] = pair.impulse;
+        self.contacts[lane] = pair.contact;
+    }
+
+    /// Stores the impulses in the contacts.
+    pub fn store(&self, contacts: &mut [Contact]) {
+        for lane in 0..self.len {
+            let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
+            let contact = &mut contacts[self.contacts[lane] as usize];
+            contact.impulse = rest;
+            contact.touched |= rest > 0.0 || impact > 0.0;
+        }
+    }
+
+    /// Corrects the impulses so that the pairs separate with their least speeds, or only applies
+    /// those that they have.
     #[inline(always)]
-    pub fn solve(&mut self, velocities: &Velocities) -> f32 {
-        let mut impulse = self.impulse;
-        let change = self.correct(&mut impulse, -self.closing_speed, velocities);
-        self.impulse = impulse;
-        change
-    }
-
-    /// As [`Pair::solve`] for the impacts at the beginning.
-    #[inline(always)]
-    pub fn collide(&self, impact: &mut Impact, velocities: &Velocities) -> f32 {
-        self.correct(&mut impact.impulse, impact.bounce, velocities)
-    }
-
-    /// Corrects an impulse so that the two separate with `least_speed` at least.
-    #[inline(always)]
-    fn correct(&self, impulse: &mut f32, least_speed: f32, velocities: &Velocities) -> f32 {
-        let both = self.places.map(|place| velocities.get(place));
-        let [a, b] = both;
-        let normal_speed = dot(self.normal, [b[0] - a[0], b[1] - a[1]]);
-        let new = (*impulse + (least_speed - normal_speed) * self.effective_mass).max(0.0);
-        let change = new - *impulse;
-        *impulse = new;
-        self.apply(velocities, both, change);
-        let [inverse_a, inverse_b] = self.inverse_masses;
-        change.abs() * if inverse_a > inverse_b { inverse_a } else { inverse_b }
-    }
-
-    /// Stores the impulse in the contact.
-    pub fn store(&self, impact: &Impact, contacts: &mut [Contact]) {
-        let contact = &mut contacts[self.contact as usize];
-        contact.impulse = self.impulse;
-        contact.touched |= self.impulse > 0.0 || impact.impulse > 0.0;
-    }
-
-    /// What cannot move has an inverse mass of 0 and is not written, because others may be writing
-    /// to it at the same time.
-    #[inline(always)]
-    fn apply(&self, velocities: &Velocities, both: [[f32; 2]; 2], impulse: f32) {
-        for (k, sign) in [(0, -1.0), (1, 1.0)] {
-            let inverse_mass = self.inverse_masses[k];
-            if inverse_mass > 0.0 {
-                let change = sign * impulse * inverse_mass;
-                velocities.set(self.places[k], pushed(both[k], self.normal, change));
+    fn sweep<S: Simd<f32>>(
+        &mut self,
+        simd: S,
+        velocities: &Vectors,
+        phase: Phase,
+        only_apply: bool,
+    ) {
+        // x and y of the first, x and y of the second.
+        let mut both = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            for k in [0, 1] {
+                let [x, y] = velocities.get(self.places[k][lane]);
+                (both[2 * k][lane], both[2 * k + 1][lane]) = (x, y);
             }
+        }
+        let [ax, ay, bx, by] = both.map(|column| simd.load(&column));
+        let [nx, ny] = self.normal.map(|column| simd.load(&column));
+        let impulses = &mut self.impulses[phase as usize];
+        let old = simd.load(impulses);
+        let change = if only_apply {
+            old
+        } else {
+            let x = simd.mul(nx, simd.sub(bx, ax));
+            let normal_speed = simd.add(x, simd.mul(ny, simd.sub(by, ay)));
+            let missing = simd.sub(simd.load(&self.least_speeds[phase as usize]), normal_speed);
+            let wanted = simd.add(old, simd.mul(missing, simd.load(&self.effective_masses)));
+            let new = simd.most(wanted, simd.splat(0.0));
+            simd.store(new, impulses);
+            simd.sub(new, old)
+        };
+        let [a, b] = self.inverse_masses.map(|column| simd.mul(change, simd.load(&column)));
+        simd.store(simd.sub(ax, simd.mul(nx, a)), &mut both[0]);
+        simd.store(simd.sub(ay, simd.mul(ny, a)), &mut both[1]);
+        simd.store(simd.add(bx, simd.mul(nx, b)), &mut both[2]);
+        simd.store(simd.add(by, simd.mul(ny, b)), &mut both[3]);
+        // Particles that do not move keep their velocity: others may write the same at this time.
+        for lane in 0..LANES {
+            for k in [0, 1] {
+                velocities.set(self.places[k][lane], [both[2 * k][lane], both[2 * k + 1][lane]]);
+            }
+        }
+    }
+}
+
+/// A pass over the blocks of a colour.
+pub struct Sweep<'a> {
+    /// The blocks.
+    pub blocks: &'a mut [Block],
+    /// The velocities of all particles.
+    pub velocities: &'a Vectors,
+    /// Which impulses.
+    pub phase: Phase,
+    /// Whether the impulses are applied as they are.
+    pub only_apply: bool,
+}
+
+impl Sweep<'_> {
+    /// Does the pass with the widest instructions of the machine.
+    pub fn run(self) {
+        f32::with_widest(self);
+    }
+}
+
+impl Work<f32> for Sweep<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<S: Simd<f32>>(self, simd: S) {
+        for block in self.blocks {
+            block.sweep(simd, self.velocities, self.phase, self.only_apply);
         }
     }
 }

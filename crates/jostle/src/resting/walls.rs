@@ -4,7 +4,7 @@ use super::pairs::pushed;
 use super::{Start, Support, Surfaces};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
-use crate::motion::Velocities;
+use crate::motion::Vectors;
 
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ impl Walls {
     }
 
     /// Starts from the impulses of the sub-step before.
-    pub fn start(&self, velocities: &Velocities) {
+    pub fn start(&self, velocities: &Vectors) {
         let mut velocity = velocities.get(self.place);
         for contact in self.contacts.iter().flatten() {
             velocity = pushed(velocity, contact.inward, contact.push);
@@ -68,12 +68,12 @@ impl Walls {
     }
 
     /// Corrects the impulses so that the particle does not get beyond the walls.
-    pub fn solve(&mut self, velocities: &Velocities) {
+    pub fn solve(&mut self, velocities: &Vectors) {
         self.correct(velocities, |contact| (&mut contact.push, -contact.start.closing_speed));
     }
 
     /// As [`Walls::solve`] for the impacts at the beginning.
-    pub fn collide(&mut self, velocities: &Velocities) {
+    pub fn collide(&mut self, velocities: &Vectors) {
         self.correct(velocities, |contact| (&mut contact.impact, contact.start.bounce));
     }
 
@@ -81,7 +81,7 @@ impl Walls {
     /// at least.
     fn correct(
         &mut self,
-        velocities: &Velocities,
+        velocities: &Vectors,
         which: impl Fn(&mut WallContact) -> (&mut f32, f32),
     ) {
         let mut velocity = velocities.get(self.place);
