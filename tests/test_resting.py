@@ -172,7 +172,7 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
         substeps=1,
         container=jostle.Box(0, 0, 100, 1000),
     )
-    world.step(1 / 60, steps=120)
+    world.step(1 / 60, steps=240)
     assert world.stats.unresolved == 0
     before = world.positions
     world.step(1 / 60)

@@ -2320,8 +2320,8 @@ class World:
         """Simulated time in seconds."""
     @property
     def profile(self) -> dict[str, float]:
-        """Milliseconds of each stage of the last step: a dict of "integrate", "build", "pairs",
-        "contacts" and "resolve", and "forces" if there are forces.
+        """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs", "contacts",
+        "resting", "events", "correction" and "store", and "forces" if there are forces.
         """
     @property
     def stats(self) -> WorldStats:

@@ -28,9 +28,6 @@ use crate::settings;
 /// pressed Ctrl-C and lets other threads at the world.
 const LOOK_UP: Duration = Duration::from_millis(50);
 
-/// Names of the stages, in the order of [`Stage`].
-const STAGES: [&str; 6] = ["integrate", "build", "pairs", "contacts", "resolve", "forces"];
-
 /// Particles: discs that move, collide and bounce off walls.
 ///
 /// Particles are rows, in the order of adding; their row numbers are their ids.
@@ -110,7 +107,7 @@ pub struct PyWorld {
 struct State {
     world: World,
     /// What each stage of the last step took.
-    profile: [Duration; STAGES.len()],
+    profile: [Duration; Stage::ALL.len()],
 }
 
 #[pymethods]
@@ -672,8 +669,8 @@ impl PyWorld {
         Ok(self.state(py)?.world.time())
     }
 
-    /// Milliseconds of each stage of the last step: a dict of "integrate", "build", "pairs",
-    /// "contacts" and "resolve", and "forces" if there are forces.
+    /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs", "contacts",
+    /// "resting", "events", "correction" and "store", and "forces" if there are forces.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (times, forces) = {
@@ -681,9 +678,10 @@ impl PyWorld {
             (state.profile, !state.world.forces().is_empty())
         };
         let profile = PyDict::new(py);
-        let shown = if forces { STAGES.len() } else { STAGES.len() - 1 };
-        for (stage, time) in STAGES.iter().zip(times).take(shown) {
-            profile.set_item(stage, time.as_secs_f64() * 1e3)?;
+        for ((stage, name), time) in Stage::ALL.into_iter().zip(times) {
+            if stage != Stage::Forces || forces {
+                profile.set_item(name, time.as_secs_f64() * 1e3)?;
+            }
         }
         Ok(profile)
     }
@@ -927,7 +925,7 @@ impl State {
     fn step(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
         let start = Instant::now();
         while left > 0 {
-            let mut profile = <[Duration; STAGES.len()]>::default();
+            let mut profile = <[Duration; Stage::ALL.len()]>::default();
             let mut since = Instant::now();
             let watch = &mut |stage: Stage| {
                 let now = Instant::now();

@@ -10,9 +10,6 @@ use std::time::Instant;
 use jostle::scenes::{self, STEP};
 use jostle::{Stage, World};
 
-const STAGES: [Stage; 6] =
-    [Stage::Integrate, Stage::Build, Stage::Pairs, Stage::Contacts, Stage::Resolve, Stage::Forces];
-
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [scene, numbers @ ..] = arguments.as_slice() else {
@@ -31,13 +28,13 @@ fn main() {
     settings.tree.threads = Some(1);
     world.configure(settings).expect("the settings are valid");
     world.step(STEP, warm_up, &mut |_| ()).expect("a scene can be stepped");
-    let mut times: [Vec<f64>; STAGES.len()] = Default::default();
+    let mut times: [Vec<f64>; Stage::ALL.len()] = Default::default();
     for _ in 0..steps {
         timed_step(&mut world, &mut times);
     }
-    for (stage, times) in STAGES.iter().zip(&mut times) {
+    for ((_, name), times) in Stage::ALL.iter().zip(&mut times) {
         times.sort_by(f64::total_cmp);
-        println!("{:10} {:9.3} ms", format!("{stage:?}"), times[steps / 2]);
+        println!("{name:10} {:9.3} ms", times[steps / 2]);
     }
 }
 
@@ -45,11 +42,10 @@ fn main() {
 #[inline(never)]
 fn timed_step(world: &mut World, times: &mut [Vec<f64>]) {
     let mut last = Instant::now();
-    let mut sums = [0.0; STAGES.len()];
+    let mut sums = [0.0; Stage::ALL.len()];
     let mut watch = |stage: Stage| {
         let now = Instant::now();
-        let index = STAGES.iter().position(|&other| other == stage).unwrap_or(0);
-        sums[index] += (now - last).as_secs_f64() * 1e3;
+        sums[stage as usize] += (now - last).as_secs_f64() * 1e3;
         last = now;
     };
     world.step(STEP, 1, &mut watch).expect("a scene can be stepped");

@@ -97,8 +97,8 @@ struct Surfaces {
 struct Start {
     /// Speed at which the gap may close.
     closing_speed: f32,
-    /// Speed of separation after the impacts at the beginning, at least. Slow contacts keep their
-    /// speed, so they change nothing where no contact is fast.
+    /// Speed of separation after the impacts at the beginning, at least. Slow contacts do not approach
+    /// faster than before, so they change nothing where no contact is fast.
     bounce: f32,
     /// Whether the surfaces touch and approach too fast to rest.
     is_fast: bool,
@@ -125,7 +125,7 @@ impl Surfaces {
             bounce: if is_fast {
                 -self.restitution * normal_speed
             } else if is_touching {
-                normal_speed
+                normal_speed.min(0.0)
             } else {
                 f32::MIN
             },

@@ -43,17 +43,38 @@ use undo::{Before, Ordered};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The bounds of every particle.
-    Integrate,
+    Bounds,
     /// The tree of the bounds.
     Build,
     /// The candidate pairs.
     Pairs,
     /// The particles in the order of the tree, their neighbours, and the contacts, coloured.
     Contacts,
-    /// The sub-steps: resting contacts, collisions in the order of time, position correction.
-    Resolve,
+    /// The impulses of resting contacts, in each sub-step; only if particles may rest.
+    Resting,
+    /// The flights and collisions in the order of time, in each sub-step.
+    Events,
+    /// The position correction, in each sub-step.
+    Correction,
+    /// The new state, and what touched.
+    Store,
     /// The forces, before the other stages and in each sub-step; only if there are forces.
     Forces,
+}
+
+impl Stage {
+    /// All stages with their names, in the order of the data.
+    pub const ALL: [(Self, &str); 9] = [
+        (Self::Bounds, "bounds"),
+        (Self::Build, "build"),
+        (Self::Pairs, "pairs"),
+        (Self::Contacts, "contacts"),
+        (Self::Resting, "resting"),
+        (Self::Events, "events"),
+        (Self::Correction, "correction"),
+        (Self::Store, "store"),
+        (Self::Forces, "forces"),
+    ];
 }
 
 /// The search of the last step, and its unresolved particles.

@@ -135,7 +135,7 @@ impl World {
             watch(Stage::Forces);
         }
         self.bound(dt);
-        watch(Stage::Integrate);
+        watch(Stage::Bounds);
         interrupt::check()?;
         self.build()?;
         watch(Stage::Build);
@@ -149,7 +149,7 @@ impl World {
         self.fly(dt, watch)?;
         self.break_springs();
         self.merge();
-        watch(Stage::Resolve);
+        watch(Stage::Store);
         Ok(())
     }
 

@@ -127,7 +127,6 @@ impl World {
             interrupt::check()?;
             let forces = &mut memory.forces;
             if substep > 0 && forces::pull(&self.forces) {
-                watch(Stage::Resolve);
                 forces.find_halfway(motions, &settings.container, h as f32);
                 accelerate(&self.forces, particles, settings, forces);
                 watch(Stage::Forces);
@@ -138,7 +137,6 @@ impl World {
                 kicks.resize(particles.len(), Kick::default());
                 forces.kick(kicks, &flow);
                 if !forces.sprung.is_empty() && !self.forces.is_empty() {
-                    watch(Stage::Resolve);
                     forces.sprung.act(motions, kicks, h);
                     watch(Stage::Forces);
                 }
@@ -156,6 +154,7 @@ impl World {
                 self.contacts.each(threads, |contact| contact.measure(motions));
                 let (contacts, pushes) = (&mut self.contacts, &mut self.wall_pushes);
                 memory.resting.support(&support, contacts, pushes, kicks)?;
+                watch(Stage::Resting);
             }
             let flight = Flight {
                 particles,
@@ -175,9 +174,11 @@ impl World {
                 threads,
             };
             memory.events.fly(&flight, &mut bounds)?;
+            watch(Stage::Events);
             let (contacts, container) = (&mut self.contacts, &settings.container);
             memory.correction.run(contacts, motions, particles, container, threads);
             merge::note(&mut memory.meetings, motions, threads);
+            watch(Stage::Correction);
         }
         let exhausted = memory.events.exhausted.iter().map(|&place| self.rows[place as usize]);
         memory.exhausted.extend(exhausted);

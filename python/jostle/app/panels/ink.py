@@ -16,11 +16,14 @@ FILLED: Colour = blend(PANEL[:3], ACCENT, 0.7)  # the part of a slider that is u
 
 # Stages from the cool to the warm end, in the order of work; then what the window does itself.
 STAGES: dict[str, Colour] = {
-    "integrate": (79, 109, 158),
+    "bounds": (79, 109, 158),
     "build": (85, 144, 168),
     "pairs": (111, 176, 162),
     "contacts": (167, 197, 140),
-    "resolve": (226, 198, 124),
+    "resting": (198, 205, 130),
+    "events": (226, 198, 124),
+    "correction": (218, 172, 110),
+    "store": (150, 158, 172),
     "forces": (131, 121, 210),
     "frame": (111, 176, 162),
     "draw": (224, 155, 106),
