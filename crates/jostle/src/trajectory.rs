@@ -124,7 +124,7 @@ pub fn rest_speeds(restitution: f64) -> [f64; 2] {
 }
 
 /// The first of [`rest_speeds`] at most: without it any approach would rest where e is 0.
-const MOST_REST_SPEED: f64 = 4.0;
+pub const MOST_REST_SPEED: f64 = 4.0;
 
 /// The motion of a point against another.
 #[derive(Clone, Copy, Debug)]

@@ -17,7 +17,7 @@ const PINNED: [(&str, u64); 16] = [
     ("article", 0xb95c_1695_6b22_6f2a),
     ("gas", 0x5ac0_8b63_217d_fe23),
     ("pile", 0xb93f_2400_0258_2da2),
-    ("rain", 0x85f3_82a1_2901_196e),
+    ("rain", 0x3971_b8fe_d7ac_d133),
     ("mixed", 0xd3b0_019e_e5e4_b3bf),
     ("clusters", 0x815e_c85c_578a_97b2),
     ("shots", 0x5e41_47b5_4669_e463),

@@ -20,12 +20,16 @@ use crate::interrupt;
 use crate::motion::{Motions, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::trajectory::rest_speeds;
+use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
 use pairs::{Block, Pair, Phase, Sweep};
 use walls::Walls;
 
 /// Surfaces touch if their gap is at most this share of the sum of radii.
 const TOUCHING: f32 = 0.003;
+
+/// Surfaces cannot rest if their gap is more than this many times the displacement that gravity and
+/// forces give.
+const FARTHEST: f32 = MOST_REST_SPEED as f32 + 2.01;
 
 /// Iterations in a sub-step. Always as many, so that no particle depends on what is far away.
 const ITERATIONS: usize = 12;
@@ -109,6 +113,10 @@ impl Surfaces {
     /// or they are near and slow.
     fn start(&self, h: f32) -> Option<Start> {
         let Self { gap, normal_speed, speeds: [a, b], .. } = *self;
+        // Most surfaces are too far away at any restitution.
+        if gap > FARTHEST * a.max(b) * h {
+            return None;
+        }
         let limits = rest_speeds(f64::from(self.restitution));
         let [approach, separation] = limits.map(|limit| limit as f32 * a.max(b));
         let closing_speed = gap.max(0.0) / h;

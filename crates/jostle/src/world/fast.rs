@@ -138,7 +138,7 @@ impl World {
         near.fill(&self.particles, places);
         near.begin();
         near.memory.exhausted.clear();
-        near.step_once(h, &mut |_| ()).map_err(|error| match error {
+        near.step_once(h, near.substeps(), &mut |_| ()).map_err(|error| match error {
             Error::NotFinite { argument, index, value } => {
                 let index = self.rows[places[index] as usize] as usize;
                 Error::NotFinite { argument, index, value }

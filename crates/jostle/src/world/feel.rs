@@ -50,7 +50,7 @@ impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn feel(&mut self, dt: f32) -> Result<()> {
-        let substeps = self.substeps();
+        let substeps = self.memory.substeps;
         let settings = &self.settings;
         let memory = &mut self.memory.forces;
         memory.accelerations.clear();

@@ -138,6 +138,8 @@ pub struct World {
 struct Memory {
     /// A multiple of the mean speed, for the bounds.
     usual_speed: f32,
+    /// Sub-steps of a part of a step.
+    substeps: usize,
     /// Largest displacements that stay in the bounds.
     reaches: Vec<f32>,
     old_reaches: Vec<f32>,

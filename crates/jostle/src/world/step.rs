@@ -79,8 +79,10 @@ impl World {
             } else {
                 1.0
             };
+            // The parts share the sub-steps.
+            let substeps = self.substeps().div_ceil(splits as usize);
             for _ in 0..splits as usize {
-                self.step_once(dt_of_part / splits, watch)?;
+                self.step_once(dt_of_part / splits, substeps, watch)?;
             }
         }
         self.move_the_held(dt)
@@ -127,9 +129,11 @@ impl World {
     pub(super) fn step_once(
         &mut self,
         dt: f32,
+        substeps: usize,
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         interrupt::check()?;
+        self.memory.substeps = substeps;
         self.feel(dt)?;
         if !self.forces.is_empty() {
             watch(Stage::Forces);

@@ -98,7 +98,7 @@ impl World {
 
     /// Moves the particles through the sub-steps and stores where they are then.
     pub(super) fn fly(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
-        let (threads, substeps) = (self.threads(), self.substeps());
+        let (threads, substeps) = (self.threads(), self.memory.substeps);
         let (is_elastic, may_rest) = (self.is_elastic(), self.may_rest());
         let has_kicks = may_rest || self.is_pulled();
         let settings = &self.settings;
