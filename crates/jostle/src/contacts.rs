@@ -1,9 +1,8 @@
-//! The pairs that may touch during a step, in the order in which they are
-//! solved.
+//! Contacts of candidate pairs that may rest or overlap, with graph colouring.
 //!
-//! Contacts of one colour share no movable particle, so they can be solved at
-//! the same time and in any order with the same result. Colours are given out
-//! greedily along the canonical order of the pairs, which comes from positions.
+//! Contacts of one colour share no movable particle, so they are solved in parallel with the same
+//! result. Colours are assigned greedily in the canonical order of the pairs, which comes from
+//! positions.
 
 use std::ops::Range;
 
@@ -11,30 +10,29 @@ use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
 
-/// Colours that a particle's contacts can be told apart by; the rest of a crowded
-/// particle's contacts are solved one after the other.
+/// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
 
-/// Two particles that may touch during the step.
+/// Two particles whose contact may rest or be corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Places of the two particles in the world's order.
     pub places: [u32; 2],
-    /// The first particle, moved by minus this, is the one that is meant (torus).
+    /// Offset that is added to the second (torus).
     pub image: [f32; 2],
     /// Sum of the radii.
     pub reach: f32,
-    /// Share of the approach speed that a bounce gives back.
+    /// Coefficient of restitution.
     pub restitution: f32,
-    /// One over the masses; 0 for what cannot move.
+    /// One over the masses; 0 for particles that do not move in the step.
     pub inverse_masses: [f32; 2],
     /// Unit vector from the first to the second.
     pub normal: [f32; 2],
-    /// Distance from surface to surface; negative where they overlap.
+    /// Distance from surface to surface; negative if they overlap.
     pub gap: f32,
-    /// Momentum that holds the two apart at rest, carried from step to step.
+    /// Impulse at rest, carried from sub-step to sub-step.
     pub impulse: f32,
-    /// Whether the two pushed each other during this step.
+    /// Whether the two touched or pushed each other during this step.
     pub touched: bool,
 }
 
@@ -59,7 +57,7 @@ impl Ends {
 }
 
 impl Default for Contact {
-    /// Coincident centres have no direction of their own and get +x.
+    /// The normal of coincident centres is +x.
     fn default() -> Self {
         Self {
             places: [0; 2],
@@ -114,7 +112,7 @@ pub struct Contacts {
     previous: Previous,
 }
 
-/// Resting impulses of the last step, to start the next from.
+/// Impulses of resting contacts of the last step, for warm starting.
 #[derive(Clone, Debug, Default)]
 struct Previous {
     /// `starts[place]..starts[place + 1]` are the contacts whose first is `place`.
@@ -198,7 +196,7 @@ impl Contacts {
         solved: impl Fn(&[u32; 2]) -> bool,
         movable: &[bool],
     ) -> [usize; COLOURS + 1] {
-        // What cannot move may be touched by any number at a time: it takes no colour.
+        // Immovable particles take no colour: any number of contacts may share one.
         let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
         self.taken.clear();
         self.taken.resize(if any { movable.len() } else { 0 }, 0);
@@ -232,8 +230,7 @@ impl Contacts {
         std::mem::swap(&mut self.ends, &mut other.ends);
     }
 
-    /// Drops the contacts of particles that are gone and renames the places of
-    /// the others, which close up.
+    /// Removes the contacts of removed particles and updates the places of the others.
     pub fn retain(&mut self, keep: &[bool]) {
         let mut left = 0;
         let renamed: Vec<u32> = keep
@@ -251,7 +248,7 @@ impl Contacts {
         self.recall(kept, left as usize);
     }
 
-    /// Replaces all by these, which are in canonical order, of so many places.
+    /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
     pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
         self.order = (0..list.len() as u32).collect();
         self.list = list;
@@ -260,8 +257,8 @@ impl Contacts {
         self.remember(places);
     }
 
-    /// Keeps the contacts that pushed during the step or hold something up, and adds those of the
-    /// pairs that bounced, with the image that is added to the second.
+    /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that
+    /// bounced, with the offset of the second.
     pub fn keep_lasting(
         &mut self,
         bounced: impl Iterator<Item = ([u32; 2], [f32; 2])>,
@@ -281,7 +278,7 @@ impl Contacts {
             }
         }));
         let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
-        // Stable, so that a contact with its impulse stands before the same pair that bounced.
+        // Stable, so that a contact with its impulse comes before the same pair without one.
         kept.sort_by_key(key);
         kept.dedup_by(|next, first| {
             let same = key(next) == key(first);
@@ -291,7 +288,7 @@ impl Contacts {
         self.recall(kept, places);
     }
 
-    /// Those that have pushed or hold something up, in canonical order.
+    /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
         self.canonical().filter(|contact| contact.touched || contact.impulse > 0.0)
     }
@@ -299,19 +296,6 @@ impl Contacts {
     /// The ranges of `list` that have one colour.
     pub fn colours(&self) -> Colours {
         self.ends.ranges()
-    }
-
-    /// Calls `act` on every contact, colour after colour, with the colour's number.
-    pub fn solve(&mut self, threads: Option<usize>, act: impl Fn(&mut Contact, u32) + Sync + Send) {
-        for (colour, range) in self.colours().into_iter().enumerate() {
-            let contacts = &mut self.list[range];
-            let act = |contact: &mut Contact| act(contact, colour as u32);
-            if colour == COLOURS {
-                contacts.iter_mut().for_each(act);
-            } else {
-                parallel::for_chunks(threads, contacts, |_, chunk| chunk.iter_mut().for_each(act));
-            }
-        }
     }
 
     /// Calls `act` on every contact, in any order; it may only write the contact.

@@ -9,11 +9,11 @@ pub struct Motion {
     pub position: [f32; 2],
     /// Velocity.
     pub velocity: [f32; 2],
-    /// Displacement during the last part of the step, without position correction.
+    /// Displacement during the last window, without position correction.
     pub travel: [f32; 2],
 }
 
-/// Two numbers in one word, so that each is read and written at once.
+/// Two numbers in one word, so that they are read and written together.
 #[derive(Debug, Default)]
 struct Two(AtomicU64);
 
@@ -59,16 +59,6 @@ impl Motions {
         self.0.resize_with(len, Default::default);
     }
 
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// The motion of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> Motion {
@@ -101,7 +91,7 @@ impl Motions {
         self.0[place as usize].velocity.vector()
     }
 
-    /// Its way alone.
+    /// Its displacement in the last window.
     #[inline(always)]
     pub fn travel(&self, place: u32) -> [f32; 2] {
         self.0[place as usize].travel.vector()
@@ -113,7 +103,7 @@ impl Motions {
         self.0[place as usize].position.set_vector(position);
     }
 
-    /// Replaces position and velocity; the way is the change of the position.
+    /// Replaces position and velocity; the displacement is the change of the position.
     #[inline(always)]
     pub fn advance(&self, place: u32, position: [f64; 2], velocity: [f64; 2]) {
         let row = &self.0[place as usize];

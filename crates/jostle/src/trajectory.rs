@@ -25,7 +25,7 @@ pub fn vector(component: impl Fn(usize) -> f64) -> Vector {
 /// A part of a trajectory without events.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
-    /// When it begins, in seconds since the beginning of the sub-step.
+    /// When it begins, in seconds since the beginning of the window.
     pub time: f64,
     /// Centre at that time.
     pub position: Vector,
@@ -60,12 +60,12 @@ impl Segment {
     }
 }
 
-/// What happens when two surfaces meet.
+/// What happens when two surfaces touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// They bounce.
     Bounce,
-    /// Their bounces would be too low to be resolved, or would all end before the sub-step does, so
+    /// Their bounces would be too low to be resolved, or would all end before the window ends, so
     /// they stay together.
     Hold,
 }
@@ -73,23 +73,23 @@ pub enum Kind {
 /// A predicted event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// In seconds since the beginning of the sub-step.
+    /// In seconds since the beginning of the window.
     pub time: f64,
     /// What happens.
     pub kind: Kind,
 }
 
-/// What the prediction for two surfaces has to know besides their motion.
+/// Limits of a prediction for two surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Events after this time are not looked for.
     pub until: f64,
-    /// When the sub-step ends.
+    /// When the window ends.
     pub end: f64,
     /// Distance that rounding of the stored positions may change.
     pub rounding: f64,
-    /// An impact that would bring the surfaces less far into each other until the end of the
-    /// sub-step is left out.
+    /// An impact that would make the surfaces overlap by less until the end of the window is left
+    /// out.
     pub tolerance: f64,
     /// All bounces after an impact with the speed v, against the acceleration a, take this times
     /// v/a: 2e/(1 − e) with the coefficient of restitution e.
@@ -116,7 +116,7 @@ impl Limits {
 
 /// Speeds of approach and separation between which a contact rests, in units of the speed that
 /// gravity and forces give in a sub-step of h seconds. With the acceleration a, a bounce that leaves
-/// with the speed u takes 2u/a seconds, and all bounces after it together take 2u/(a (1 − e)). They
+/// with the speed u takes 2u/a seconds, and this bounce and all later ones together take 2u/(a (1 − e)). They
 /// end within the sub-step if u ≤ a h (1 − e)/2, so if the approach was not faster than u/e.
 pub fn rest_speeds(restitution: f64) -> [f64; 2] {
     let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MOST_REST_SPEED);

@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 /// Relative error, with a large reserve, of the tests in float32.
 const MARGIN: f32 = 1e-4;
 
-/// Particles that resting contacts support do not collide if they would get less far into each other,
-/// as a share of the sum of radii: their contact is solved at the beginning of the next sub-step.
+/// Two supported particles do not collide if they would overlap by less than this share of the sum
+/// of radii: their contact is solved at the beginning of the next sub-step.
 const DEFERRED: f64 = 0.01;
 
 /// How a disc begins a window.
@@ -285,7 +285,7 @@ impl Window<'_> {
         image: Vector,
         until: f64,
     ) -> Option<Impact> {
-        // The other way round all numbers have the opposite sign, and products are the same.
+        // Exchanging the two changes signs only.
         let relative = Relative::of(first, second, image, self.flight.gravity);
         if relative.separates() {
             return None;

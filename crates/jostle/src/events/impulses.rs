@@ -11,7 +11,7 @@ use crate::trajectory::{Vector, dot, vector};
 /// Two surfaces that touch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
-    /// What tells the contact from others: the indices of the discs, and the image or the wall.
+    /// Identifies the contact: the indices of the discs, and the image or the wall.
     /// Contacts are solved in the order of their keys.
     pub key: [u32; 3],
     /// Which velocities belong to the two; a wall has none.

@@ -1,11 +1,11 @@
 //! The events of a sub-step in the order of time.
 //!
-//! The discs are divided into blocks, and each block is simulated by itself. Then the trajectories
-//! of its discs are tested against the discs of other blocks. Where two trajectories meet, the
-//! discs whose histories depend on them are simulated again, together. When no test finds
-//! anything, every trajectory has been tested against everything that it can reach, so the
-//! histories together are the true one. It does not depend on blocks or threads, nor on how pairs
-//! were found.
+//! A sub-step is divided into windows. In a window the discs are divided into blocks, and each block
+//! is simulated by itself. Then the trajectories of its discs are tested against the discs of other
+//! blocks. If two trajectories meet, the discs whose histories depend on them are simulated again,
+//! together. When no test finds anything, every trajectory has been tested against everything that
+//! it can reach, so the histories together are the true one. It does not depend on blocks or
+//! threads, nor on how pairs were found.
 
 mod flight;
 mod history;
@@ -46,8 +46,8 @@ const DISCS_PER_IMPACT: usize = 3;
 /// Fewer discs count as so many.
 const FEW: usize = 64;
 
-/// Rounds in which only discs with conflicts are simulated again. After that all that ever had
-/// one are, so that there is an end.
+/// Repetitions in which only discs with conflicts are simulated again. After that, all discs that
+/// ever had a conflict are simulated again, so that the repetition ends.
 const MOST_ROUNDS: usize = 64;
 
 /// Windows of a sub-step at most, apart from the last of all.
@@ -63,7 +63,7 @@ pub trait Bounds {
     fn grow(&mut self, distances: &[(u32, f64)]) -> Result<Vec<(u32, u32, Vector)>>;
 }
 
-/// Working memory, and what came of a sub-step.
+/// Scratch, and the results of a sub-step.
 #[derive(Debug, Default)]
 pub struct Events {
     /// The discs that each disc may meet.
@@ -96,8 +96,8 @@ struct Block {
     is_simulated: bool,
 }
 
-/// What the simulation of a block takes.
-struct Means<'a> {
+/// Arguments of the simulation of a block.
+struct Arguments<'a> {
     window: &'a Window<'a>,
     neighbors: &'a Neighbors,
     course_of: &'a mut [u32],
@@ -140,27 +140,27 @@ impl Events {
             self.grow(&window, &outside, bounds)?;
         }
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
-        self.each_block(&window, reaches, |block, simulation| {
-            block.find_first_impacts(&window, simulation.neighbors, simulation.scratch);
+        self.each_block(&window, reaches, |block, arguments| {
+            block.find_first_impacts(&window, arguments.neighbors, arguments.scratch);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most * block.range.len() / window.starts.len();
             if block.impacts_until(window.end) <= share {
-                block.simulate(simulation);
+                block.simulate(arguments);
             }
         });
         interrupt::check()?;
         let end = self.end_of_window(&window, shortest, most);
         let is_shorter = end < window.end;
         window.end = end;
-        self.each_block(&window, reaches, |block, simulation| {
+        self.each_block(&window, reaches, |block, arguments| {
             if is_shorter {
                 block.history.clear();
                 block.is_simulated = false;
-                simulation.course_of.fill(NONE);
-                block.shorten(&window, simulation.neighbors);
+                arguments.course_of.fill(NONE);
+                block.shorten(&window, arguments.neighbors);
             }
             if !block.is_simulated {
-                block.simulate(simulation);
+                block.simulate(arguments);
             }
         });
         interrupt::check()?;
@@ -214,12 +214,12 @@ impl Events {
         end
     }
 
-    /// Calls `act` with each block and the means to simulate it by itself.
+    /// Calls `act` with each block and the arguments to simulate it by itself.
     fn each_block(
         &mut self,
         window: &Window<'_>,
         reaches: &[f32],
-        act: impl Fn(&mut Block, Means<'_>) + Sync + Send,
+        act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
     ) {
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
         let mut blocks: Vec<_> =
@@ -230,7 +230,10 @@ impl Events {
             }
             let mut scratch = locked(pool).pop().unwrap_or_default();
             let (scratch_of, stop) = (&mut scratch, &stop);
-            act(block, Means { window, neighbors, course_of, reaches, stop, scratch: scratch_of });
+            act(
+                block,
+                Arguments { window, neighbors, course_of, reaches, stop, scratch: scratch_of },
+            );
             locked(pool).push(scratch);
         });
     }
@@ -497,9 +500,9 @@ impl Block {
     }
 
     /// Simulates the events of the block by itself.
-    fn simulate(&mut self, means: Means<'_>) {
+    fn simulate(&mut self, arguments: Arguments<'_>) {
         self.is_simulated = true;
-        let Means { window, neighbors, course_of, reaches, stop, scratch } = means;
+        let Arguments { window, neighbors, course_of, reaches, stop, scratch } = arguments;
         let (range, history) = (self.range.clone(), &mut self.history);
         let (mark, base) = (0, 0);
         let simulation = Simulation {

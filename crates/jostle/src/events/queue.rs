@@ -41,7 +41,7 @@ impl Eq for Event {}
 
 impl Ord for Event {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Whichever of the two predicted the event.
+        // Independent of which of the two predicted the event.
         let rest = |event: &Self| {
             let [a, b] = event.pair;
             if a < b { ([a, b], event.code) } else { ([b, a], opposite(event.code)) }

@@ -18,7 +18,8 @@ use crate::trajectory::{Kind, Segment, Vector, dot, vector, wall_normal};
 /// has had them stands still for the rest of the step.
 const MOST_EVENTS: [u32; 2] = [1024, 128];
 
-/// After so many events in a window an inelastic disc collides elastically until its end, because
+/// After so many events in a window an inelastic disc collides elastically with other discs until its
+/// end, because
 /// inelastic discs can have infinitely many collisions in finite time (inelastic collapse; S. Luding
 /// and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas with the
 /// TC model*, 1998).
@@ -52,7 +53,7 @@ struct Nearby {
     now: Segment,
 }
 
-/// Working memory of a simulation.
+/// Scratch of a simulation.
 #[derive(Debug, Default)]
 pub struct Scratch {
     pub(super) queue: Queue,
@@ -87,7 +88,7 @@ pub struct Simulation<'a> {
     pub base: u32,
     /// Ends the simulation early.
     pub stop: &'a Stop,
-    /// Working memory.
+    /// Scratch.
     pub scratch: &'a mut Scratch,
 }
 

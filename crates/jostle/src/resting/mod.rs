@@ -58,7 +58,7 @@ pub struct Support<'a> {
     pub threads: Option<usize>,
 }
 
-/// Working memory.
+/// Scratch.
 #[derive(Debug, Default)]
 pub struct Resting {
     velocities: Vectors,

@@ -1,4 +1,4 @@
-//! Bounds: a circle for each particle that it does not leave during a step.
+//! Bounds: for each particle a circle in which it is expected to stay during a step.
 
 use core::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use crate::query::{self, Circle};
 use crate::shapes::{Each, Shapes};
 use crate::trajectory::{Vector, dot};
 
-/// Displacement for which bounds have room, in mean displacements: collisions make slow particles
+/// Displacement that bounds allow for, in mean displacements, because collisions make slow particles
 /// faster.
 const USUAL: f32 = 1.7;
 
@@ -32,9 +32,8 @@ const WORTH_A_SPLIT: f64 = 4.0;
 const GROWTH: f64 = 1.25;
 
 impl World {
-    /// Finds out how far each particle may get in `dt` seconds, and the circles around that. Where
-    /// a particle gets further, [`StepBounds::grow`] corrects it: the answer does not depend on
-    /// the bounds.
+    /// Computes the bounds of a step of `dt` seconds. If a particle gets further,
+    /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn bound(&mut self, dt: f32) {
         let threads = self.threads();
         let super::Memory { reaches, shapes, fast, forces, usual_speed, .. } = &mut self.memory;
@@ -69,7 +68,7 @@ impl World {
         });
     }
 
-    /// The speed for which bounds have room.
+    /// The speed that bounds allow for.
     pub(super) fn usual_speed(&self) -> f32 {
         let all = (0..self.len()).filter(|&place| !self.is_held(self.rows[place]));
         let square = |place: usize| {

@@ -13,7 +13,8 @@ use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{self, Particles};
 
-/// Pairs that may touch in one step before it is refused: four gibibytes of them.
+/// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
+/// about four GiB.
 pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Fewer particles than this are not worth waking other threads for.
@@ -124,8 +125,8 @@ impl World {
         Ok((longest / self.settings.container.reach()).ceil().max(1.0) as usize)
     }
 
-    /// The order of a step, in one place: forces → bounds → tree → candidate pairs → contacts →
-    /// sub-steps of kicks, flights and position correction.
+    /// The order of a step: forces → bounds → tree → candidate pairs → order of particles → contacts →
+    /// sub-steps (kicks, flights, position correction).
     pub(super) fn step_once(
         &mut self,
         dt: f32,

@@ -96,7 +96,7 @@ impl World {
         );
     }
 
-    /// Moves the particles through the sub-steps and stores where they are then.
+    /// Makes the sub-steps and stores positions and velocities.
     pub(super) fn fly(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let (threads, substeps) = (self.threads(), self.memory.substeps);
         let (is_elastic, may_rest) = (self.is_elastic(), self.may_rest());
