@@ -141,9 +141,9 @@ impl Block {
     ) {
         // x and y of the first, x and y of the second.
         let mut both = [[0.0; LANES]; 4];
-        for lane in 0..LANES {
-            for k in [0, 1] {
-                let [x, y] = velocities.get(self.places[k][lane]);
+        for k in [0, 1] {
+            for (lane, &place) in self.places[k].iter().enumerate() {
+                let [x, y] = velocities.get(place);
                 (both[2 * k][lane], both[2 * k + 1][lane]) = (x, y);
             }
         }
@@ -168,9 +168,9 @@ impl Block {
         simd.store(simd.add(bx, simd.mul(nx, b)), &mut both[2]);
         simd.store(simd.add(by, simd.mul(ny, b)), &mut both[3]);
         // Particles that do not move keep their velocity: others may write the same at this time.
-        for lane in 0..LANES {
-            for k in [0, 1] {
-                velocities.set(self.places[k][lane], [both[2 * k][lane], both[2 * k + 1][lane]]);
+        for k in [0, 1] {
+            for (lane, &place) in self.places[k].iter().enumerate() {
+                velocities.set(place, [both[2 * k][lane], both[2 * k + 1][lane]]);
             }
         }
     }
