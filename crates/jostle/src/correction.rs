@@ -24,7 +24,7 @@ const MOST: f32 = 0.2;
 /// particles overlap.
 const NEAR: f32 = 0.02;
 
-/// Iterations over all pairs at most.
+/// Maximum number of iterations over the near pairs.
 const ITERATIONS: usize = 6;
 
 /// Two particles are moved apart if they overlap by more than this share of the sum of radii beyond
@@ -171,7 +171,7 @@ impl Near {
         let normal = if length > 0.0 {
             offset.map(|v| v / length)
         } else {
-            DIRECTIONS[(self.places[1] - self.places[0]) as usize % DIRECTIONS.len()]
+            DIRECTIONS[self.places[1].abs_diff(self.places[0]) as usize % DIRECTIONS.len()]
         };
         let excess = (1.0 - SLOP) * self.reach - length;
         let [inverse_a, inverse_b] = self.inverse_masses;

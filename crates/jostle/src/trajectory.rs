@@ -116,8 +116,9 @@ impl Limits {
 
 /// Speeds of approach and separation between which a contact rests, in units of the speed that
 /// gravity and forces give in a sub-step of h seconds. With the acceleration a, a bounce that leaves
-/// with the speed u takes 2u/a seconds, and this bounce and all later ones together take 2u/(a (1 − e)). They
-/// end within the sub-step if u ≤ a h (1 − e)/2, so if the approach was not faster than u/e.
+/// with the speed u takes 2u/a seconds, and this bounce and all later ones together take
+/// 2u/(a (1 − e)). They end within the sub-step if u ≤ a h (1 − e)/2; the speed of approach is then
+/// at most u/e.
 pub fn rest_speeds(restitution: f64) -> [f64; 2] {
     let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MOST_REST_SPEED);
     [approach, restitution * approach]

@@ -81,7 +81,7 @@ pub struct Flight<'a> {
     pub thermostat: Option<Thermostat>,
     /// Whether discs bounce off each other.
     pub pairs: bool,
-    /// Whether all discs stay in their bounds as long as they have no events.
+    /// Whether it is known that all discs without events stay in their bounds.
     pub bounded: bool,
     /// Threads to use.
     pub threads: Option<usize>,

@@ -20,8 +20,8 @@ pub struct Course {
     pub inverse_mass: f64,
     /// Its position in the group plus one, while discs collide.
     pub in_group: u32,
-    /// A course on which this one depends: itself, or that of another disc which is connected with
-    /// it by collisions. Following them leads to the same course for a whole island.
+    /// The parent in the disjoint-set forest: a course of the same island, or itself for the
+    /// representative.
     pub island: u32,
     /// The next course of the island; the last one is followed by the first.
     pub next: u32,

@@ -4,7 +4,7 @@
 //! is simulated by itself. Then the trajectories of its discs are tested against the discs of other
 //! blocks. If two trajectories meet, the discs whose histories depend on them are simulated again,
 //! together. When no test finds anything, every trajectory has been tested against everything that
-//! it can reach, so the histories together are the true one. It does not depend on blocks or
+//! it can reach, so the histories together are correct. It does not depend on blocks or
 //! threads, nor on how pairs were found.
 
 mod flight;
@@ -143,8 +143,8 @@ impl Events {
         self.each_block(&window, reaches, |block, arguments| {
             block.find_first_impacts(&window, arguments.neighbors, arguments.scratch);
             // Most windows are not shortened, and the discs are in the cache now.
-            let share = most * block.range.len() / window.starts.len();
-            if block.impacts_until(window.end) <= share {
+            let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
+            if block.impacts_until(window.end) as u64 <= share {
                 block.simulate(arguments);
             }
         });

@@ -10,8 +10,9 @@ use super::simulation::Simulation;
 use crate::trajectory::{Kind, Segment, vector};
 
 impl Simulation<'_> {
-    /// Lets two discs bounce. Returns false, and changes no trajectory, if more than this happens at
-    /// that time.
+    /// Computes the bounce of two discs and returns true. Returns false, with trajectories unchanged,
+    /// if it is no bounce of two movable discs, if one touches something else, or if one reaches its
+    /// limit of events.
     pub(super) fn collide_two(&mut self, event: &Event) -> bool {
         let window = self.window;
         let Event { time, kind, code, pair: discs, .. } = *event;

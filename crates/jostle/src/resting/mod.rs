@@ -27,17 +27,17 @@ use walls::Walls;
 /// Surfaces touch if their gap is at most this share of the sum of radii.
 const TOUCHING: f32 = 0.003;
 
-/// Surfaces cannot rest if their gap is more than this many times the displacement that gravity and
-/// forces give.
+/// Surfaces with a larger gap cannot rest. In units of the displacement at the speed that gravity and
+/// forces give in the sub-step.
 const FARTHEST: f32 = MOST_REST_SPEED as f32 + 2.01;
 
-/// Iterations in a sub-step. Always as many, so that no particle depends on what is far away.
+/// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
 const ITERATIONS: usize = 12;
 
-/// The same for the impacts at its beginning.
+/// Iterations of the impacts at the beginning of a sub-step.
 const IMPACT_ITERATIONS: usize = 4;
 
-/// Blocks of a colour that are worth another thread.
+/// Blocks in one task of a thread.
 const BLOCKS_OF_A_THREAD: usize = 128;
 
 /// What the resting contacts of a sub-step depend on.

@@ -29,7 +29,9 @@ impl Pair {
     pub fn of(contact: &Contact, index: u32, scene: &Support<'_>, kicks: &[Kick]) -> Option<Self> {
         let h = scene.flow.duration as f32;
         let places = contact.places;
-        let [a, b] = places.map(|place| scene.motions.velocity(place));
+        let [a, b] = places.map(|place| {
+            if scene.moving[place as usize] { scene.motions.velocity(place) } else { [0.0; 2] }
+        });
         let relative = [b[0] - a[0], b[1] - a[1]];
         let surfaces = Surfaces {
             gap: contact.gap,
@@ -57,8 +59,8 @@ impl Pair {
     }
 }
 
-/// Some pairs of one colour, a column for each number. Lanes without a pair have inverse masses
-/// of 0, so their impulses change nothing.
+/// Up to [`LANES`] pairs of one colour, one column for each quantity. Unused lanes have impulses of
+/// 0 and the place `spare`.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     len: usize,
@@ -67,9 +69,9 @@ pub struct Block {
     inverse_masses: [[f32; LANES]; 2],
     /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
     effective_masses: [f32; LANES],
-    /// The normal speeds after the impacts at the beginning and at the end of the sub-step, at least.
+    /// Minimum normal speeds after the impacts, and at the end of the sub-step.
     least_speeds: [[f32; LANES]; 2],
-    /// The impulses of both.
+    /// Impulses of the impacts and of the resting contacts.
     impulses: [[f32; LANES]; 2],
     contacts: [u32; LANES],
 }
@@ -160,14 +162,17 @@ impl Block {
             let wanted = simd.add(old, simd.mul(missing, simd.load(&self.effective_masses)));
             let new = simd.most(wanted, simd.splat(0.0));
             simd.store(new, impulses);
-            simd.sub(new, old)
+            // A change that is not finite would reach particles that do not move: ∞ · 0 is no number.
+            let most = simd.splat(f32::MAX);
+            simd.least(simd.sub(new, old), most)
         };
         let [a, b] = self.inverse_masses.map(|column| simd.mul(change, simd.load(&column)));
         simd.store(simd.sub(ax, simd.mul(nx, a)), &mut both[0]);
         simd.store(simd.sub(ay, simd.mul(ny, a)), &mut both[1]);
         simd.store(simd.add(bx, simd.mul(nx, b)), &mut both[2]);
         simd.store(simd.add(by, simd.mul(ny, b)), &mut both[3]);
-        // Particles that do not move keep their velocity: others may write the same at this time.
+        // Particles that do not move get the velocity that they had: finite impulses times 0.
+        // Several threads may write the same value.
         for k in [0, 1] {
             for (lane, &place) in self.places[k].iter().enumerate() {
                 velocities.set(place, [both[2 * k][lane], both[2 * k + 1][lane]]);

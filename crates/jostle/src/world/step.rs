@@ -80,7 +80,7 @@ impl World {
             } else {
                 1.0
             };
-            // The parts share the sub-steps.
+            // These parts share the sub-steps; those of a torus do not.
             let substeps = self.substeps().div_ceil(splits as usize);
             for _ in 0..splits as usize {
                 self.step_once(dt_of_part / splits, substeps, watch)?;

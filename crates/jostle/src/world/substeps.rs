@@ -86,14 +86,7 @@ impl World {
             found.sort_unstable();
             overlaps.push((*image, found));
         }
-        self.contacts.collect(
-            overlaps,
-            particles,
-            &particles.movable,
-            restitution,
-            tree.rows(),
-            threads,
-        );
+        self.contacts.collect(overlaps, particles, moving, restitution, tree.rows(), threads);
     }
 
     /// Makes the sub-steps and stores positions and velocities.
@@ -165,7 +158,7 @@ impl World {
                 flow,
                 kicks,
                 is_first: true,
-                bounded: substep == 0 && springs(&self.forces).next().is_none(),
+                bounded: substep == 0 && !may_rest && springs(&self.forces).next().is_none(),
                 container: settings.container,
                 restitution: settings.restitution,
                 is_elastic,
