@@ -48,7 +48,7 @@ def overflowing() -> jostle.World:
 def test_a_step_that_overflows_names_the_particle_and_changes_nothing() -> None:
     world = overflowing()
     before = world.snapshot()
-    with pytest.raises(ValueError, match=r"the step would make velocities\[\d\] \(.*not finite"):
+    with pytest.raises(ValueError, match=r"the step would make \w+\[\d\] .*not finite"):
         for _ in range(1000):
             before = world.snapshot()
             world.step(0.01)

@@ -124,7 +124,33 @@ impl Container {
         }
     }
 
-    /// The largest displacement of a particle between two searches for pairs.
+    /// How often a displacement goes around a torus.
+    pub fn tours(&self, displacement: f32) -> f32 {
+        match self {
+            Self::Torus { size } => displacement / size[0].min(size[1]),
+            _ => 0.0,
+        }
+    }
+
+    /// The copy of the torus in which a position is, counted from the one at the origin.
+    pub fn tile(&self, position: [f64; 2]) -> [i32; 2] {
+        match self {
+            Self::Torus { size } => {
+                [0, 1].map(|k| (position[k] / f64::from(size[k])).floor() as i32)
+            }
+            _ => [0; 2],
+        }
+    }
+
+    /// The offset between the torus and one of its copies.
+    pub fn offset(&self, tile: [i32; 2]) -> [f64; 2] {
+        match self {
+            Self::Torus { size } => [0, 1].map(|k| f64::from(tile[k]) * f64::from(size[k])),
+            _ => [0.0; 2],
+        }
+    }
+
+    /// Bounds on a torus are not larger than this, so that few images of others are in them.
     pub fn reach(&self) -> f32 {
         match self {
             Self::Torus { size } => size[0].min(size[1]) / 8.0,

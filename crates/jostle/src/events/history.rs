@@ -1,5 +1,6 @@
 //! What the events of a window lead to: trajectories and bounces.
 
+use super::Outside;
 use crate::trajectory::{Segment, Vector};
 
 /// Stands for no course and for no segment.
@@ -47,9 +48,8 @@ pub struct History {
     pub ended: Vec<(Segment, u32)>,
     /// The pairs that bounced.
     pub bounces: Vec<Bounce>,
-    /// Discs that leave their bounds, and how far they get from their position at the beginning of
-    /// the step.
-    pub outside: Vec<(u32, f64)>,
+    /// Discs that leave their bounds.
+    pub outside: Vec<Outside>,
     /// Discs that had too many events.
     pub exhausted: Vec<u32>,
 }
@@ -124,6 +124,13 @@ impl<'a> Trajectory<'a> {
     /// The trajectory of a disc without events.
     pub fn free(segment: Segment, end: f64) -> Self {
         Self { ended: &[], next: Some((segment, NONE)), end }
+    }
+
+    /// Leaves out the segments that begin after `time`.
+    pub fn skip_after(&mut self, time: f64) {
+        while self.next.is_some_and(|(segment, _)| segment.time > time) {
+            self.next();
+        }
     }
 
     /// The trajectory of a disc with events.

@@ -21,7 +21,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::error::Result;
 use crate::interrupt::{self, Stop};
 use crate::parallel;
-use crate::trajectory::Vector;
+use crate::trajectory::{Segment, Vector};
 pub use flight::Flight;
 use flight::{Start, Window};
 use history::{Course, History, NONE, Trajectory};
@@ -58,9 +58,25 @@ pub trait Bounds {
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched for neighbours.
     fn reaches(&self) -> &[f32];
-    /// Lets the bounds of discs grow to the given distances, and returns the pairs that may
-    /// meet in them: the second, moved by the offset, is near the first.
-    fn grow(&mut self, distances: &[(u32, f64)]) -> Result<Vec<(u32, u32, Vector)>>;
+    /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and returns
+    /// the pairs that may meet in them: the second, moved by the offset, is near the first.
+    fn grow(
+        &mut self,
+        outside: &[Outside],
+        gravity: Vector,
+        end: f64,
+    ) -> Result<Vec<(u32, u32, Vector)>>;
+}
+
+/// A disc that leaves its bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Outside {
+    /// The disc.
+    pub index: u32,
+    /// How far it gets from its position at the beginning of the step, if it has no further events.
+    pub distance: f64,
+    /// The segment that it is on.
+    pub segment: Segment,
 }
 
 /// Scratch, and the results of a sub-step.
@@ -167,7 +183,7 @@ impl Events {
         let mut conflicts = self.crossing(&window);
         conflicts.extend(self.tests(&window));
         interrupt::check()?;
-        let outside: Vec<_> =
+        let outside: Vec<Outside> =
             self.blocks.iter().flat_map(|block| &block.history.outside).copied().collect();
         conflicts.extend(self.grow(&window, &outside, bounds)?);
         let mut rounds = 0;
@@ -365,14 +381,14 @@ impl Events {
     /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times
     /// of impact of the first segments are tested only if `first` says so.
     fn meet(&self, window: &Window<'_>, [a, b]: [u32; 2], image: Vector, first: bool) -> bool {
-        let others = self.trajectory(window, b);
+        let mut others = self.trajectory(window, b);
         self.trajectory(window, a).any(|own| {
-            others.clone().any(|other| {
+            // Both are in the order of time, the last segment first.
+            others.skip_after(own.end);
+            let mut at_the_time = others.clone().take_while(|other| other.end >= own.segment.time);
+            at_the_time.any(|other| {
                 let until = own.end.min(other.end);
                 let start = own.segment.time.max(other.segment.time);
-                if start > until {
-                    return false;
-                }
                 // Segments without duration, between collisions at the same time, only touch.
                 let is_new = first || !own.is_first || !other.is_first;
                 let is_tested = is_new && start < until;
@@ -392,13 +408,13 @@ impl Events {
     fn grow(
         &mut self,
         window: &Window<'_>,
-        outside: &[(u32, f64)],
+        outside: &[Outside],
         bounds: &mut dyn Bounds,
     ) -> Result<Vec<[u32; 2]>> {
         if outside.is_empty() || !window.flight.pairs {
             return Ok(Vec::new());
         }
-        let mut new = bounds.grow(outside)?;
+        let mut new = bounds.grow(outside, window.gravity(), window.end)?;
         self.neighbors.add(&mut new);
         new.retain(|&(a, b, image)| self.meet(window, [a, b], image, true));
         Ok(new.into_iter().map(|(a, b, _)| [a, b]).collect())
@@ -527,12 +543,15 @@ impl Block {
     }
 }
 
-/// The discs whose first segment leaves their bounds, and how far it gets.
-fn outside_at_start(window: &Window<'_>, reaches: &[f32]) -> Vec<(u32, f64)> {
+/// The discs whose first segment leaves their bounds.
+fn outside_at_start(window: &Window<'_>, reaches: &[f32]) -> Vec<Outside> {
     let movable = (0..).zip(window.starts).filter(|(_, start)| start.is_movable());
-    let all = movable
-        .map(|(index, _)| (index, window.longest_square(index, &window.segment(index)).sqrt()));
-    all.filter(|&(index, distance)| distance > f64::from(reaches[index as usize])).collect()
+    let all = movable.map(|(index, _)| {
+        let segment = window.segment(index);
+        let distance = window.longest_square(index, &segment).sqrt();
+        Outside { index, distance, segment }
+    });
+    all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])).collect()
 }
 
 fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::Outside;
 use super::flight::Window;
 use super::history::{Bounce, Course, History, NONE};
 use super::impulses::{self, Touch};
@@ -404,7 +405,8 @@ impl Simulation<'_> {
         let square = window.longest_square(course.index, &course.segment);
         let reach = f64::from(self.reaches[course.index as usize]);
         if square > reach * reach {
-            outside.push((course.index, square.sqrt()));
+            let Course { index, segment, .. } = *course;
+            outside.push(Outside { index, distance: square.sqrt(), segment });
         }
     }
 

@@ -1,22 +1,33 @@
 //! Bounds: for each particle a circle in which it is expected to stay during a step.
+//!
+//! A particle that leaves its circle gets a larger one, or, if it travels around a torus, a chain of
+//! circles along its trajectory.
 
 use core::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::World;
 use super::feel::aside;
+use super::{OnTouch, World};
 use crate::container::Container;
 use crate::error::Result;
-use crate::events::Bounds;
+use crate::events::{Bounds, Outside};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
-use crate::query::{self, Circle};
+use crate::query;
 use crate::shapes::{Each, Shapes};
 use crate::trajectory::{Vector, dot};
 
 /// Displacement that bounds allow for, in mean displacements, because collisions make slow particles
 /// faster.
 const USUAL: f32 = 1.7;
+
+/// Circles of a chain at most.
+const MOST_CIRCLES: f64 = 4096.0;
+
+/// Collisions that the fastest particle on a torus may have in a part of a step if it meets the
+/// others at random places.
+const MOST_COLLISIONS: f64 = 16.0;
 
 /// Candidate pairs that a particle may have because it moves, in a dilute gas.
 const CANDIDATES: f64 = 1.5;
@@ -27,6 +38,9 @@ const MOST_SPLITS: f64 = 4096.0;
 /// Candidate pairs of a particle that cost less to test than another part of the step.
 const WORTH_A_SPLIT: f64 = 4.0;
 
+/// Displacements, in units of [`Container::reach`], up to which one circle is enough.
+const TOUR: f64 = 8.0;
+
 /// Bounds that are too small grow to this many times what is needed, so that they rarely have to
 /// grow twice.
 const GROWTH: f64 = 1.25;
@@ -36,27 +50,35 @@ impl World {
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn bound(&mut self, dt: f32) {
         let threads = self.threads();
-        let super::Memory { reaches, shapes, fast, forces, usual_speed, .. } = &mut self.memory;
-        let (usual, accelerations) = (*usual_speed, &forces.accelerations);
-        let held = |place: usize| !fast.held.is_empty() && fast.held[self.rows[place] as usize];
+        let super::Memory { reaches, forces, usual_speed, .. } = &mut self.memory;
         let (particles, settings) = (&self.particles, &self.settings);
+        let usual = (*usual_speed * dt).min(settings.container.reach());
+        let accelerations = &forces.accelerations;
         let [gx, gy] = settings.gravity;
         let fall = 0.5 * dt * dt * (gx * gx + gy * gy).sqrt();
-        let most = settings.container.reach();
+        // Particles that merge are not searched again.
+        let is_merging = settings.on_touch == OnTouch::Merge;
+        let longest = if is_merging { f32::INFINITY } else { settings.container.reach() };
         let len = particles.len();
         reaches.resize(len, 0.0);
+        let is_cut = AtomicBool::new(false);
         parallel::for_chunks(threads, reaches, |first, reaches| {
             for (reach, place) in reaches.iter_mut().zip(first..) {
                 *reach = 0.0;
-                if !particles.movable[place] || held(place) {
+                if !particles.movable[place] {
                     continue;
                 }
                 let [u, v] = particles.velocities[place];
                 let own = (u * u + v * v).sqrt() * dt * 1.000_01;
-                let pulled = aside(accelerations.get(place), None, dt).unwrap_or(0.0);
-                *reach = own.max((usual * dt).min(most)) + fall + pulled;
+                let pulled = aside(accelerations.get(place), None, dt).unwrap_or(0.0) + fall;
+                *reach = (own.max(usual) + pulled).min(longest);
+                if *reach < own + pulled {
+                    is_cut.store(true, Ordering::Relaxed);
+                }
             }
         });
+        self.memory.bounded = !is_cut.into_inner();
+        let super::Memory { reaches, shapes, .. } = &mut self.memory;
         shapes.centers.clone_from(&particles.positions);
         shapes.half_sizes = None;
         let radii = shapes.radii.rows_mut();
@@ -70,18 +92,17 @@ impl World {
 
     /// The speed that bounds allow for.
     pub(super) fn usual_speed(&self) -> f32 {
-        let all = (0..self.len()).filter(|&place| !self.is_held(self.rows[place]));
         let square = |place: usize| {
             let v = self.particles.velocities[place].map(f64::from);
             dot(v, v)
         };
-        USUAL * mean(all.map(|place| square(place).sqrt())) as f32
+        USUAL * mean((0..self.len()).map(|place| square(place).sqrt())) as f32
     }
 
     /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
     /// density n, a typical radius r and a typical displacement d, a particle has 2 π n (r + d)²
     /// candidate pairs.
-    pub(super) fn parts_with_few_candidates(&self, dt: f32) -> f32 {
+    pub(super) fn parts_with_few_candidates(&self, dt: f32) -> usize {
         let Particles { positions, radii, .. } = &self.particles;
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let (dt, fall) = (f64::from(dt), (gx * gx + gy * gy).sqrt());
@@ -95,7 +116,24 @@ impl World {
         let parts = (displacement / room).ceil();
         let most = (positions.len() as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MOST_SPLITS);
         // Not finite where there is no area.
-        if parts.is_finite() { parts.clamp(1.0, most) as f32 } else { 1.0 }
+        let parts = if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 };
+        parts.max(self.parts_with_few_collisions(dt)) as usize
+    }
+
+    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions. It meets
+    /// 2 v (N r + Σ r) / A others in a second, with the area A.
+    fn parts_with_few_collisions(&self, dt: f64) -> f64 {
+        let Particles { velocities, radii, .. } = &self.particles;
+        let Container::Torus { size } = self.settings.container else { return 1.0 };
+        let [width, height] = size.map(f64::from);
+        let mean_radius = mean(radii.iter().map(|&radius| f64::from(radius)));
+        let share = 2.0 * dt * radii.len() as f64 / (width * height);
+        let collisions = |(velocity, &radius): (&[f32; 2], &f32)| {
+            let velocity = velocity.map(f64::from);
+            dot(velocity, velocity).sqrt() * (f64::from(radius) + mean_radius) * share
+        };
+        let most = velocities.iter().zip(radii).map(collisions).fold(0.0, f64::max);
+        (most / MOST_COLLISIONS).ceil().clamp(1.0, MOST_SPLITS)
     }
 }
 
@@ -121,11 +159,21 @@ fn extent(points: &[[f32; 2]]) -> f64 {
     side(0) * side(1)
 }
 
-/// Bounds that have grown during the step.
+/// A circle in which a particle may be at some time of the step.
+#[derive(Clone, Copy, Debug)]
+struct Circle {
+    index: u32,
+    /// Centre, on the torus.
+    center: [f32; 2],
+    radius: f32,
+    /// The copy of the torus in which it is.
+    tile: [i32; 2],
+}
+
+/// The circles that were added during the step.
 #[derive(Debug, Default)]
 pub(super) struct Grown {
-    /// Particles whose bounds have grown.
-    list: Vec<u32>,
+    circles: Vec<Circle>,
     /// The index of each row of the tree; filled when it is first needed.
     indices: Vec<u32>,
 }
@@ -147,18 +195,53 @@ impl<'a> StepBounds<'a> {
         grown: &'a mut Grown,
         container: Container,
     ) -> Self {
-        grown.list.clear();
+        grown.circles.clear();
         grown.indices.clear();
         Self { tree, particles, reaches, grown, container }
     }
 
-    /// Offsets between a torus and its images within some distance.
-    fn offsets(&self, distance: f32) -> Vec<[f32; 2]> {
-        let Container::Torus { size } = self.container else { return vec![[0.0; 2]] };
-        let count = |side: f32| (distance / side).ceil().clamp(1.0, 8.0) as i32;
-        let [columns, rows] = size.map(count);
-        let all = (-columns..=columns).flat_map(|i| (-rows..=rows).map(move |j| [i, j]));
-        all.map(|[i, j]| [i as f32 * size[0], j as f32 * size[1]]).collect()
+    /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
+    fn cover(&mut self, outside: &Outside, gravity: Vector, end: f64) {
+        let Outside { index, distance, segment } = outside;
+        let radius = self.particles.radii[*index as usize];
+        let room = f64::from(self.container.reach());
+        if *distance <= TOUR * room {
+            let reach = &mut self.reaches[*index as usize];
+            // Another of its segments may have made them large enough.
+            if *distance <= f64::from(*reach) {
+                return;
+            }
+            *reach = (distance * GROWTH) as f32;
+            let (center, radius) = (self.particles.positions[*index as usize], radius + *reach);
+            self.grown.circles.push(Circle { index: *index, center, radius, tile: [0; 2] });
+            return;
+        }
+        // Along a parabola the speed is largest at an end.
+        let speeds = [segment.time, end].map(|time| {
+            let [_, velocity] = segment.at(time, gravity);
+            dot(velocity, velocity).sqrt()
+        });
+        let displacement = speeds[0].max(speeds[1]) * (end - segment.time);
+        let count = (displacement / room).ceil().clamp(1.0, MOST_CIRCLES);
+        let half = 0.5 * (end - segment.time) / count;
+        let radius = (f64::from(radius) + 0.5 * displacement / count) as f32 * 1.001;
+        for number in 0..count as usize {
+            let position = segment.place_at(segment.time + (2 * number + 1) as f64 * half, gravity);
+            let tile = self.container.tile(position);
+            let offset = self.container.offset(tile);
+            let center = [0, 1].map(|k| (position[k] - offset[k]) as f32);
+            // A step whose positions overflow is refused when they are stored.
+            if center.into_iter().chain([radius]).all(f32::is_finite) {
+                self.grown.circles.push(Circle { index: *index, center, radius, tile });
+            }
+        }
+    }
+
+    /// The copies of the torus that have a point within some distance of it.
+    fn tiles(&self, distance: f32) -> Vec<[i32; 2]> {
+        let Container::Torus { size } = self.container else { return vec![[0; 2]] };
+        let [columns, rows] = size.map(|side| (distance / side).ceil().clamp(1.0, 8.0) as i32);
+        (-columns..=columns).flat_map(|i| (-rows..=rows).map(move |j| [i, j])).collect()
     }
 }
 
@@ -167,53 +250,54 @@ impl Bounds for StepBounds<'_> {
         self.reaches
     }
 
-    fn grow(&mut self, distances: &[(u32, f64)]) -> Result<Vec<(u32, u32, Vector)>> {
+    fn grow(
+        &mut self,
+        outside: &[Outside],
+        gravity: Vector,
+        end: f64,
+    ) -> Result<Vec<(u32, u32, Vector)>> {
         if self.grown.indices.is_empty() {
             self.grown.indices.resize(self.tree.len(), 0);
             for (index, &row) in self.tree.rows().iter().enumerate() {
                 self.grown.indices[row as usize] = index as u32;
             }
         }
-        for &(index, distance) in distances {
-            let reach = &mut self.reaches[index as usize];
-            *reach = reach.max((distance * GROWTH) as f32);
-        }
-        let mut new: Vec<u32> = distances.iter().map(|&(index, _)| index).collect();
-        new.sort_unstable();
-        new.dedup();
-        self.grown.list.extend(&new);
-        self.grown.list.sort_unstable();
-        self.grown.list.dedup();
-        let position = |index: u32| self.particles.positions[index as usize];
-        let radius =
-            |index: u32| self.particles.radii[index as usize] + self.reaches[index as usize];
-        // A circle for each disc and each image: the images of the others at +offset are around
-        // the disc at −offset.
+        let known = self.grown.circles.len();
+        outside.iter().for_each(|outside| self.cover(outside, gravity, end));
+        let circles = &self.grown.circles;
+        // A circle for each image: the images of the others at +offset are around the particle at
+        // −offset.
         let (mut of, mut centers, mut radii) = (Vec::new(), Vec::new(), Vec::new());
-        for index in new {
-            for offset in self.offsets(2.0 * radius(index)) {
-                of.push((index, offset.map(f64::from)));
-                centers.push([0, 1].map(|k| position(index)[k] - offset[k]));
-                radii.push(radius(index));
+        for circle in &circles[known..] {
+            for tile in self.tiles(2.0 * circle.radius) {
+                let offset = self.container.offset(tile).map(|v| v as f32);
+                of.push((circle, tile));
+                centers.push([0, 1].map(|k| circle.center[k] - offset[k]));
+                radii.push(circle.radius);
             }
         }
-        let circles = Circle::all(&Each::Rows(centers), &Each::Rows(radii))?;
-        let found = query::search(self.tree, &circles, None)?;
-        // That tree knows the old bounds of discs whose bounds have grown.
-        let list = &self.grown.list;
-        let grown = Shapes {
-            centers: list.iter().map(|&index| position(index)).collect(),
-            radii: Each::Rows(list.iter().map(|&index| radius(index)).collect()),
+        let searched = query::Circle::all(&Each::Rows(centers), &Each::Rows(radii))?;
+        let found = query::search(self.tree, &searched, None)?;
+        // That tree has the old bounds of particles whose bounds have grown.
+        let shapes = Shapes {
+            centers: circles.iter().map(|circle| circle.center).collect(),
+            radii: Each::Rows(circles.iter().map(|circle| circle.radius).collect()),
             ..Shapes::default()
         };
-        let grown = Quadtree::new(&grown, self.tree.settings())?;
-        let found_grown = query::search(&grown, &circles, None)?;
+        let grown = Quadtree::new(&shapes, self.tree.settings())?;
+        let found_grown = query::search(&grown, &searched, None)?;
         let mut pairs = Vec::new();
-        for (circle, &(index, image)) in of.iter().enumerate() {
-            let old = found.of(circle).iter().map(|&row| self.grown.indices[row as usize]);
-            let new = found_grown.of(circle).iter().map(|&row| list[row as usize]);
-            let others = old.chain(new).filter(|&other| other != index);
-            pairs.extend(others.map(|other| (index, other, image)));
+        for (number, &(circle, tile)) in of.iter().enumerate() {
+            let old =
+                found.of(number).iter().map(|&row| (self.grown.indices[row as usize], [0; 2]));
+            let new = found_grown.of(number).iter().map(|&row| {
+                let other = &circles[row as usize];
+                (other.index, other.tile)
+            });
+            for (other, other_tile) in old.chain(new).filter(|&(other, _)| other != circle.index) {
+                let tile = [0, 1].map(|k| circle.tile[k] + tile[k] - other_tile[k]);
+                pairs.push((circle.index, other, self.container.offset(tile)));
+            }
         }
         Ok(pairs)
     }

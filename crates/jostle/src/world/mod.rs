@@ -7,7 +7,6 @@
 //! the state. `rows` gives the order of adding, which is the only one that callers see.
 
 mod bounds;
-mod fast;
 mod feel;
 mod merge;
 mod search;
@@ -33,7 +32,6 @@ use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::resting::Resting;
 use crate::shapes::{MOST_ROWS, Shapes};
-use fast::FastMemory;
 use feel::ForceMemory;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
@@ -138,13 +136,15 @@ pub struct World {
 struct Memory {
     /// A multiple of the mean speed, for the bounds.
     usual_speed: f32,
+    /// Whether all particles stay in their bounds if they have no events.
+    bounded: bool,
     /// Sub-steps of a part of a step.
     substeps: usize,
     /// Largest displacements that stay in the bounds.
     reaches: Vec<f32>,
     old_reaches: Vec<f32>,
     grown: bounds::Grown,
-    /// Particles that move in the step: movable, not held, not exhausted.
+    /// Particles that move in the step: movable, not exhausted.
     moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
@@ -165,7 +165,6 @@ struct Memory {
     meetings: Vec<merge::Meeting>,
     kicks: Vec<Kick>,
     forces: ForceMemory,
-    fast: FastMemory,
     before: Before,
     /// Columns to reorder into, for all parts of a step but the first.
     spare: Ordered,

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 
 use super::feel::{find_places, springs};
 use super::undo::Ordered;
-use super::{Memory, OnTouch, Stage, Stats, World, fast, search};
+use super::{Memory, OnTouch, Stage, Stats, World, search};
 use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -20,8 +20,8 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 /// Fewer particles than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 12_000;
 
-/// Parts into which a step on a torus is cut at most.
-pub(super) const MAX_PARTS: f32 = 1000.0;
+/// Times that a particle may travel around a torus in a step at most.
+const MOST_TOURS: f32 = 125.0;
 
 impl World {
     /// Advances the world by `steps` times `dt` seconds. `watch` is called when a stage ends. After
@@ -54,7 +54,9 @@ impl World {
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         for _ in 0..steps {
-            let parts = self.parts(single)?;
+            self.check_displacements(single)?;
+            self.memory.usual_speed = self.usual_speed();
+            let parts = self.parts(single);
             self.begin();
             if let Err(error) = self.step_in_parts(single, parts, watch) {
                 self.undo();
@@ -72,21 +74,11 @@ impl World {
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         self.memory.exhausted.clear();
-        let dt_of_part = dt / parts as f32;
+        let substeps = self.substeps().div_ceil(parts);
         for _ in 0..parts {
-            self.memory.usual_speed = self.usual_speed();
-            let splits = if self.settings.on_touch == OnTouch::Bounce {
-                self.parts_with_few_candidates(dt_of_part)
-            } else {
-                1.0
-            };
-            // These parts share the sub-steps; those of a torus do not.
-            let substeps = self.substeps().div_ceil(splits as usize);
-            for _ in 0..splits as usize {
-                self.step_once(dt_of_part / splits, substeps, watch)?;
-            }
+            self.step_once(dt / parts as f32, substeps, watch)?;
         }
-        self.move_the_held(dt)
+        Ok(())
     }
 
     /// The first row with this `number`, for an error.
@@ -95,34 +87,47 @@ impl World {
         places.map(|place| self.rows[place]).min().unwrap_or(0)
     }
 
-    /// The longer side of the box of a particle's straight displacement in `dt` seconds.
-    pub(super) fn way(&self, place: usize, dt: f32) -> f32 {
+    /// The longer side of the box of a particle's displacement without collisions in `dt` seconds,
+    /// or more.
+    fn displacement(&self, place: usize, dt: f32) -> f32 {
         let (gravity, v) = (self.settings.gravity, self.particles.velocities[place]);
-        let way = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
-        way(0).max(way(1))
+        let along = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
+        along(0).max(along(1))
     }
 
-    /// The number of parts of a step, so that no particle moves beyond its listed images; holds
-    /// the few particles that need many more parts than the others.
-    fn parts(&mut self, dt: f32) -> Result<usize> {
-        let longest = (0..self.len()).map(|place| self.way(place, dt)).fold(0.0, f32::max);
-        if longest > particles::FARTHEST {
-            let row = self.row_of(longest, |place| self.way(place, dt));
+    /// The largest of these displacements.
+    fn longest_displacement(&self, dt: f32) -> f32 {
+        (0..self.len()).map(|place| self.displacement(place, dt)).fold(0.0, f32::max)
+    }
+
+    /// Refuses a step in which a particle would move too far.
+    fn check_displacements(&self, dt: f32) -> Result<()> {
+        let longest = self.longest_displacement(dt);
+        let tours = self.settings.container.tours(longest);
+        if longest <= particles::FARTHEST && tours <= MOST_TOURS {
+            return Ok(());
+        }
+        let row = self.row_of(longest, |place| self.displacement(place, dt));
+        let rule = if longest > particles::FARTHEST {
             let most = particles::FARTHEST;
-            let rule = format!("particle {row} would move by {longest:e}, more than {most:e}");
-            return Err(Error::of("dt", dt, &rule));
+            format!("particle {row} would move by {longest:e}, more than {most:e}")
+        } else {
+            format!("particle {row} would circle the torus {tours} times; take smaller steps")
+        };
+        Err(Error::of("dt", dt, &rule))
+    }
+
+    /// The number of parts of a step of `dt` seconds.
+    fn parts(&self, dt: f32) -> usize {
+        match self.settings.on_touch {
+            OnTouch::Ignore => 1,
+            OnTouch::Bounce => self.parts_with_few_candidates(dt),
+            // Merging particles touch only their nearest images.
+            OnTouch::Merge => {
+                let longest = self.longest_displacement(dt);
+                (longest / self.settings.container.reach()).ceil().max(1.0) as usize
+            }
         }
-        let parts = (longest / self.settings.container.reach()).ceil().max(1.0);
-        if parts > MAX_PARTS {
-            let row = self.row_of(longest, |place| self.way(place, dt));
-            return Err(fast::too_many_tours(dt, row, parts));
-        }
-        if !self.hold_the_fast(dt, parts) {
-            return Ok(parts as usize);
-        }
-        let others = (0..self.len()).filter(|&place| !self.is_held(self.rows[place]));
-        let longest = others.map(|place| self.way(place, dt)).fold(0.0, f32::max);
-        Ok((longest / self.settings.container.reach()).ceil().max(1.0) as usize)
     }
 
     /// The order of a step: forces → bounds → tree → candidate pairs → order of particles → contacts →

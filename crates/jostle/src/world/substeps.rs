@@ -47,20 +47,13 @@ impl World {
     pub(super) fn prepare(&mut self) {
         let threads = self.threads();
         let may_rest = self.may_rest();
-        let Memory { tree, pairs, overlaps, meetings, fast, moving, exhausted, events, .. } =
+        let Memory { tree, pairs, overlaps, meetings, moving, exhausted, events, .. } =
             &mut self.memory;
         moving.clone_from(&self.particles.movable);
         meetings.clear();
         if self.settings.on_touch == OnTouch::Merge {
             merge::expect(pairs, &self.particles, meetings);
             pairs.clear();
-        }
-        if !fast.held.is_empty() {
-            let (rows, held) = (&self.rows, &fast.held);
-            let is_free = |place: usize| !held[rows[place] as usize];
-            let free = |pair: &[u32; 2]| pair.iter().all(|&place| is_free(place as usize));
-            pairs.iter_mut().for_each(|(_, pairs)| pairs.retain(free));
-            moving.iter_mut().enumerate().for_each(|(place, moves)| *moves &= is_free(place));
         }
         if !exhausted.is_empty() {
             let places = self.rows.iter().zip(moving.iter_mut());
@@ -114,6 +107,7 @@ impl World {
         }
         memory.events.bounced.clear();
         memory.events.exhausted.clear();
+        let is_bounded = memory.bounded && !may_rest && springs(&self.forces).next().is_none();
         let h = f64::from(dt) / substeps as f64;
         let flow = Flow::new(h, settings.gravity, settings.drag);
         for substep in 0..substeps {
@@ -158,7 +152,7 @@ impl World {
                 flow,
                 kicks,
                 is_first: true,
-                bounded: substep == 0 && !may_rest && springs(&self.forces).next().is_none(),
+                bounded: substep == 0 && is_bounded,
                 container: settings.container,
                 restitution: settings.restitution,
                 is_elastic,
