@@ -108,6 +108,7 @@ pub struct Contacts {
     order: Vec<u32>,
     colours: Vec<u8>,
     sources: Vec<(u32, u32)>,
+    spare: Vec<Contact>,
     taken: Vec<u64>,
     previous: Previous,
 }
@@ -250,7 +251,8 @@ impl Contacts {
 
     /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
     pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
-        self.order = (0..list.len() as u32).collect();
+        self.order.clear();
+        self.order.extend(0..list.len() as u32);
         self.list = list;
         self.ends = Ends::default();
         self.sources.clear();
@@ -265,8 +267,11 @@ impl Contacts {
         particles: &Particles,
         places: usize,
     ) {
-        let mut kept: Vec<Contact> = self.lasting().copied().map(Contact::ascending).collect();
-        kept.extend(bounced.map(|(pair, image)| {
+        let mut both = std::mem::take(&mut self.spare);
+        both.clear();
+        both.extend(self.lasting().copied().map(Contact::ascending));
+        let len = both.len();
+        both.extend(bounced.map(|(pair, image)| {
             let [i, j] = pair.map(|place| place as usize);
             Contact {
                 places: pair,
@@ -277,15 +282,11 @@ impl Contacts {
                 ..Contact::default()
             }
         }));
-        let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
-        // Stable, so that a contact with its impulse comes before the same pair without one.
-        kept.sort_by_key(key);
-        kept.dedup_by(|next, first| {
-            let same = key(next) == key(first);
-            first.touched |= same && next.touched;
-            same
-        });
-        self.recall(kept, places);
+        let (lasting, bounced) = both.split_at_mut(len);
+        let mut list = std::mem::take(&mut self.list);
+        merge(lasting, bounced, &mut list);
+        self.spare = both;
+        self.recall(list, places);
     }
 
     /// Those that touched or have an impulse, in canonical order.
@@ -340,5 +341,32 @@ impl Contacts {
     /// The contacts that pushed, in canonical order, as the last step left them.
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
         self.canonical().filter(|contact| contact.touched)
+    }
+}
+
+/// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
+/// kept.
+fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
+    let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
+    let sort = |list: &mut [Contact]| {
+        if !list.is_sorted_by_key(key) {
+            list.sort_unstable_by_key(key);
+        }
+    };
+    sort(first);
+    sort(second);
+    to.clear();
+    let (mut first, mut second) = (first.iter().peekable(), second.iter().peekable());
+    loop {
+        let next = match (first.peek(), second.peek()) {
+            (Some(a), Some(b)) if key(b) < key(a) => second.next(),
+            (Some(_), _) => first.next(),
+            (None, _) => second.next(),
+        };
+        let Some(next) = next else { return };
+        match to.last_mut() {
+            Some(last) if key(last) == key(next) => last.touched |= next.touched,
+            _ => to.push(*next),
+        }
     }
 }

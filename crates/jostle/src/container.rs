@@ -117,11 +117,12 @@ impl Container {
 
     /// Offsets between a torus and its images, one of each opposite two. They are added to the
     /// second particle of a pair.
-    pub fn images(&self) -> Vec<[f32; 2]> {
-        match self {
-            Self::Torus { size: [w, h] } => vec![[-w, 0.0], [0.0, -h], [-w, -h], [-w, *h]],
-            _ => Vec::new(),
-        }
+    pub fn images(&self) -> impl Iterator<Item = [f32; 2]> + use<> {
+        let images = match *self {
+            Self::Torus { size: [w, h] } => Some([[-w, 0.0], [0.0, -h], [-w, -h], [-w, h]]),
+            _ => None,
+        };
+        images.into_iter().flatten()
     }
 
     /// How often a displacement goes around a torus.

@@ -5,7 +5,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 #[cfg(feature = "parallel")]
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, OnceLock};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 #[cfg(feature = "parallel")]
 use core::time::Duration;
@@ -33,21 +34,20 @@ pub fn map<R: Send>(
     (0..count).map(task).collect()
 }
 
-/// Calls `act` on every item, on `threads` threads.
+/// Calls `act` with every item, on `threads` threads. One thread needs no memory for it.
 pub fn for_each<T: Send>(
     threads: Option<usize>,
-    items: &mut [T],
-    act: impl Fn(&mut T) + Sync + Send,
+    items: impl Iterator<Item = T>,
+    act: impl Fn(T) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if items.len() > 1
-        && let Some(team) = Team::of(threads)
-    {
-        let items: Vec<_> = items.iter_mut().map(Mutex::new).collect();
-        return team.share(items.len(), 1, &|index| act(*locked(&items[index])));
+    if let Some(team) = Team::of(threads) {
+        let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
+        let act = |index: usize| locked(&items[index]).take().into_iter().for_each(&act);
+        return team.share(items.len(), 1, &act);
     }
     let _ = threads;
-    items.iter_mut().for_each(act);
+    items.for_each(act);
 }
 
 /// Rows that one thread takes at a time in [`for_chunks`].
@@ -194,8 +194,7 @@ enum Team {
 }
 
 /// The contents of a lock without contention.
-#[cfg(feature = "parallel")]
-fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

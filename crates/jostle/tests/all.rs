@@ -2,6 +2,7 @@
 
 mod common;
 
+mod allocations;
 mod determinism;
 mod forces;
 mod interrupt;

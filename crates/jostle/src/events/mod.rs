@@ -16,11 +16,11 @@ mod simulation;
 mod two;
 
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use crate::error::Result;
 use crate::interrupt::{self, Stop};
-use crate::parallel;
+use crate::parallel::{self, locked};
 use crate::trajectory::{Segment, Vector};
 pub use flight::Flight;
 use flight::{Start, Window};
@@ -58,14 +58,15 @@ pub trait Bounds {
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched for neighbours.
     fn reaches(&self) -> &[f32];
-    /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and returns
+    /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and appends
     /// the pairs that may meet in them: the second, moved by the offset, is near the first.
     fn grow(
         &mut self,
         outside: &[Outside],
         gravity: Vector,
         end: f64,
-    ) -> Result<Vec<(u32, u32, Vector)>>;
+        pairs: &mut Vec<(u32, u32, Vector)>,
+    ) -> Result<()>;
 }
 
 /// A disc that leaves its bounds.
@@ -98,6 +99,15 @@ pub struct Events {
     /// The courses of discs that were simulated again.
     again: History,
     scratch: Mutex<Vec<Scratch>>,
+    outside: Vec<Outside>,
+    /// Pairs whose trajectories meet, of discs that were not simulated together.
+    conflicts: Vec<[u32; 2]>,
+    /// Those that each block has found.
+    found: Vec<Vec<[u32; 2]>>,
+    /// Discs that are simulated again.
+    discs: Vec<u32>,
+    /// Pairs that may meet in larger bounds.
+    new: Vec<(u32, u32, Vector)>,
 }
 
 /// A range of discs that are simulated together.
@@ -151,9 +161,12 @@ impl Events {
         shortest: f64,
     ) -> Result<f64> {
         self.prepare(window.starts.len(), window.flight.threads);
+        self.conflicts.clear();
         if !window.flight.bounded {
-            let outside = outside_at_start(&window, bounds.reaches());
-            self.grow(&window, &outside, bounds)?;
+            find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
+            self.grow(&window, bounds)?;
+            // They are found again along the first segments.
+            self.conflicts.clear();
         }
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
         self.each_block(&window, reaches, |block, arguments| {
@@ -180,16 +193,16 @@ impl Events {
             }
         });
         interrupt::check()?;
-        let mut conflicts = self.crossing(&window);
-        conflicts.extend(self.tests(&window));
+        self.find_crossing(&window);
+        self.find_meeting(&window);
         interrupt::check()?;
-        let outside: Vec<Outside> =
-            self.blocks.iter().flat_map(|block| &block.history.outside).copied().collect();
-        conflicts.extend(self.grow(&window, &outside, bounds)?);
+        self.outside.clear();
+        self.outside.extend(self.blocks.iter().flat_map(|block| &block.history.outside));
+        self.grow(&window, bounds)?;
         let mut rounds = 0;
-        while !conflicts.is_empty() {
+        while !self.conflicts.is_empty() {
             rounds += 1;
-            conflicts = self.simulate_again(&window, &conflicts, rounds > MOST_ROUNDS, bounds)?;
+            self.simulate_again(&window, rounds > MOST_ROUNDS, bounds)?;
             interrupt::check()?;
         }
         self.finish(&window);
@@ -238,9 +251,8 @@ impl Events {
         act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
     ) {
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
-        let mut blocks: Vec<_> =
-            self.blocks.iter_mut().zip(self.course_of.chunks_mut(self.size)).collect();
-        parallel::for_each(window.flight.threads, &mut blocks, |(block, course_of)| {
+        let blocks = self.blocks.iter_mut().zip(self.course_of.chunks_mut(self.size));
+        parallel::for_each(window.flight.threads, blocks, |(block, course_of)| {
             if stop.is_set() {
                 return;
             }
@@ -254,23 +266,28 @@ impl Events {
         });
     }
 
-    /// The pairs of different blocks that meet along their first segments.
-    fn crossing(&self, window: &Window<'_>) -> Vec<[u32; 2]> {
+    /// Appends the pairs of different blocks that meet along their first segments to the conflicts.
+    fn find_crossing(&mut self, window: &Window<'_>) {
         let all = self.blocks.iter().flat_map(|block| &block.crossing);
-        all.filter(|event| event.time <= window.end).map(|event| event.pair).collect()
+        let in_window = all.filter(|event| event.time <= window.end);
+        self.conflicts.extend(in_window.map(|event| event.pair));
     }
 
-    /// The pairs of different blocks whose trajectories meet after an event.
-    fn tests(&self, window: &Window<'_>) -> Vec<[u32; 2]> {
+    /// Appends the pairs of different blocks whose trajectories meet after an event to the
+    /// conflicts.
+    fn find_meeting(&mut self, window: &Window<'_>) {
         if !window.flight.pairs || self.blocks.len() < 2 {
-            return Vec::new();
+            return;
         }
         let stop = Stop::current();
-        let conflicts = parallel::map(window.flight.threads, self.blocks.len(), |block| {
-            let mut found = Vec::new();
-            let Block { range, history, .. } = &self.blocks[block];
+        let mut found = std::mem::take(&mut self.found);
+        found.resize_with(self.blocks.len(), Vec::new);
+        let blocks = found.iter_mut().zip(&self.blocks);
+        parallel::for_each(window.flight.threads, blocks, |(found, block)| {
+            found.clear();
+            let Block { range, history, .. } = block;
             if stop.is_set() {
-                return found;
+                return;
             }
             for course in &history.courses {
                 self.neighbors.of(course.index, |neighbor| {
@@ -286,21 +303,20 @@ impl Events {
                     }
                 });
             }
-            found
         });
-        conflicts.concat()
+        self.conflicts.extend(found.iter().flatten());
+        self.found = found;
     }
 
-    /// Simulates the discs of some pairs again, with all whose histories depend on theirs. Returns
-    /// the pairs of these discs and others whose trajectories meet.
+    /// Simulates the discs of the conflicts again, with all whose histories depend on theirs. The
+    /// pairs of these discs and others whose trajectories meet are the new conflicts.
     fn simulate_again(
         &mut self,
         window: &Window<'_>,
-        conflicts: &[[u32; 2]],
         all: bool,
         bounds: &mut dyn Bounds,
-    ) -> Result<Vec<[u32; 2]>> {
-        let discs = self.reopen(window, conflicts, all);
+    ) -> Result<()> {
+        self.reopen(window, all);
         let stop = Stop::current();
         let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
         let base = self.again.courses.len() as u32;
@@ -316,9 +332,10 @@ impl Events {
             stop: &stop,
             scratch: &mut scratch,
         };
-        simulation.run(&[], &discs);
+        simulation.run(&[], &self.discs);
         locked(&self.scratch).push(scratch);
-        let mut found = Vec::new();
+        let mut found = std::mem::take(&mut self.conflicts);
+        found.clear();
         for Course { index, .. } in &self.again.courses[base as usize..] {
             self.neighbors.of(*index, |neighbor| {
                 let number = self.course_of[neighbor.index as usize];
@@ -330,16 +347,17 @@ impl Events {
                 }
             });
         }
-        let outside = std::mem::take(&mut self.again.outside);
-        found.extend(self.grow(window, &outside, bounds)?);
-        Ok(found)
+        self.conflicts = found;
+        self.outside.clear();
+        self.outside.append(&mut self.again.outside);
+        self.grow(window, bounds)
     }
 
-    /// Removes the courses of the discs of some pairs, and of all that depend on theirs. Returns
-    /// these discs.
-    fn reopen(&mut self, window: &Window<'_>, conflicts: &[[u32; 2]], all: bool) -> Vec<u32> {
-        let mut discs = Vec::new();
-        let Self { course_of, blocks, again, size, .. } = self;
+    /// Removes the courses of the discs of the conflicts, and of all that depend on theirs, and
+    /// lists these discs.
+    fn reopen(&mut self, window: &Window<'_>, all: bool) {
+        let Self { course_of, blocks, again, size, conflicts, discs, .. } = self;
+        discs.clear();
         let mut reopen = |index: u32| {
             let (history, mark) = match course_of[index as usize] {
                 NONE => return discs.push(index),
@@ -362,7 +380,6 @@ impl Events {
         discs.retain(|&index| window.starts[index as usize].is_movable());
         discs.sort_unstable();
         discs.dedup();
-        discs
     }
 
     /// The trajectory of a disc.
@@ -403,28 +420,28 @@ impl Events {
         })
     }
 
-    /// Adds the neighbours that discs have in larger bounds. Returns the new pairs whose
-    /// trajectories meet.
-    fn grow(
-        &mut self,
-        window: &Window<'_>,
-        outside: &[Outside],
-        bounds: &mut dyn Bounds,
-    ) -> Result<Vec<[u32; 2]>> {
-        if outside.is_empty() || !window.flight.pairs {
-            return Ok(Vec::new());
+    /// Adds the neighbours that the discs outside their bounds have in larger bounds. Appends the
+    /// new pairs whose trajectories meet to the conflicts.
+    fn grow(&mut self, window: &Window<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+        if self.outside.is_empty() || !window.flight.pairs {
+            return Ok(());
         }
-        let mut new = bounds.grow(outside, window.gravity(), window.end)?;
+        let mut new = std::mem::take(&mut self.new);
+        new.clear();
+        bounds.grow(&self.outside, window.gravity(), window.end, &mut new)?;
         self.neighbors.add(&mut new);
-        new.retain(|&(a, b, image)| self.meet(window, [a, b], image, true));
-        Ok(new.into_iter().map(|(a, b, _)| [a, b]).collect())
+        let mut conflicts = std::mem::take(&mut self.conflicts);
+        let meet = |&&(a, b, image): &&(u32, u32, Vector)| self.meet(window, [a, b], image, true);
+        conflicts.extend(new.iter().filter(meet).map(|&(a, b, _)| [a, b]));
+        (self.conflicts, self.new) = (conflicts, new);
+        Ok(())
     }
 
     /// Writes positions, velocities and displacements at the end of the window.
     fn finish(&mut self, window: &Window<'_>) {
         let (motions, gravity) = (window.flight.motions, window.gravity());
         let (course_of, again) = (&self.course_of, &self.again);
-        parallel::for_each(window.flight.threads, &mut self.blocks, |block| {
+        parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
             for index in block.range.clone() {
                 let (last, stopped) = match course_of[index as usize] {
                     NONE if !window.starts[index as usize].is_movable() => continue,
@@ -543,17 +560,14 @@ impl Block {
     }
 }
 
-/// The discs whose first segment leaves their bounds.
-fn outside_at_start(window: &Window<'_>, reaches: &[f32]) -> Vec<Outside> {
+/// Lists the discs whose first segment leaves their bounds.
+fn find_outside_at_start(window: &Window<'_>, reaches: &[f32], outside: &mut Vec<Outside>) {
     let movable = (0..).zip(window.starts).filter(|(_, start)| start.is_movable());
     let all = movable.map(|(index, _)| {
         let segment = window.segment(index);
         let distance = window.longest_square(index, &segment).sqrt();
         Outside { index, distance, segment }
     });
-    all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])).collect()
-}
-
-fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
+    outside.clear();
+    outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));
 }

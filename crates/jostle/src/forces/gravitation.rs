@@ -11,13 +11,14 @@
 
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::sync::Mutex;
 
 use super::{Bodies, check_number, nearest, nearest_on};
 use crate::columns::Columns;
 use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::parallel;
+use crate::parallel::{self, locked};
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
 use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
@@ -79,6 +80,7 @@ pub struct Memory {
     groups: Vec<u32>,
     stack: Vec<u32>,
     pulls: Vec<[f64; 2]>,
+    lists: Mutex<Vec<List>>,
 }
 
 /// A node as one body.
@@ -98,23 +100,25 @@ pub fn add(
     accelerations: &mut [[f32; 2]],
 ) {
     let direct = prepare(gravitation, bodies, memory);
-    let Memory { tree, all, moments, groups, pulls, .. } = memory;
+    let Memory { tree, all, moments, groups, pulls, lists, .. } = memory;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     pulls.clear();
     pulls.resize(tree.len(), [0.0; 2]);
     // Groups follow each other in the order of the bodies.
     let mut left = pulls.as_mut_slice();
-    let mut tasks = Vec::with_capacity(groups.len());
-    for &group in groups.iter() {
-        let (own, rest) = left.split_at_mut(tree.nodes()[group as usize].len());
-        tasks.push((group, own));
-        left = rest;
-    }
+    let tasks = groups.chunks(SHARE).map(|share| {
+        let len = share.iter().map(|&group| tree.nodes()[group as usize].len()).sum::<usize>();
+        (share, left.split_off_mut(..len).expect("the sizes add up"))
+    });
     let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
-    let mut shares: Vec<_> = tasks.chunks_mut(SHARE).collect();
-    parallel::for_each(threads, &mut shares, |share| {
-        let mut list = List::default();
-        share.iter_mut().for_each(|(group, pulls)| walk.pull(*group, direct, &mut list, pulls));
+    parallel::for_each(threads, tasks, |(share, mut pulls)| {
+        let mut list = locked(lists).pop().unwrap_or_default();
+        for &group in share {
+            let len = tree.nodes()[group as usize].len();
+            let own = pulls.split_off_mut(..len).expect("the sizes add up");
+            walk.pull(group, direct, &mut list, own);
+        }
+        locked(lists).push(list);
     });
     balance(pulls, &all.mass);
     let g = f64::from(gravitation.g);

@@ -33,21 +33,35 @@ type Task = (u32, u32);
 impl<T: Scalar> Join<'_, T> {
     /// All pairs, each turned from places into what `finish` makes of it.
     pub(super) fn run(&self, max_pairs: usize, finish: &Finish<'_>) -> Result<Found> {
-        let mut tasks: Vec<Task> = Vec::new();
+        self.run_in(max_pairs, finish, &mut JoinMemory::default())
+    }
+
+    /// As [`Join::run`], in the memory of earlier calls. One thread allocates no more.
+    pub(super) fn run_in(
+        &self,
+        max_pairs: usize,
+        finish: &Finish<'_>,
+        memory: &mut JoinMemory,
+    ) -> Result<Found> {
+        let JoinMemory { pairs, stack } = memory;
+        stack.clear();
         if !self.a.is_empty() && !self.b.is_empty() {
-            self.push((0, 0), &mut |task| tasks.push(task));
+            self.push((0, 0), &mut |task| stack.push(task));
         }
         let shapes = if self.itself { self.a.len() } else { self.a.len() + self.b.len() };
         let threads = parallel::worthwhile(self.a.settings().threads, shapes);
-        if parallel::is_parallel(threads) {
-            tasks = self.cut(tasks);
-        }
         let budget = Budget::new(max_pairs);
-        let parts = parallel::map(threads, tasks.len(), |index| {
-            let mut output = Output::new(&budget, finish);
-            T::with_widest(Walk { join: self, task: tasks[index], output: &mut output });
+        let walk = |stack: &mut Vec<Task>, pairs| {
+            let mut output = Output::new(&budget, finish, pairs);
+            T::with_widest(Walk { join: self, stack, output: &mut output });
             output.into_found()
-        });
+        };
+        if !parallel::is_parallel(threads) {
+            return budget.accept(walk(stack, std::mem::take(pairs)));
+        }
+        let tasks = self.cut(std::mem::take(stack));
+        let parts =
+            parallel::map(threads, tasks.len(), |index| walk(&mut vec![tasks[index]], Vec::new()));
         budget.collect(threads, parts)
     }
 
@@ -127,24 +141,31 @@ impl<T: Scalar> Join<'_, T> {
     }
 }
 
-/// One task with all its parts.
+/// Memory that [`Join::run_in`] keeps between calls.
+#[derive(Clone, Debug, Default)]
+pub struct JoinMemory {
+    /// Memory for the pairs of the next call.
+    pub pairs: Vec<[u32; 2]>,
+    stack: Vec<Task>,
+}
+
+/// Some tasks with all their parts.
 struct Walk<'a, 'b, T> {
     join: &'a Join<'a, T>,
-    task: Task,
+    stack: &'a mut Vec<Task>,
     output: &'a mut Output<'b>,
 }
 
 impl<T: Scalar> Work<T> for Walk<'_, '_, T> {
     type Out = ();
 
-    /// Goes through the parts in order, on a stack of its own.
+    /// Goes through the parts in order.
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
-        let Self { join, task, output } = self;
+        let Self { join, stack, output } = self;
         let Join { a, b, shift, .. } = *join;
         let kernel = Kernel { simd, a: a.columns(), b: b.columns(), shift };
         let mut scratch = Scratch::default();
-        let mut stack = vec![task];
         while let Some(task) = stack.pop() {
             if output.is_over(TASK_WORK) {
                 return;

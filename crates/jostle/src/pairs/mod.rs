@@ -24,6 +24,7 @@ use crate::shapes::Shapes;
 use crate::simd::{Simd, Work};
 use crate::sorting;
 use join::Join;
+pub use join::JoinMemory;
 use kernel::Kernel;
 use output::{Budget, Output, keep};
 
@@ -163,7 +164,7 @@ pub struct Overlaps<T> {
 
 /// As [`within`], with normals and depths.
 pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overlaps<T>> {
-    let Found { mut pairs, tests } = places_within(tree, max_pairs)?;
+    let Found { mut pairs, tests } = places_within(tree, max_pairs, &mut JoinMemory::default())?;
     let mut normals = memory::with_room(pairs.len())?;
     let mut depths = memory::with_room(pairs.len())?;
     let mut pulse = Pulse::current();
@@ -180,9 +181,13 @@ pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overl
 }
 
 /// As [`within`], in places of the tree's order instead of rows.
-pub fn places_within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
+pub fn places_within<T: Scalar>(
+    tree: &Quadtree<T>,
+    max_pairs: usize,
+    memory: &mut JoinMemory,
+) -> Result<Found> {
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
-    join.run(max_pairs, &as_they_are)
+    join.run_in(max_pairs, &as_they_are, memory)
 }
 
 /// As [`between`], in places, with every shape of `a` moved by `-shift`.
@@ -191,8 +196,9 @@ pub fn places_between<T: Scalar>(
     b: &Quadtree<T>,
     shift: [T; 2],
     max_pairs: usize,
+    memory: &mut JoinMemory,
 ) -> Result<Found> {
-    Join { a, b, shift, itself: false, mask: None }.run(max_pairs, &as_they_are)
+    Join { a, b, shift, itself: false, mask: None }.run_in(max_pairs, &as_they_are, memory)
 }
 
 /// All overlapping pairs of rows, `i < j`, in no promised order, every row tested
@@ -212,7 +218,7 @@ pub fn brute<T: Scalar>(
     };
     let budget = Budget::new(max_pairs);
     let parts = parallel::map(threads, bands, |band| {
-        let mut output = Output::new(&budget, &as_they_are);
+        let mut output = Output::new(&budget, &as_they_are, Vec::new());
         let rows = edge(band)..edge(band + 1);
         T::with_widest(Brute {
             a: columns,
@@ -235,10 +241,9 @@ pub fn brute_between<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
-    let mut output = Output::new(&budget, &as_they_are);
+    let mut output = Output::new(&budget, &as_they_are, Vec::new());
     T::with_widest(Brute { a, b, shift, rows: 0..a.len(), itself: false, output: &mut output });
-    let part = output.into_found();
-    budget.collect(Some(1), vec![part])
+    budget.accept(output.into_found())
 }
 
 /// For pairs of places, which are returned unchanged.

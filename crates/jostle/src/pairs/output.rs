@@ -60,33 +60,39 @@ impl Budget {
         Self { max_pairs, count, failed, stop: Stop::current() }
     }
 
+    /// Returns an error if there are more than the allowed number of pairs; `count` is the number
+    /// of those that are in memory.
+    fn check(&self, count: usize) -> Result<()> {
+        if self.count.load(Ordering::Relaxed).max(count) > self.max_pairs {
+            return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
+        }
+        Ok(())
+    }
+
+    /// The pairs of the only task.
+    pub(super) fn accept(&self, found: Result<Found>) -> Result<Found> {
+        self.check(found.as_ref().map_or(0, |found| found.pairs.len()))?;
+        found
+    }
+
     /// Puts the parts together, in their order.
     pub(super) fn collect(
         &self,
         threads: Option<usize>,
         parts: Vec<Result<Found>>,
     ) -> Result<Found> {
-        if self.count.load(Ordering::Relaxed) > self.max_pairs {
-            return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
-        }
-        let mut parts = parts.into_iter().collect::<Result<Vec<Found>>>()?;
-        let count: usize = parts.iter().map(|part| part.pairs.len()).sum();
-        if count > self.max_pairs {
-            return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
-        }
+        let parts = parts.into_iter().collect::<Result<Vec<Found>>>();
+        let count = parts.iter().flatten().map(|part| part.pairs.len()).sum();
+        self.check(count)?;
+        let parts = parts?;
         let tests = parts.iter().map(|part| part.tests).sum();
-        if parts.len() <= 1 {
-            return Ok(parts.pop().unwrap_or_default());
-        }
         let mut pairs = memory::zeroed(count)?;
         let mut rest = pairs.as_mut_slice();
-        let mut targets: Vec<(&mut [Pair], &[Pair])> = Vec::new();
-        for part in &parts {
-            let (target, behind) = std::mem::take(&mut rest).split_at_mut(part.pairs.len());
-            rest = behind;
-            targets.extend(target.chunks_mut(COPIED).zip(part.pairs.chunks(COPIED)));
-        }
-        parallel::for_each(threads, &mut targets, |(target, source)| {
+        let targets = parts.iter().flat_map(|part| {
+            let target = rest.split_off_mut(..part.pairs.len()).expect("the sizes add up");
+            target.chunks_mut(COPIED).zip(part.pairs.chunks(COPIED))
+        });
+        parallel::for_each(threads, targets, |(target, source)| {
             if !self.stop.is_set() {
                 target.copy_from_slice(source);
             }
@@ -122,9 +128,11 @@ enum Over {
 }
 
 impl<'a> Output<'a> {
-    pub(super) fn new(budget: &'a Budget, finish: &'a Finish<'a>) -> Self {
+    /// Collects pairs in the memory of `pairs`.
+    pub(super) fn new(budget: &'a Budget, finish: &'a Finish<'a>, mut pairs: Vec<Pair>) -> Self {
+        pairs.clear();
         Self {
-            pairs: Vec::new(),
+            pairs,
             tests: 0,
             notes: [(0, 0); NOTES],
             finish,

@@ -97,9 +97,11 @@ impl<T: Scalar> Quadtree<T> {
     pub fn fill(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
         settings.validate()?;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
-        parallel::among(threads, || {
+        let built = parallel::among(threads, || {
             self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b))
-        })
+        });
+        self.check_if_small();
+        built
     }
 
     /// Builds the tree anew in its old memory. `tie` orders rows whose centres
@@ -115,8 +117,12 @@ impl<T: Scalar> Quadtree<T> {
         if built.is_err() {
             self.clear();
         }
-        debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
         built
+    }
+
+    /// Checks a small tree where debug assertions are on.
+    pub fn check_if_small(&self) {
+        debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
     }
 
     fn build(&mut self, shapes: &Shapes<T>, tie: &order::Tie<'_>) -> Result<()> {
@@ -188,7 +194,7 @@ impl<T: Scalar> Quadtree<T> {
     }
 }
 
-/// Trees up to this size are checked after every build where debug assertions are on.
+/// Trees up to this size are checked where debug assertions are on.
 const CHECKED: usize = 500;
 
 /// Orders shapes with coincident centres by everything else about them.

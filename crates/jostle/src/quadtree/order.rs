@@ -71,6 +71,10 @@ pub struct Order {
     pub keyed: Vec<Keyed>,
     finer: HashMap<(usize, usize), usize>,
     sorter: Sorter,
+    /// Ranges of places that share a key.
+    equal: Vec<Range<usize>>,
+    /// Those that are not in order yet.
+    open: VecDeque<Range<usize>>,
 }
 
 impl Order {
@@ -92,7 +96,8 @@ impl Order {
         if len == 0 {
             return Ok(());
         }
-        let mut open = VecDeque::new();
+        let mut open = std::mem::take(&mut self.open);
+        open.clear();
         if let Some(grid) = grid_of_all(&shapes.centers) {
             root.grid = grid;
             self.sort_by_key(&mut root, threads, &mut open, &|range, items| {
@@ -113,6 +118,7 @@ impl Order {
             pulse.check(range.len())?;
             self.resolve(range, shapes, tie, threads, &mut open)?;
         }
+        self.open = open;
         Ok(())
     }
 
@@ -195,7 +201,8 @@ impl Order {
         let rows = &mut self.rows[keyed.start..keyed.end];
         let threads = parallel::worthwhile(threads, rows.len());
         memory::resize(&mut keyed.items, rows.len(), 0)?;
-        let equal = self.sorter.sort(threads, &mut keyed.items, &mut keyed.parts, key)?;
+        let (Keyed { items, parts, .. }, equal) = (&mut *keyed, &mut self.equal);
+        self.sorter.sort(threads, items, parts, key, equal)?;
         let ranges = open.len() + equal.len();
         open.try_reserve(equal.len()).map_err(|e| memory::no_memory::<Range<usize>>(&e, ranges))?;
         open.extend(equal.iter().map(|range| keyed.start + range.start..keyed.start + range.end));

@@ -5,11 +5,12 @@
 //! and sorted by the bits that follow. Chunks and parts are worked on by all threads.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use crate::error::Result;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
-use crate::parallel;
+use crate::parallel::{self, locked};
 
 /// Below this many keys a comparison sort is faster.
 const SMALL: usize = 1024;
@@ -67,11 +68,12 @@ impl Parts {
 }
 
 /// Memory for sorting.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Sorter {
     parted: Vec<Item>,
     /// For each chunk the end of each part in it.
     ends: Vec<u32>,
+    scratch: Mutex<Vec<Scratch>>,
 }
 
 /// Makes the items of a range of rows. It is called for many at a time, so the sorting does
@@ -84,7 +86,13 @@ struct Task<'a> {
     items: &'a mut [Item],
     /// Where they stand among all.
     start: usize,
-    equal: Result<Vec<Range<usize>>>,
+}
+
+impl Clone for Sorter {
+    /// A sorter without memory: it has no other state.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl Sorter {
@@ -93,24 +101,26 @@ impl Sorter {
         self.parted.capacity() * size_of::<Item>() + self.ends.capacity() * size_of::<u32>()
     }
 
-    /// Fills `items` and sorts them; returns the ranges that share a key. `key` makes the
-    /// items of a range.
+    /// Fills `items` and sorts them; lists the ranges that share a key in `equal`. `key` makes
+    /// the items of a range.
     pub fn sort(
         &mut self,
         threads: Option<usize>,
         items: &mut [Item],
         parts: &mut Parts,
         key: &FillKeys<'_>,
-    ) -> Result<Vec<Range<usize>>> {
+        equal: &mut Vec<Range<usize>>,
+    ) -> Result<()> {
         parts.clear();
+        equal.clear();
         if items.len() <= SMALL {
             key(0..items.len(), items);
             items.sort_unstable();
-            return equal_keys(items, 0);
+            return equal_keys(items, 0, equal);
         }
         let bits = (items.len() / PART).next_power_of_two().trailing_zeros().min(MOST_BITS);
         self.part_chunks(threads, items, key, bits)?;
-        self.sort_parts(threads, items, bits, parts)
+        self.sort_parts(threads, items, bits, parts, equal)
     }
 
     /// Makes the items of every chunk and parts them by their leading bits.
@@ -122,18 +132,18 @@ impl Sorter {
         bits: u32,
     ) -> Result<()> {
         let stop = Stop::current();
-        let Self { parted, ends } = self;
+        let Self { parted, ends, .. } = self;
         let parts = 1 << bits;
         memory::resize(parted, items.len(), 0)?;
         ends.clear();
         memory::resize(ends, items.len().div_ceil(CHUNK) * parts, 0)?;
         let chunks = items.chunks_mut(CHUNK).zip(parted.chunks_mut(CHUNK));
-        let mut tasks: Vec<_> = chunks.zip(ends.chunks_mut(parts)).enumerate().collect();
-        parallel::for_each(threads, &mut tasks, |(chunk, ((given, parted), ends))| {
+        let tasks = chunks.zip(ends.chunks_mut(parts)).enumerate();
+        parallel::for_each(threads, tasks, |(chunk, ((given, parted), ends))| {
             if stop.is_set() {
                 return;
             }
-            let start = *chunk * CHUNK;
+            let start = chunk * CHUNK;
             key(start..start + given.len(), given);
             counting_sort(given, parted, ends, |item| (item >> (Item::BITS - bits)) as usize);
         });
@@ -147,23 +157,29 @@ impl Sorter {
         items: &mut [Item],
         bits: u32,
         parts: &mut Parts,
-    ) -> Result<Vec<Range<usize>>> {
+        equal: &mut Vec<Range<usize>>,
+    ) -> Result<()> {
         let stop = Stop::current();
         let source = Parted { items: &self.parted, ends: &self.ends, parts: 1 << bits };
         parts.bits = bits;
         source.find_starts(&mut parts.starts)?;
-        let mut tasks = source.tasks(items, &parts.starts);
-        parallel::for_each(threads, &mut tasks, |task| {
-            task.equal = source.sort(task, bits, &stop);
+        let all = Mutex::new((&mut *equal, Ok(())));
+        parallel::for_each(threads, source.tasks(items, &parts.starts), |task| {
+            let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
+            let sorted = source.sort(task, bits, &stop, &mut scratch);
+            let (equal, result) = &mut *locked(&all);
+            let kept = sorted.and_then(|()| memory::reserve(equal, scratch.equal.len()));
+            match kept {
+                Ok(()) => equal.append(&mut scratch.equal),
+                Err(error) => *result = Err(error),
+            }
+            locked(&self.scratch).push(scratch);
         });
         stop.check()?;
-        let mut equal = Vec::new();
-        for task in tasks {
-            let mut more = task.equal?;
-            memory::reserve(&mut equal, more.len())?;
-            equal.append(&mut more);
-        }
-        Ok(equal)
+        all.into_inner().unwrap_or_else(PoisonError::into_inner).1?;
+        // Threads end in any order.
+        equal.sort_unstable_by_key(|range| range.start);
+        Ok(())
     }
 }
 
@@ -175,12 +191,11 @@ struct Parted<'a> {
 }
 
 impl Parted<'_> {
-    /// Collects and sorts the parts of a task; returns the ranges that share a key.
-    fn sort(&self, task: &mut Task<'_>, bits: u32, stop: &Stop) -> Result<Vec<Range<usize>>> {
-        let mut scratch = Scratch::default();
+    /// Collects and sorts the parts of a task; lists the ranges that share a key in `scratch`.
+    fn sort(&self, task: Task<'_>, bits: u32, stop: &Stop, scratch: &mut Scratch) -> Result<()> {
         let mut from = 0;
         let mut pulse = Pulse::of(stop);
-        for part in task.parts.clone() {
+        for part in task.parts {
             scratch.collected.clear();
             for piece in self.pieces(part) {
                 memory::reserve(&mut scratch.collected, piece.len())?;
@@ -191,7 +206,8 @@ impl Parted<'_> {
             scratch.sort_into(&mut task.items[from..to], bits)?;
             from = to;
         }
-        equal_keys(task.items, task.start)
+        scratch.equal.clear();
+        equal_keys(task.items, task.start, &mut scratch.equal)
     }
 
     /// What each chunk has of a part.
@@ -217,33 +233,33 @@ impl Parted<'_> {
     }
 
     /// All parts, divided into tasks of about equal size.
-    fn tasks<'a>(&self, mut items: &'a mut [Item], starts: &[u32]) -> Vec<Task<'a>> {
+    fn tasks<'a>(
+        &self,
+        mut items: &'a mut [Item],
+        starts: &'a [u32],
+    ) -> impl Iterator<Item = Task<'a>> + use<'a> {
         let enough = items.len().div_ceil(TASKS);
-        let mut tasks = Vec::with_capacity(TASKS);
         let (mut first, mut start) = (0, 0);
-        for part in 0..self.parts {
-            let size = starts[part + 1] as usize - start;
-            if size < enough && part + 1 < self.parts {
-                continue;
+        (1..=self.parts).filter_map(move |end| {
+            let size = starts[end] as usize - start;
+            if size < enough && end + 1 < starts.len() {
+                return None;
             }
-            tasks.push(Task {
-                parts: first..part + 1,
-                items: items.split_off_mut(..size).expect("the sizes add up"),
-                start,
-                equal: Ok(Vec::new()),
-            });
-            (first, start) = (part + 1, start + size);
-        }
-        tasks
+            let items = items.split_off_mut(..size).expect("the sizes add up");
+            let task = Task { parts: first..end, items, start };
+            (first, start) = (end, start + size);
+            Some(task)
+        })
     }
 }
 
 /// Memory for the sorting of one part after the other.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Scratch {
     collected: Vec<Item>,
     spare: Vec<Item>,
     counts: Vec<u32>,
+    equal: Vec<Range<usize>>,
 }
 
 impl Scratch {
@@ -312,19 +328,18 @@ fn radix_sort(items: &mut Vec<Item>, spare: &mut Vec<Item>) -> Result<()> {
     Ok(())
 }
 
-/// The ranges of sorted items that share a key; the first item stands at `start`.
-fn equal_keys(items: &[Item], start: usize) -> Result<Vec<Range<usize>>> {
-    let mut equal: Vec<Range<usize>> = Vec::new();
+/// Appends the ranges of sorted items that share a key; the first item stands at `start`.
+fn equal_keys(items: &[Item], start: usize, equal: &mut Vec<Range<usize>>) -> Result<()> {
     for (index, pair) in items.windows(2).enumerate() {
         if key_of(pair[0]) == key_of(pair[1]) {
             let at = start + index;
             match equal.last_mut() {
                 Some(last) if last.end == at + 1 => last.end += 1,
-                _ => memory::push(&mut equal, at..at + 2)?,
+                _ => memory::push(equal, at..at + 2)?,
             }
         }
     }
-    Ok(equal)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -360,7 +375,8 @@ mod tests {
         expected.sort_unstable();
         let mut items = vec![0; expected.len()];
         let (mut sorter, mut parts) = (Sorter::default(), Parts::default());
-        let equal = sorter.sort(
+        let mut equal = Vec::new();
+        let sorted = sorter.sort(
             Some(threads),
             &mut items,
             &mut parts,
@@ -369,8 +385,9 @@ mod tests {
                     *to = item(row as u32);
                 }
             },
+            &mut equal,
         );
-        let equal = equal.unwrap();
+        sorted.unwrap();
         assert_eq!(items, expected);
         let mut together = vec![false; items.len()];
         equal.iter().for_each(|range| together[range.start + 1..range.end].fill(true));

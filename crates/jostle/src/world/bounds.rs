@@ -3,7 +3,8 @@
 //! A particle that leaves its circle gets a larger one, or, if it travels around a torus, a chain of
 //! circles along its trajectory.
 
-use core::f64::consts::TAU;
+use std::cmp;
+use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::feel::aside;
@@ -11,11 +12,12 @@ use super::{OnTouch, World};
 use crate::container::Container;
 use crate::error::Result;
 use crate::events::{Bounds, Outside};
+use crate::geometry::{Cover, Shape};
+use crate::interrupt::Pulse;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
-use crate::query;
-use crate::shapes::{Each, Shapes};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Shapes};
 use crate::trajectory::{Vector, dot};
 
 /// Displacement that bounds allow for, in mean displacements, because collisions make slow particles
@@ -174,8 +176,9 @@ struct Circle {
 #[derive(Debug, Default)]
 pub(super) struct Grown {
     circles: Vec<Circle>,
-    /// The index of each row of the tree; filled when it is first needed.
-    indices: Vec<u32>,
+    shapes: Shapes<f32>,
+    tree: Quadtree<f32>,
+    stack: Vec<u32>,
 }
 
 /// The bounds of a step, and the tree of those that it began with.
@@ -196,7 +199,6 @@ impl<'a> StepBounds<'a> {
         container: Container,
     ) -> Self {
         grown.circles.clear();
-        grown.indices.clear();
         Self { tree, particles, reaches, grown, container }
     }
 
@@ -238,10 +240,14 @@ impl<'a> StepBounds<'a> {
     }
 
     /// The copies of the torus that have a point within some distance of it.
-    fn tiles(&self, distance: f32) -> Vec<[i32; 2]> {
-        let Container::Torus { size } = self.container else { return vec![[0; 2]] };
-        let [columns, rows] = size.map(|side| (distance / side).ceil().clamp(1.0, 8.0) as i32);
-        (-columns..=columns).flat_map(|i| (-rows..=rows).map(move |j| [i, j])).collect()
+    fn tiles(&self, distance: f32) -> impl Iterator<Item = [i32; 2]> + use<> {
+        let [columns, rows] = match self.container {
+            Container::Torus { size } => {
+                size.map(|side| (distance / side).ceil().clamp(1.0, 8.0) as i32)
+            }
+            _ => [0; 2],
+        };
+        (-columns..=columns).flat_map(move |i| (-rows..=rows).map(move |j| [i, j]))
     }
 }
 
@@ -255,50 +261,73 @@ impl Bounds for StepBounds<'_> {
         outside: &[Outside],
         gravity: Vector,
         end: f64,
-    ) -> Result<Vec<(u32, u32, Vector)>> {
-        if self.grown.indices.is_empty() {
-            self.grown.indices.resize(self.tree.len(), 0);
-            for (index, &row) in self.tree.rows().iter().enumerate() {
-                self.grown.indices[row as usize] = index as u32;
-            }
-        }
+        pairs: &mut Vec<(u32, u32, Vector)>,
+    ) -> Result<()> {
         let known = self.grown.circles.len();
         outside.iter().for_each(|outside| self.cover(outside, gravity, end));
-        let circles = &self.grown.circles;
-        // A circle for each image: the images of the others at +offset are around the particle at
-        // −offset.
-        let (mut of, mut centers, mut radii) = (Vec::new(), Vec::new(), Vec::new());
+        // The step's tree has the old bounds of particles whose bounds have grown.
+        let Grown { circles, shapes, tree, .. } = &mut *self.grown;
+        shapes.centers.clear();
+        shapes.centers.extend(circles.iter().map(|circle| circle.center));
+        let radii = shapes.radii.rows_mut();
+        radii.clear();
+        radii.extend(circles.iter().map(|circle| circle.radius));
+        tree.rebuild(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
+        let mut stack = std::mem::take(&mut self.grown.stack);
+        let mut pulse = Pulse::current();
+        let Grown { circles, tree, .. } = &*self.grown;
         for circle in &circles[known..] {
-            for tile in self.tiles(2.0 * circle.radius) {
-                let offset = self.container.offset(tile).map(|v| v as f32);
-                of.push((circle, tile));
-                centers.push([0, 1].map(|k| circle.center[k] - offset[k]));
-                radii.push(circle.radius);
+            pulse.check(circles.len().min(256))?;
+            // The images of the others at +offset are around the particle at −offset.
+            for image in self.tiles(2.0 * circle.radius) {
+                let offset = self.container.offset(image).map(|v| v as f32);
+                let center = [0, 1].map(|k| circle.center[k] - offset[k]);
+                let mut add = |other: u32, tile: [i32; 2]| {
+                    if other != circle.index {
+                        let tile = [0, 1].map(|k| circle.tile[k] + image[k] - tile[k]);
+                        pairs.push((circle.index, other, self.container.offset(tile)));
+                    }
+                };
+                let of = Cover::of(&Shape {
+                    min: center,
+                    max: center,
+                    half_size: [0.0; 2],
+                    radius: circle.radius,
+                    category: DEFAULT_CATEGORY,
+                    mask: DEFAULT_MASK,
+                });
+                each_overlap(self.tree, &of, &mut stack, |place| add(place as u32, [0; 2]));
+                each_overlap(tree, &of, &mut stack, |place| {
+                    let other = &circles[tree.rows()[place] as usize];
+                    add(other.index, other.tile);
+                });
             }
         }
-        let searched = query::Circle::all(&Each::Rows(centers), &Each::Rows(radii))?;
-        let found = query::search(self.tree, &searched, None)?;
-        // That tree has the old bounds of particles whose bounds have grown.
-        let shapes = Shapes {
-            centers: circles.iter().map(|circle| circle.center).collect(),
-            radii: Each::Rows(circles.iter().map(|circle| circle.radius).collect()),
-            ..Shapes::default()
-        };
-        let grown = Quadtree::new(&shapes, self.tree.settings())?;
-        let found_grown = query::search(&grown, &searched, None)?;
-        let mut pairs = Vec::new();
-        for (number, &(circle, tile)) in of.iter().enumerate() {
-            let old =
-                found.of(number).iter().map(|&row| (self.grown.indices[row as usize], [0; 2]));
-            let new = found_grown.of(number).iter().map(|&row| {
-                let other = &circles[row as usize];
-                (other.index, other.tile)
-            });
-            for (other, other_tile) in old.chain(new).filter(|&(other, _)| other != circle.index) {
-                let tile = [0, 1].map(|k| circle.tile[k] + tile[k] - other_tile[k]);
-                pairs.push((circle.index, other, self.container.offset(tile)));
-            }
+        self.grown.stack = stack;
+        Ok(())
+    }
+}
+
+/// Calls `act` with the place of each circle of a tree that overlaps another one.
+fn each_overlap(
+    tree: &Quadtree<f32>,
+    circle: &Cover<f32>,
+    stack: &mut Vec<u32>,
+    mut act: impl FnMut(usize),
+) {
+    stack.clear();
+    stack.extend((!tree.is_empty()).then_some(0));
+    while let Some(index) = stack.pop() {
+        if !tree.covers()[index as usize].meets(circle, [0.0; 2], 0.0) {
+            continue;
         }
-        Ok(pairs)
+        let node = &tree.nodes()[index as usize];
+        stack.extend(node.children().map(|child| child as u32));
+        if node.is_leaf() {
+            let meets = |place: &usize| {
+                Cover::of(&tree.columns().shape(*place)).meets(circle, [0.0; 2], 0.0)
+            };
+            node.range().filter(meets).for_each(&mut act);
+        }
     }
 }

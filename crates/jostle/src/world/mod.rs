@@ -27,7 +27,6 @@ use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{self, Force};
 use crate::motion::Motions;
-use crate::pairs::SortScratch;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::resting::Resting;
@@ -151,12 +150,14 @@ struct Memory {
     events: Events,
     /// Pairs that touched in earlier parts of the step.
     touched_before: Vec<[u32; 2]>,
+    /// The new place of each particle, while these are renamed.
+    indices: Vec<u32>,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
     resting: Resting,
     correction: Correction,
-    sorting: SortScratch,
+    listing: search::ListMemory,
     /// The candidate pairs.
     pairs: search::Lists,
     /// Those that overlap at the beginning of a step in which nothing can rest.

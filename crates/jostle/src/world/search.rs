@@ -1,10 +1,11 @@
 //! Pairs of particles, by whichever method the world uses.
 
 use std::cmp::Ordering;
+use std::iter;
 
 use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
 use crate::error::{Error, Result};
-use crate::pairs::{self, SortScratch};
+use crate::pairs::{self, JoinMemory, SortScratch};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
@@ -14,47 +15,55 @@ use crate::shapes::{Each, Shapes};
 /// across each seam of a torus. A pair overlaps if the second is moved by the offset.
 pub(super) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
 
-/// Lists the pairs of shapes that overlap, sorted if there is memory to sort them in; returns how
-/// many were tested.
+/// Scratch of [`list`].
+#[derive(Debug, Default)]
+pub(super) struct ListMemory {
+    join: JoinMemory,
+    sorting: SortScratch,
+}
+
+/// Lists the pairs of shapes that overlap, sorted if that is wanted, in the memory of earlier lists;
+/// returns how many were tested.
 pub(super) fn list(
     tree: &Quadtree<f32>,
     settings: &WorldSettings,
-    mut sorting: Option<&mut SortScratch>,
+    is_sorted: bool,
+    memory: &mut ListMemory,
     lists: &mut Lists,
 ) -> Result<u64> {
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
-    let brute = settings.method == Method::Brute;
-    lists.clear();
-    let mut tests = 0;
-    let mut keep = |image, mut found: pairs::Found| {
-        tests += found.tests;
-        if let Some(sorting) = &mut sorting {
+    let is_brute = settings.method == Method::Brute;
+    let ListMemory { join, sorting } = memory;
+    let images = iter::once([0.0; 2]).chain(settings.container.images());
+    let (mut count, mut tests) = (0, 0);
+    for image in images {
+        if lists.len() == count {
+            lists.push(Default::default());
+        }
+        let (image_of_list, list) = &mut lists[count];
+        let is_within = count == 0;
+        join.pairs = std::mem::take(list);
+        let found = match (is_within, is_brute) {
+            (true, true) => pairs::brute(tree.columns(), threads, max),
+            (true, false) => pairs::places_within(tree, max, join),
+            (false, true) => pairs::brute_between(tree.columns(), tree.columns(), image, max),
+            (false, false) => pairs::places_between(tree, tree, image, max, join),
+        };
+        let mut found = found.map_err(|error| match error {
+            Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
+            other => other,
+        })?;
+        if !is_within {
+            found.pairs.retain(|pair| pair[0] != pair[1]);
+        }
+        if is_sorted {
             pairs::sort_places(&mut found.pairs, tree.len(), sorting)?;
         }
-        lists.push((image, found.pairs));
-        Ok(())
-    };
-    let refused = |error| match error {
-        Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
-        other => other,
-    };
-    let within = if brute {
-        pairs::brute(tree.columns(), threads, max)
-    } else {
-        pairs::places_within(tree, max)
-    };
-    keep([0.0; 2], within.map_err(refused)?)?;
-    for image in settings.container.images() {
-        let across = if brute {
-            pairs::brute_between(tree.columns(), tree.columns(), image, max)
-        } else {
-            pairs::places_between(tree, tree, image, max)
-        };
-        let mut across = across.map_err(refused)?;
-        across.pairs.retain(|pair| pair[0] != pair[1]);
-        keep(image, across)?;
+        (*image_of_list, *list) = (image, found.pairs);
+        (count, tests) = (count + 1, tests + found.tests);
     }
+    lists.truncate(count);
     Ok(tests)
 }
 
@@ -83,7 +92,7 @@ impl World {
         let mut tree = Quadtree::default();
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let mut lists = Vec::new();
-        let tests = list(&tree, settings, Some(&mut SortScratch::default()), &mut lists)?;
+        let tests = list(&tree, settings, true, &mut ListMemory::default(), &mut lists)?;
         let mut found = Vec::new();
         for (image, pairs) in lists {
             for pair in pairs {

@@ -168,7 +168,9 @@ impl World {
         let particles = &self.particles;
         let memory = &mut self.memory;
         let tie = |a: usize, b: usize| compare_particles(particles, a, b);
-        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
+        let built = memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
+        memory.tree.check_if_small();
+        built
     }
 
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old
@@ -186,7 +188,8 @@ impl World {
         gather(wall_pushes, &mut self.wall_pushes, order, threads);
         memory.touched_before.clear();
         if memory.before.arranged {
-            let mut indices = vec![0; order.len()];
+            let indices = &mut memory.indices;
+            indices.resize(order.len(), 0);
             (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
             let touched = self.contacts.touching().map(|contact| contact.places);
             let moved = touched.map(|pair| pair.map(|place| indices[place as usize]));
@@ -212,15 +215,15 @@ impl World {
     /// The pairs of places whose bounds overlap; none if particles pass through each other.
     fn candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
-        let sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;
-        let Memory { tree, sorting, pairs, .. } = &mut self.memory;
+        let is_sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;
+        let Memory { tree, listing, pairs, .. } = &mut self.memory;
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {
                 pairs.clear();
                 0
             }
             OnTouch::Bounce | OnTouch::Merge => {
-                search::list(tree, &self.settings, sorted.then_some(sorting), pairs)?
+                search::list(tree, &self.settings, is_sorted, listing, pairs)?
             }
         };
         let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());

@@ -72,12 +72,12 @@ impl World {
             let reach = reach * (1.0 - OVERLAP);
             x * x + y * y < reach * reach
         };
-        overlaps.clear();
-        for (image, pairs) in pairs.iter() {
-            let found = pairs.iter().copied().filter(|&pair| overlap(pair, *image));
-            let mut found: Vec<[u32; 2]> = found.collect();
-            found.sort_unstable();
-            overlaps.push((*image, found));
+        overlaps.resize_with(pairs.len(), Default::default);
+        for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
+            *image_of_list = *image;
+            list.clear();
+            list.extend(pairs.iter().filter(|&&pair| overlap(pair, *image)));
+            list.sort_unstable();
         }
         self.contacts.collect(overlaps, particles, moving, restitution, tree.rows(), threads);
     }
