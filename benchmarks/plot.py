@@ -34,6 +34,7 @@ COLOURS = {
     "fastquadtree": "#b58900",
     "pyqtree": "#8d6cab",
     "pymunk": "#00798c",
+    "pyb2d3": "#d98a2b",
     "the article": "#6b4f3a",
     "NumPy": "#a0a0a8",
 }
@@ -229,6 +230,14 @@ def draw_step(rows: list[Row], path: Path) -> None:
         "pymunk, batch, one sub-step": (
             lambda row: row["name"].startswith("pymunk, one") and row["manner"] == "batch",
             {"color": "#7fbcc6", "marker": "o"},
+        ),
+        "pyb2d3 (Box2D v3)": (
+            lambda row: row["name"] == "pyb2d3",
+            {"color": COLOURS["pyb2d3"], "marker": "o"},
+        ),
+        "pyb2d3, four sub-steps": (
+            lambda row: row["name"] == "pyb2d3, four sub-steps",
+            {"color": "#ecc48f", "marker": "o"},
         ),
         "the article's tree": (
             lambda row: row["name"] == "the article's tree",

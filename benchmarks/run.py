@@ -60,7 +60,7 @@ def run_pairs(options: Options) -> Rows:
 
 
 def run_step(options: Options) -> Rows:
-    """One frame of a simulation, beside pymunk and the article."""
+    """One frame of a simulation, beside pymunk, Box2D and the article."""
     counts = [count for count in STEP_COUNTS if count <= options.largest]
     for scene in steps.SCENES:
         yield from steps.race(scene, counts, options.rounds, options.patience, told=told)
