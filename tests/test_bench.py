@@ -290,6 +290,46 @@ def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
     assert written.startswith("before\n") and written.endswith("after\n")
 
 
+def run_benchmarks(*arguments: str | Path, code: str = "") -> None:
+    program = ["-c", code] if code else ["run.py"]
+    command = [sys.executable, *program, *arguments]
+    done = subprocess.run(command, cwd=BENCHMARKS, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    options = ["--largest", "60", "--rounds", "3", "--out", tmp_path]
+    run_benchmarks("stage-times", *options)
+    results = tmp_path / f"stage-times-{slug()}.csv"
+    with results.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    scenes = {row["scene"] for row in rows}
+    assert scenes == {"elastic gas", "falling gas", "settling balls", "pile"}
+    for scene in scenes:
+        own = {row["stage"]: float(row["median_s"]) for row in rows if row["scene"] == scene}
+        assert {"bounds", "build", "pairs", "contacts", "events", "store"} <= set(own)
+        assert 0 < sum(own.values()) < 0.1
+
+    picture = tmp_path / "bench-stage-times.png"
+    run_benchmarks("plot", *options)
+    drawn = picture.read_bytes()
+    (tmp_path / f"before-{results.name}").write_text(results.read_text())
+    run_benchmarks("plot", *options)
+    assert picture.read_bytes() != drawn  # the bars of the earlier version
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_stages_have_the_colours_of_the_app() -> None:
+    pytest.importorskip("imgui_bundle")
+    run_benchmarks(
+        code="import plot; from jostle.app.panels.ink import STAGES\n"
+        "for stage, colour in plot.STAGES.items():\n"
+        "    assert bytes.fromhex(colour[1:]) == bytes(STAGES[stage]), stage"
+    )
+
+
 # ---- the command ---------------------------------------------------------------------------------
 
 
