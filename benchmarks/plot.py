@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import csv
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,10 +34,26 @@ COLOURS = {
     "fastquadtree": "#b58900",
     "pyqtree": "#8d6cab",
     "pymunk": "#00798c",
+    "pyb2d3": "#d98a2b",
     "the article": "#6b4f3a",
     "NumPy": "#a0a0a8",
 }
 BRUTE = "#a0a0a8"
+
+# The stages of a step in the order of work, in the colours of the app's panels.
+STAGES = {
+    "forces": "#8379d2",
+    "bounds": "#4f6d9e",
+    "build": "#5590a8",
+    "pairs": "#6fb0a2",
+    "contacts": "#a7c58c",
+    "resting": "#c6cd82",
+    "events": "#e2c67c",
+    "correction": "#daac6e",
+    "store": "#969eac",
+}
+BEFORE = "before-"
+"""Prefix of the results file of an earlier version, to be drawn beside the present one."""
 
 
 def read(folder: Path, part: str, machine: str) -> list[Row]:
@@ -230,6 +246,14 @@ def draw_step(rows: list[Row], path: Path) -> None:
             lambda row: row["name"].startswith("pymunk, one") and row["manner"] == "batch",
             {"color": "#7fbcc6", "marker": "o"},
         ),
+        "pyb2d3 (Box2D v3)": (
+            lambda row: row["name"] == "pyb2d3",
+            {"color": COLOURS["pyb2d3"], "marker": "o"},
+        ),
+        "pyb2d3, four sub-steps": (
+            lambda row: row["name"] == "pyb2d3, four sub-steps",
+            {"color": "#ecc48f", "marker": "o"},
+        ),
         "the article's tree": (
             lambda row: row["name"] == "the article's tree",
             {"color": COLOURS["the article"], "marker": "o"},
@@ -339,12 +363,120 @@ def draw_small(rows: list[Row], path: Path) -> None:
     save(drawing, path, rows, "Small scenes: find_pairs chooses by itself")
 
 
+Bars = dict[tuple[str, int], dict[str, float]]
+
+
+def stage_bars(rows: list[Row]) -> Bars:
+    """Return the nanoseconds a disc of each stage, for each scene and number of discs."""
+    bars: Bars = {}
+    for row in rows:
+        count = int(row["count"])
+        own = bars.setdefault((row["scene"], count), {})
+        own[row["stage"]] = 1e9 * float(row["median_s"]) / count
+    return bars
+
+
+def stack(
+    axes, places: Sequence[float], bars: list[dict[str, float]], height: float, pale: float = 0.0
+) -> None:
+    """Draw stacked horizontal bars, the stages in the order of work; `pale` is a share of white."""
+    from matplotlib.colors import to_rgb
+
+    left = np.zeros(len(bars))
+    for stage, colour in STAGES.items():
+        lengths = np.array([bar.get(stage, 0.0) for bar in bars])
+        if lengths.any():
+            mixed = pale + (1 - pale) * np.array(to_rgb(colour))
+            label = None if pale else stage
+            look = {"color": mixed, "edgecolor": "white", "linewidth": 0.6, "label": label}
+            axes.barh(places, lengths, height, left, **look)
+        left += lengths
+
+
+def name_bars(axes, bars: Bars) -> None:
+    """Name the scene of each bar, the first one at the top."""
+    labels = [f"{scene}\n{count:,} discs" for scene, count in bars]
+    axes.set_yticks(range(len(bars)), labels)
+    axes.set_ylim(len(bars) - 0.45, -0.55)
+    axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0, labelcolor=INK)
+    axes.spines["left"].set_visible(False)
+
+
+def draw_stage_times(rows: list[Row], path: Path, earlier: list[Row] | None = None) -> None:
+    """Stacked bars: the time of each stage, and its share of the step."""
+    drawing, panels = figure(1, 7.5, 6.2, rows=2)
+    times, shares = panels[:, 0]
+    bars = stage_bars(rows)
+    draw_times(times, bars, stage_bars(earlier or []))
+    draw_shares(shares, bars)
+    for axes in (times, shares):
+        name_bars(axes, bars)
+    look = {"handlelength": 0.9, "handleheight": 0.9, "handletextpad": 0.4, "columnspacing": 1.0}
+    corner = {"loc": "lower right", "bbox_to_anchor": (1.012, 1.08), "borderpad": 0}
+    handles, names = shares.get_legend_handles_labels()
+    times.legend(handles, names, ncols=len(names), **corner, **look)
+    save(drawing, path, rows, "Where the time of a step goes, one thread")
+
+
+def draw_times(axes, bars: Bars, before: Bars) -> None:
+    """Draw nanoseconds a disc; those of an earlier version are thinner, pale and below."""
+    old = {place: before[key] for place, key in enumerate(bars) if key in before}
+    now = [place - 0.14 * bool(old) for place in range(len(bars))]
+    then = [place + 0.25 for place in old]
+    stack(axes, now, list(bars.values()), 0.4 if old else 0.6)
+    stack(axes, then, list(old.values()), 0.2, pale=0.55)
+    for place, bar in zip(now, bars.values(), strict=True):
+        end_of_bar(axes, place, bar, "{:,.0f}", color=INK, fontweight="bold")
+    for place, bar in zip(then, old.values(), strict=True):
+        end_of_bar(axes, place, bar, "before: {:,.0f}", color=FAINT, fontsize=8)
+    axes.set_xlim(0, 1.16 * max(sum(bar.values()) for bar in [*bars.values(), *old.values()]))
+    axes.xaxis.set_major_formatter("{x:,.0f}")
+    axes.set_title("nanoseconds a disc")
+
+
+def draw_shares(axes, bars: Bars) -> None:
+    """Draw the percentages of the stages, written into the parts that have the space."""
+    parts = [
+        {stage: 100 * time / sum(bar.values()) for stage, time in bar.items()}
+        for bar in bars.values()
+    ]
+    stack(axes, range(len(parts)), parts, 0.6)
+    for place, part in enumerate(parts):
+        left = 0.0
+        for stage in STAGES:
+            share = part.get(stage, 0.0)
+            colour = "white" if stage in ("forces", "bounds", "build") else INK
+            if share >= 3.5:
+                look = {"ha": "center", "va": "center_baseline", "color": colour, "fontsize": 8.5}
+                axes.text(left + share / 2, place, f"{share:.0f}", **look)
+            left += share
+    axes.set_xlim(0, 100)
+    axes.set_xticks([])
+    axes.spines["bottom"].set_visible(False)
+    axes.set_title("share of the step, %")
+
+
+def end_of_bar(axes, place: float, bar: dict[str, float], words: str, **look) -> None:
+    """Write the total of a bar at its end."""
+    total = sum(bar.values())
+    axes.annotate(
+        words.format(total),
+        (total, place),
+        xytext=(5, 0),
+        textcoords="offset points",
+        va="center",
+        **look,
+    )
+
+
 DRAWINGS: dict[str, Callable[[list[Row], Path], None]] = {
     "pairs": draw_pairs,
     "step": draw_step,
     "held": draw_held,
     "growth": draw_growth,
     "small": draw_small,
+    "stage-times": draw_stage_times,
 }
 
 
@@ -352,7 +484,9 @@ def draw_all(results: Path, pictures: Path, machine: str = "") -> None:
     """Draw every picture that there are results for."""
     for part, draw in DRAWINGS.items():
         if rows := read(results, part, machine or slug()):
-            draw(rows, pictures / f"bench-{part}.png")
+            earlier = read(results, BEFORE + part, machine or slug())
+            more = {"earlier": earlier} if earlier else {}
+            draw(rows, pictures / f"bench-{part}.png", **more)
 
 
 def main() -> None:

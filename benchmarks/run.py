@@ -24,6 +24,7 @@ import share
 import small
 import space
 import sprites
+import stage_times
 import tables
 
 from jostle.bench import held, pairs, steps
@@ -60,7 +61,7 @@ def run_pairs(options: Options) -> Rows:
 
 
 def run_step(options: Options) -> Rows:
-    """One frame of a simulation, beside pymunk and the article."""
+    """One frame of a simulation, beside pymunk, Box2D and the article."""
     counts = [count for count in STEP_COUNTS if count <= options.largest]
     for scene in steps.SCENES:
         yield from steps.race(scene, counts, options.rounds, options.patience, told=told)
@@ -79,6 +80,7 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "small": lambda options: small.race(options.rounds, options.largest),
     "growth": lambda options: growth.race(options.rounds, 10 * options.largest, told),
     "share": lambda options: share.race(options.rounds, options.largest),
+    "stage-times": lambda options: stage_times.race(options.rounds, options.largest, told),
     "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),
     "queries": lambda options: queries.race(options.rounds, options.largest),
     "space": lambda options: space.race(options.rounds, options.largest),

@@ -77,9 +77,12 @@ def sameness(rows: list[Row]) -> str:
         if row["count"] == "10000" and row["rms_speed"]
     }
     return table(
-        ["", "scene", "speed, px/s", "pairs that touch", "index"],
+        ["", "version", "scene", "speed, px/s", "pairs that touch", "setting"],
         (
-            [name, scene, row["rms_speed"], f"{int(row['contacts']):,}", row["setting"]]
+            [
+                *(name, row["version"], scene),
+                *(row["rms_speed"], f"{int(row['contacts']):,}", row["setting"]),
+            ]
             for (scene, name), row in seen.items()
         ),
     )

@@ -22,7 +22,7 @@ PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
 PATIENCE = {"pairs": 0.3, "step": 0.1}
 """Seconds that one answer, or one frame, may take; slower libraries are omitted."""
 
-OTHERS = ("scipy", "shapely", "matscipy", "vesin", "fastquadtree", "pyqtree", "pymunk")
+OTHERS = ("scipy", "shapely", "matscipy", "vesin", "fastquadtree", "pyqtree", "pymunk", "pyb2d3")
 KEPT = (
     *("scene", "count", "name", "version", "threads", "manner", "setting"),
     *("rounds", "median_s", "low_s", "high_s", "note"),

@@ -20,6 +20,7 @@ __all__ = [
     "Beginning",
     "Running",
     "article",
+    "box2d_world",
     "gas",
     "jostle_world",
     "pile",
@@ -203,6 +204,55 @@ def pymunk_space(
             ffi.gc(handle, None)
 
     return Running({"body by body": frame_by_body, "batch": frame_by_batch}, state, close)
+
+
+def box2d_world(
+    start: Beginning, threads: int, pixels: float = 10.0, substeps: int | None = None
+) -> Running:
+    """Build the world of pyb2d3, which is Box2D v3: no rotation, no friction, no sleeping.
+
+    The margins and tolerances of Box2D are lengths in metres. `pixels` is the number of pixels in
+    a metre; a frame converts the positions that it reads. Continuous collision, which is only for
+    walls here, is switched off: the walls are thick.
+    """
+    import pyb2d3
+
+    # Without a pool it steps on the calling thread.
+    pool = pyb2d3.ThreadPool(threads) if threads > 1 else None
+    # Slower collisions are inelastic; the default is 1 m/s.
+    rules = {"restitution_threshold": 0.0} if start.restitution == 1 else {}
+    gravity = (start.gravity[0] / pixels, start.gravity[1] / pixels)
+    world = pyb2d3.World(thread_pool=pool, gravity=gravity, **rules)
+    world.sleeping_enabled = world.continuous_enabled = False
+    # It takes the larger restitution of the two that touch.
+    material = pyb2d3.surface_material(friction=0.0, restitution=start.restitution)
+    shape = pyb2d3.shape_def(material=material)
+    ground = world.create_static_body()
+    for ends in walls(start.box):
+        capsule = [tuple(part / pixels for part in end) for end in ends]
+        ground.create_capsule_shape(shape, pyb2d3.capsule(*capsule, 100.0 / pixels))
+    body_def = pyb2d3.dynamic_body_def(fixed_rotation=True)
+    bodies = pyb2d3.Bodies()
+    columns = (start.positions, start.velocities, start.radii)
+    scaled = ((column / pixels).tolist() for column in columns)
+    for place, velocity, radius, mass in zip(*scaled, start.masses.tolist(), strict=True):
+        body_def.position, body_def.linear_velocity = tuple(place), tuple(velocity)
+        body = world.create_body_from_def(body_def)
+        shape.density = mass / (math.pi * radius**2)
+        body.create_circle_shape(shape, pyb2d3.circle(radius=radius))
+        bodies.append(body)
+    pieces = substeps or start.substeps
+
+    def frame() -> Column:
+        world.step(FRAME, pieces)
+        positions: Column = bodies.get_positions()
+        positions *= pixels
+        return positions
+
+    def state() -> tuple[Column, Column]:
+        return bodies.get_positions() * pixels, bodies.get_linear_velocities() * pixels
+
+    return Running({"batch": frame}, state)
 
 
 def walls(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 import jostle
 from jostle.bench import step_rivals as ways
 from jostle.bench.machine import Row, version_of
-from jostle.bench.step_rivals import Beginning, Running
+from jostle.bench.step_rivals import Beginning, Column, Running
 from jostle.bench.timing import Call, clock, interleaved
 
 __all__ = ["SCENES", "race"]
@@ -22,18 +22,22 @@ CHECKED_FRAMES = 60
 """Frames after which speeds and contacts are compared: a second."""
 
 COMPARED_MOST = 20_000
-"""Simulations, and the indices of pymunk, are compared up to this size. Larger scenes take over the
-index that won there, and are only run in."""
+"""Simulations, and the settings of each, are compared up to this size. Larger scenes take over the
+setting that won there, and are only run in."""
 
 RUN_IN_FRAMES = 10
 
 NEAR = 1.02
 """Discs count as touching up to this many times the sum of their radii."""
 
+ENERGY_TOLERANCE = 0.05
+"""A simulation that gains or loses more than this share of the energy of a gas gets a note."""
+
 FALL = 0.12
 """This share of the patience may a frame take while a pile falls, for that takes hundreds."""
 
 Told = Callable[[str], None]
+Make = Callable[[Beginning], Running]
 
 
 @dataclass
@@ -43,9 +47,17 @@ class Entrant:
     name: str
     package: str
     threads: int
-    make: Callable[[Beginning], Running]
-    indices: tuple[Callable[[Beginning], Running], ...] = ()
+    make: Make
+    settings: dict[str, Make] = field(default_factory=dict)
+    """What it may choose from, by name; the first is `make`, and the fastest replaces it."""
+    substeps: int | None = None
+    """As many as the others take if None."""
     seconds_a_disc: float = 0.0
+
+    @property
+    def setting(self) -> str:
+        """The name of the setting that is taken."""
+        return next((name for name, make in self.settings.items() if make is self.make), "")
 
 
 def entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
@@ -54,16 +66,45 @@ def entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
         yield Entrant("jostle", "jostle", number, partial(ways.jostle_world, threads=number))
     brute = partial(ways.jostle_world, threads=1, method="brute")
     yield Entrant("jostle, brute force", "jostle", 1, brute)
-    if version_of("pymunk") is None:
-        return
+    if version_of("pymunk") is not None:
+        yield from pymunk_entrants(scene, threads)
+    if version_of("pyb2d3") is not None:
+        yield from box2d_entrants(scene, threads)
+
+
+def pymunk_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
+    """Yield pymunk, with the choice of its index."""
+
+    def entrant(name: str, number: int, substeps: int | None = None) -> Entrant:
+        tree = partial(ways.pymunk_space, threads=number, substeps=substeps)
+        settings: dict[str, Make] = {"tree": tree, "spatial hash": partial(tree, hashed=True)}
+        return Entrant(name, "pymunk", number, tree, settings, substeps)
+
     for number in sorted({min(number, 2) for number in threads}):
-        tree = partial(ways.pymunk_space, threads=number)
-        indices = (tree, partial(tree, hashed=True))
-        yield Entrant("pymunk", "pymunk", number, tree, indices)
+        yield entrant("pymunk", number)
     if scene == "pile":  # as its users do it: the frame in one piece
-        tree = partial(ways.pymunk_space, threads=1, substeps=1)
-        indices = (tree, partial(tree, hashed=True))
-        yield Entrant("pymunk, one sub-step", "pymunk", 1, tree, indices)
+        yield entrant("pymunk, one sub-step", 1, substeps=1)
+
+
+def box2d_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
+    """Yield Box2D, with the choice of its unit of length for a gas.
+
+    In a pile, 1 px a metre lets discs sink into each other: Box2D limits the speed of separation
+    to 3 m/s.
+    """
+
+    def entrant(name: str, number: int, substeps: int | None = None) -> Entrant:
+        coarse = partial(ways.box2d_world, threads=number, substeps=substeps)
+        settings: dict[str, Make] = {"10 px a metre": coarse}
+        if scene == "gas":
+            settings["1 px a metre"] = partial(coarse, pixels=1.0)
+        return Entrant(name, "pyb2d3", number, coarse, settings, substeps)
+
+    for number in threads:
+        yield entrant("pyb2d3", number)
+    if scene == "gas":  # as its documents advise; a pile has four anyway
+        for number in threads:
+            yield entrant("pyb2d3, four sub-steps", number, substeps=4)
 
 
 def race(
@@ -109,7 +150,7 @@ def race(
                 rows.append({**row, "note": "not tried at this size"})
                 continue
             told(f"{scene}, {count:,}: {entrant.name}, compared")
-            running = best_index(entrant, start).make(start)
+            running = at_its_best(entrant, start).make(start)
             everything.append(running)
             for frame in running.frames.values():
                 frame()  # the first finds all contacts anew
@@ -120,7 +161,7 @@ def race(
                 continue
             row |= after_a_second(running, start)
             for manner, frame in running.frames.items():
-                rows.append({**row, "manner": manner, "setting": setting(entrant)})
+                rows.append({**row, "manner": manner, "setting": entrant.setting})
                 timed.append((rows[-1], frame, entrant))
         if scene == "gas":
             for method in ("quadtree", "brute"):
@@ -146,7 +187,7 @@ def begin(scene: str, start: Beginning, entrant: Entrant) -> Row:
     return {
         "scene": scene,
         "count": len(start),
-        "substeps": start.substeps,
+        "substeps": entrant.substeps or start.substeps,
         "name": entrant.name,
         "version": version_of(entrant.package),
         "threads": entrant.threads,
@@ -173,9 +214,10 @@ def article_row(scene: str, count: int, method: str) -> tuple[Row, Call | None]:
 
 
 def after_a_second(running: Running, start: Beginning) -> Row:
-    """Run for a second; return how fast the discs then are, and how many pairs touch.
+    """Run for a second; return how fast the discs then are, which pairs touch, and what is wrong.
 
-    Large scenes are only run in: nothing is returned.
+    Positions of the same disc are not compared: the motion is chaotic. Large scenes are only run
+    in: nothing is returned.
     """
     frame = next(reversed(running.frames.values()))
     compared = len(start) <= COMPARED_MOST
@@ -186,26 +228,40 @@ def after_a_second(running: Running, start: Beginning) -> Row:
     positions, velocities = running.state()
     near = np.asarray(start.radii, np.float64) * NEAR
     contacts = len(jostle.find_pairs(positions.astype(np.float64), near))
-    return {"rms_speed": f"{ways.speed(velocities):.2f}", "contacts": contacts}
+    note = "; ".join(faults(start, positions, velocities))
+    return {"rms_speed": f"{ways.speed(velocities):.2f}", "contacts": contacts, "note": note}
 
 
-def best_index(entrant: Entrant, start: Beginning) -> Entrant:
-    """Let a simulation that has a choice of indices take the quicker one for these discs."""
-    if entrant.indices and len(start) <= COMPARED_MOST:
-        tried = [make(start) for make in entrant.indices]
+def faults(start: Beginning, positions: Column, velocities: Column) -> Iterator[str]:
+    """Yield a note for discs outside the box, and one for energy that a gas gained or lost.
+
+    Only centres are compared with the box: some engines let a disc overlap a wall.
+    """
+    low, high = start.box[:2], start.box[2:]
+    inside = np.all((positions >= low) & (positions <= high), axis=1)
+    if not inside.all():
+        yield f"{np.count_nonzero(~inside)} discs are outside the box"
+    if start.restitution == 1 and start.gravity == (0, 0):
+        share = energy(start, velocities) / energy(start, start.velocities)
+        if not abs(share - 1) <= ENERGY_TOLERANCE:
+            yield f"{100 * share:.0f} % of the energy is left"
+
+
+def energy(start: Beginning, velocities: Column) -> float:
+    """Return the kinetic energy."""
+    return float(0.5 * start.masses @ np.einsum("ij,ij->i", velocities, velocities))
+
+
+def at_its_best(entrant: Entrant, start: Beginning) -> Entrant:
+    """Let a simulation that has a choice of settings take the fastest one for these discs."""
+    if len(entrant.settings) > 1 and len(start) <= COMPARED_MOST:
+        tried = [make(start) for make in entrant.settings.values()]
         frames = [next(reversed(running.frames.values())) for running in tried]
         for _ in range(CHECKED_FRAMES // 4):
             for frame in frames:
                 frame()
         medians = [timing.median for timing in interleaved(frames, 5)]
-        entrant.make = entrant.indices[medians.index(min(medians))]
+        entrant.make = list(entrant.settings.values())[medians.index(min(medians))]
         for running in tried:
             running.close()
     return entrant
-
-
-def setting(entrant: Entrant) -> str:
-    """Name the index that was taken."""
-    if not entrant.indices:
-        return ""
-    return "tree" if entrant.make is entrant.indices[0] else "spatial hash"
