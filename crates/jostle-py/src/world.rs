@@ -81,7 +81,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
 ///     default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
-///     with gravity and a restitution below 1; otherwise 1.
+///     with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
+///     divided into parts, which share the sub-steps; each part has at least one.
 ///
 /// Raises
 /// ------

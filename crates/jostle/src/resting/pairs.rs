@@ -214,8 +214,3 @@ impl Work<f32> for Sweep<'_> {
 fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
 }
-
-#[inline(always)]
-pub(super) fn pushed(velocity: [f32; 2], direction: [f32; 2], speed: f32) -> [f32; 2] {
-    [0, 1].map(|k| velocity[k] + direction[k] * speed)
-}

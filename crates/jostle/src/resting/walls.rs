@@ -1,6 +1,5 @@
 //! Resting contacts of a particle with walls.
 
-use super::pairs::pushed;
 use super::{Start, Support, Surfaces};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
@@ -101,4 +100,9 @@ impl Walls {
         wall_pushes[self.place as usize] =
             self.contacts.map(|contact| contact.map_or(0.0, |contact| contact.push));
     }
+}
+
+#[inline(always)]
+fn pushed(velocity: [f32; 2], direction: [f32; 2], speed: f32) -> [f32; 2] {
+    [0, 1].map(|k| velocity[k] + direction[k] * speed)
 }
