@@ -16,6 +16,10 @@ RUST_NEEDED := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
+# The packages are installed without bytecode. If it may not be written, each process compiles
+# all modules that it imports again, for matplotlib about two seconds.
+unexport PYTHONDONTWRITEBYTECODE
+
 # With the folders, so that removed files count as a change.
 SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/Cargo.toml) \
   $(shell find crates/*/src python -name __pycache__ -prune -o -print 2>/dev/null)

@@ -599,8 +599,8 @@ fn the_order_of_adding_does_not_show() {
         let mut first = world(all, settings, all_forces(count as u32, |i| i));
         let mut second =
             world(shuffled, settings, all_forces(count as u32, |i| row_of[i as usize]));
-        run(&mut first, 0.01, 20);
-        run(&mut second, 0.01, 20);
+        run(&mut first, 0.01, 10);
+        run(&mut second, 0.01, 10);
         let (first, second) = (first.particles(), second.particles());
         let mut back = Particles::default();
         back.gather(&second, &row_of, Some(1));

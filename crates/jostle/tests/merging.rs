@@ -274,7 +274,7 @@ fn stars(all: Particles, threads: Option<usize>, method: Method) -> World {
 fn threads_and_methods_do_not_show() {
     let end = |count, threads, method| {
         let mut world = stars(crowd(count, 70.0), threads, method);
-        run(&mut world, 1.0 / 60.0, 10);
+        run(&mut world, 1.0 / 60.0, 5);
         (world.state_hash(), world.contacts().unwrap(), new_rows(&world))
     };
     let one = end(13_000, Some(1), Method::Quadtree);

@@ -58,7 +58,7 @@ fn springs_hold_discs_that_do_not_overlap_at_rest() {
 #[test]
 fn soft_bodies_come_to_rest_in_one_piece() {
     let mut world = create("springs", Some(400), 1);
-    run(&mut world, 60);
+    run(&mut world, 30);
     let positions = world.positions();
     let [Force::Springs(springs)] = world.forces() else { panic!("springs alone") };
     for spring in &springs.0 {
@@ -84,7 +84,7 @@ fn no_grain_leaks_and_the_sand_runs_through() {
             .collect();
         let half_width = glass.iter().map(|bead| bead[0]).fold(0.0, f32::max);
         assert!(half_width < right);
-        run(&mut world, 60);
+        run(&mut world, 30);
         let grains = moving(&world);
         assert_eq!(grains.len(), n);
         for &[x, y] in &grains {

@@ -91,9 +91,9 @@ fn every_scene_goes_on_to_the_bit() {
             let mut again = restored(&world);
             assert_same(&world, &again, scene.name);
             let mut on = restored(&world);
-            run(&mut on, 60);
-            run(&mut again, 60);
-            run(&mut world, 60);
+            run(&mut on, 30);
+            run(&mut again, 30);
+            run(&mut world, 30);
             assert_same(&world, &again, scene.name);
             assert_same(&world, &on, scene.name);
         }
