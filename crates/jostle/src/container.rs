@@ -43,6 +43,9 @@ pub struct Wall {
 /// Number of walls that a particle can touch at once, at most.
 pub const MAX_WALLS: usize = 4;
 
+/// Times that a particle may travel around a torus in a step at most.
+pub const MOST_TOURS: f32 = 125.0;
+
 impl Container {
     /// Whether there are walls.
     pub fn has_walls(&self) -> bool {
@@ -151,7 +154,8 @@ impl Container {
         }
     }
 
-    /// Bounds on a torus are not larger than this, so that few images of others are in them.
+    /// The bounds that particles have at the beginning of a step allow for a displacement of this at
+    /// most, unless they merge, so that few images of others are in them.
     pub fn reach(&self) -> f32 {
         match self {
             Self::Torus { size } => size[0].min(size[1]) / 8.0,

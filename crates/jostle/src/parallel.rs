@@ -41,7 +41,9 @@ pub fn for_each<T: Send>(
     act: impl Fn(T) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if let Some(team) = Team::of(threads) {
+    if items.size_hint().1 != Some(1)
+        && let Some(team) = Team::of(threads)
+    {
         let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
         let act = |index: usize| locked(&items[index]).take().into_iter().for_each(&act);
         return team.share(items.len(), 1, &act);

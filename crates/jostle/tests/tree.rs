@@ -1,6 +1,6 @@
 //! The tree against brute force, on shapes made to break it.
 
-use jostle::pairs::JoinMemory;
+use jostle::pairs::JoinScratch;
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
 use jostle::{Columns, Each, Error, Method, Quadtree, Scalar, Settings, Shapes, pairs};
@@ -80,7 +80,7 @@ proptest! {
     ) {
         let tree = built(&shapes.typed::<f32>(), settings);
         let columns = tree.columns();
-        let mut found = pairs::places_between(&tree, &tree, shift, DEFAULT_MAX_PAIRS, &mut JoinMemory::default()).unwrap();
+        let mut found = pairs::places_between(&tree, &tree, shift, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap();
         found.sort().unwrap();
         let brute = pairs::brute_between(columns, columns, shift, DEFAULT_MAX_PAIRS).unwrap();
         prop_assert_eq!(found.pairs, brute.pairs);
@@ -103,8 +103,8 @@ proptest! {
             prop_assert_eq!(straight.columns().shape(place), mixed_up.columns().shape(place));
         }
         prop_assert_eq!(
-            pairs::places_within(&straight, DEFAULT_MAX_PAIRS, &mut JoinMemory::default()).unwrap(),
-            pairs::places_within(&mixed_up, DEFAULT_MAX_PAIRS, &mut JoinMemory::default()).unwrap()
+            pairs::places_within(&straight, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap(),
+            pairs::places_within(&mixed_up, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap()
         );
     }
 }

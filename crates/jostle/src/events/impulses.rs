@@ -60,10 +60,10 @@ pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Ve
 
 impl Touch {
     /// The contact of two discs; `offset` is that of the second from the first.
-    pub fn of_discs(pair: [u32; 2], code: u16, offset: Vector) -> Self {
+    pub fn of_discs(pair: [u32; 2], code: u32, offset: Vector) -> Self {
         let length = dot(offset, offset).sqrt();
         let normal = if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] };
-        Self { key: [pair[0], pair[1], u32::from(code)], normal, ..Self::default() }
+        Self { key: [pair[0], pair[1], code], normal, ..Self::default() }
     }
 
     /// The speed at which the two separate.

@@ -18,15 +18,16 @@ mod two;
 use std::ops::Range;
 use std::sync::Mutex;
 
-use crate::error::Result;
-use crate::interrupt::{self, Stop};
+use crate::container::MOST_TOURS;
+use crate::error::{Error, Result};
+use crate::interrupt::{self, Pulse, Stop};
 use crate::parallel::{self, locked};
 use crate::trajectory::{Segment, Vector};
 pub use flight::Flight;
 use flight::{Start, Window};
 use history::{Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
-pub use neighbors::Neighbors;
+pub use neighbors::{NearPair, Neighbors};
 use queue::{Event, WALL};
 use simulation::{Scratch, Simulation};
 
@@ -50,6 +51,9 @@ const FEW: usize = 64;
 /// ever had a conflict are simulated again, so that the repetition ends.
 const MOST_ROUNDS: usize = 64;
 
+/// Approximate number of values read to test two trajectories.
+const MEETING_WORK: usize = 64;
+
 /// Windows of a sub-step at most, apart from the last of all.
 const MOST_WINDOWS: f64 = 1024.0;
 
@@ -58,14 +62,16 @@ pub trait Bounds {
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched for neighbours.
     fn reaches(&self) -> &[f32];
+    /// Forgets what was added for the window before.
+    fn begin_window(&mut self);
     /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and appends
-    /// the pairs that may meet in them: the second, moved by the offset, is near the first.
+    /// the pairs that may meet in them.
     fn grow(
         &mut self,
         outside: &[Outside],
         gravity: Vector,
         end: f64,
-        pairs: &mut Vec<(u32, u32, Vector)>,
+        pairs: &mut Vec<NearPair>,
     ) -> Result<()>;
 }
 
@@ -107,7 +113,9 @@ pub struct Events {
     /// Discs that are simulated again.
     discs: Vec<u32>,
     /// Pairs that may meet in larger bounds.
-    new: Vec<(u32, u32, Vector)>,
+    near: Vec<NearPair>,
+    /// Those that are new.
+    new: Vec<(u32, Neighbor)>,
 }
 
 /// A range of discs that are simulated together.
@@ -161,12 +169,13 @@ impl Events {
         shortest: f64,
     ) -> Result<f64> {
         self.prepare(window.starts.len(), window.flight.threads);
+        window.end = end_for_the_fast(&window, shortest)?;
         self.conflicts.clear();
+        bounds.begin_window();
+        self.neighbors.begin_window();
         if !window.flight.bounded {
             find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
             self.grow(&window, bounds)?;
-            // They are found again along the first segments.
-            self.conflicts.clear();
         }
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
         self.each_block(&window, reaches, |block, arguments| {
@@ -199,6 +208,7 @@ impl Events {
         self.outside.clear();
         self.outside.extend(self.blocks.iter().flat_map(|block| &block.history.outside));
         self.grow(&window, bounds)?;
+        self.find_meeting_new(&window)?;
         let mut rounds = 0;
         while !self.conflicts.is_empty() {
             rounds += 1;
@@ -350,7 +360,8 @@ impl Events {
         self.conflicts = found;
         self.outside.clear();
         self.outside.append(&mut self.again.outside);
-        self.grow(window, bounds)
+        self.grow(window, bounds)?;
+        self.find_meeting_new(window)
     }
 
     /// Removes the courses of the discs of the conflicts, and of all that depend on theirs, and
@@ -420,20 +431,30 @@ impl Events {
         })
     }
 
-    /// Adds the neighbours that the discs outside their bounds have in larger bounds. Appends the
-    /// new pairs whose trajectories meet to the conflicts.
+    /// Adds the neighbours that the discs outside their bounds have in larger bounds.
     fn grow(&mut self, window: &Window<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+        self.new.clear();
         if self.outside.is_empty() || !window.flight.pairs {
             return Ok(());
         }
-        let mut new = std::mem::take(&mut self.new);
-        new.clear();
-        bounds.grow(&self.outside, window.gravity(), window.end, &mut new)?;
-        self.neighbors.add(&mut new);
+        self.near.clear();
+        bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;
+        self.neighbors.add(&self.near, &mut self.new);
+        Ok(())
+    }
+
+    /// Appends the new neighbours whose trajectories meet to the conflicts.
+    fn find_meeting_new(&mut self, window: &Window<'_>) -> Result<()> {
         let mut conflicts = std::mem::take(&mut self.conflicts);
-        let meet = |&&(a, b, image): &&(u32, u32, Vector)| self.meet(window, [a, b], image, true);
-        conflicts.extend(new.iter().filter(meet).map(|&(a, b, _)| [a, b]));
-        (self.conflicts, self.new) = (conflicts, new);
+        let mut pulse = Pulse::current();
+        for (a, neighbor) in &self.new {
+            pulse.check(MEETING_WORK)?;
+            let pair = [*a, neighbor.index];
+            if self.meet(window, pair, self.neighbors.image(neighbor), true) {
+                conflicts.push(pair);
+            }
+        }
+        self.conflicts = conflicts;
         Ok(())
     }
 
@@ -570,4 +591,22 @@ fn find_outside_at_start(window: &Window<'_>, reaches: &[f32], outside: &mut Vec
     });
     outside.clear();
     outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));
+}
+
+/// The longest of `end`, `end`/2, `end`/4 … before which no disc travels further than around a torus,
+/// but not less than `shortest`. Refuses a sub-step in which forces make one too fast.
+fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
+    let container = &window.flight.container;
+    let speed = |start: &Start| start.velocity.map(f32::abs).into_iter().sum::<f32>();
+    let fastest = window.starts.iter().map(speed).fold(0.0, f32::max);
+    let tours = |seconds: f64| container.tours(fastest * seconds as f32);
+    if tours(window.end) > 2.0 * MOST_TOURS {
+        let rule = "forces would make a particle circle the torus too often; take smaller steps";
+        return Err(Error::of("dt", format!("{} s in a sub-step", window.end), rule));
+    }
+    let mut end = window.end;
+    while 0.5 * end >= shortest && tours(end) > 1.0 {
+        end *= 0.5;
+    }
+    Ok(end)
 }

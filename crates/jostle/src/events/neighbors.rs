@@ -1,5 +1,6 @@
 //! Which discs each disc may meet during a step, in one array (compressed sparse rows).
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::trajectory::Vector;
@@ -10,7 +11,18 @@ pub struct Neighbor {
     /// Its index.
     pub index: u32,
     /// Which of [`Neighbors::images`] is added to its position.
-    pub image: u16,
+    pub image: u32,
+}
+
+/// Two discs that may meet.
+#[derive(Clone, Copy, Debug)]
+pub struct NearPair {
+    /// Their indices.
+    pub pair: [u32; 2],
+    /// Offset that is added to the second.
+    pub offset: Vector,
+    /// Whether they may also meet in later windows of the step.
+    pub lasts: bool,
 }
 
 /// The neighbours of all discs.
@@ -21,21 +33,55 @@ pub struct Neighbors {
     all: Vec<Neighbor>,
     /// Neighbours found after discs have left their bounds, sorted by disc.
     later: Vec<(u32, Neighbor)>,
+    /// Those of them that are neighbours in later windows too.
+    lasting: Vec<(u32, Neighbor)>,
     /// Whether a disc has any of these.
     has_later: Vec<bool>,
-    /// Offsets between a torus and its images. The first is 0; image k and k ^ 1 are opposite.
-    images: Vec<Vector>,
+    images: Images,
+}
+
+/// Offsets between a torus and its images, by number.
+#[derive(Debug, Default)]
+struct Images {
+    /// The first two are 0; image k and k ^ 1 are opposite.
+    offsets: Vec<Vector>,
+    /// The number of each offset, by its bits.
+    numbers: HashMap<[u64; 2], u32>,
+}
+
+impl Images {
+    fn clear(&mut self) {
+        self.offsets.clear();
+        self.numbers.clear();
+        self.offsets.extend([[0.0; 2]; 2]);
+        self.numbers.insert([0; 2], 0);
+    }
+
+    /// The number of an offset; new ones are added together with their opposites.
+    fn number(&mut self, offset: Vector) -> u32 {
+        // 0 + v, so that no offset is −0.
+        let bits = |offset: Vector| offset.map(|v| (0.0 + v).to_bits());
+        if let Some(&number) = self.numbers.get(&bits(offset)) {
+            return number;
+        }
+        let number = self.offsets.len() as u32;
+        for (number, offset) in [(number, offset), (number + 1, offset.map(|v| -v))] {
+            self.offsets.push(offset);
+            self.numbers.insert(bits(offset), number);
+        }
+        number
+    }
 }
 
 impl Neighbors {
     /// Takes the candidate pairs, a list for each image: the first of a pair, moved by minus the
     /// image, is near the second.
     pub fn fill(&mut self, len: usize, lists: &[([f32; 2], Vec<[u32; 2]>)]) {
-        let Self { starts, all, later, has_later, images } = self;
+        let Self { starts, all, later, lasting, has_later, images } = self;
         later.clear();
+        lasting.clear();
         has_later.clear();
         images.clear();
-        images.extend([[0.0; 2]; 2]);
         starts.clear();
         starts.resize(len + 2, 0);
         for &[a, b] in lists.iter().flat_map(|(_, pairs)| pairs) {
@@ -47,7 +93,7 @@ impl Neighbors {
         }
         all.resize(starts[len + 1] as usize, Neighbor::default());
         for (image, pairs) in lists {
-            let code = image_code(images, image.map(f64::from));
+            let code = images.number(image.map(f64::from));
             for &[a, b] in pairs {
                 let mut put = |at: u32, index, image| {
                     let next = &mut starts[at as usize + 1];
@@ -93,42 +139,70 @@ impl Neighbors {
 
     /// The offset with a number.
     #[inline(always)]
-    pub fn image_of(&self, code: u16) -> Vector {
-        self.images[usize::from(code)]
+    pub fn image_of(&self, code: u32) -> Vector {
+        self.images.offsets[code as usize]
     }
 
-    /// Adds pairs: the second, moved by the offset, is near the first. Keeps those in the list that
-    /// are new.
-    pub fn add(&mut self, pairs: &mut Vec<(u32, u32, Vector)>) {
-        pairs.retain(|&(a, b, image)| {
-            let mut known = false;
-            self.of(a, |found| known |= found.index == b && self.image(found) == image);
-            !known
-        });
-        for &(a, b, image) in pairs.iter() {
-            let code = image_code(&mut self.images, image);
-            self.later.push((a, Neighbor { index: b, image: code }));
-            self.later.push((b, Neighbor { index: a, image: opposite(code) }));
+    /// Adds pairs. Lists those that are new, with the numbers of their images.
+    pub fn add(&mut self, pairs: &[NearPair], new: &mut Vec<(u32, Neighbor)>) {
+        let key = |&(of, found): &(u32, Neighbor)| (of, found.index, found.image);
+        new.clear();
+        for &NearPair { pair: [a, b], offset, lasts } in pairs {
+            let image = self.images.number(offset);
+            let both = [
+                (a, Neighbor { index: b, image }),
+                (b, Neighbor { index: a, image: opposite(image) }),
+            ];
+            new.push(both[usize::from(b < a)]);
+            if lasts && !self.is_near_at_start(&both[0]) {
+                self.lasting.extend(both);
+            }
         }
-        self.later.sort_unstable_by_key(|(of, found)| (*of, found.index, found.image));
-        self.later.dedup_by_key(|(of, found)| (*of, found.index, found.image));
+        new.sort_unstable_by_key(key);
+        new.dedup_by_key(|pair| key(pair));
+        new.retain(|pair| {
+            let is_later = self.later.binary_search_by_key(&key(pair), key).is_ok();
+            !is_later && !self.is_near_at_start(pair)
+        });
+        for &(a, Neighbor { index: b, image }) in new.iter() {
+            self.later.push((a, Neighbor { index: b, image }));
+            self.later.push((b, Neighbor { index: a, image: opposite(image) }));
+        }
+        self.later.sort_unstable_by_key(key);
         self.has_later.resize(self.starts.len() - 2, false);
-        self.later.iter().for_each(|&(of, _)| self.has_later[of as usize] = true);
+        new.iter().flat_map(|&(a, found)| [a, found.index]).for_each(|of| {
+            self.has_later[of as usize] = true;
+        });
     }
-}
 
-/// The number of an image; new ones are added together with their opposites.
-fn image_code(images: &mut Vec<Vector>, image: Vector) -> u16 {
-    // Both the first and its opposite are 0.
-    let known = images.iter().position(|&known| known == image);
-    let code = known.unwrap_or_else(|| {
-        images.extend([image, image.map(|v| -v)]);
-        images.len() - 2
-    });
-    code as u16
+    /// Forgets the neighbours that were added for the window before.
+    pub fn begin_window(&mut self) {
+        let Self { later, lasting, has_later, .. } = self;
+        if later.is_empty() {
+            return;
+        }
+        let key = |&(of, found): &(u32, Neighbor)| (of, found.index, found.image);
+        lasting.sort_unstable_by_key(key);
+        lasting.dedup_by_key(|pair| key(pair));
+        later.clone_from(lasting);
+        has_later.fill(false);
+        later.iter().for_each(|&(of, _)| has_later[of as usize] = true);
+    }
+
+    /// Whether a pair was one of the candidate pairs.
+    fn is_near_at_start(&self, &(a, Neighbor { index: b, image }): &(u32, Neighbor)) -> bool {
+        let near = |of: u32| {
+            &self.all[self.starts[of as usize] as usize..self.starts[of as usize + 1] as usize]
+        };
+        let has = |of: u32, index, image| {
+            near(of).iter().any(|found| found.index == index && found.image == image)
+        };
+        // One large particle may be near very many.
+        if near(a).len() <= near(b).len() { has(a, b, image) } else { has(b, a, opposite(image)) }
+    }
 }
 
 /// The number of the opposite image.
-pub fn opposite(code: u16) -> u16 {
+pub fn opposite(code: u32) -> u32 {
     if code < 2 { 0 } else { code ^ 1 }
 }

@@ -17,7 +17,7 @@ pub struct Event {
     /// What happens.
     pub kind: Kind,
     /// The image of the partner, or the number of the wall.
-    pub code: u16,
+    pub code: u32,
     /// The disc and its partner; [`WALL`] for walls.
     pub pair: [u32; 2],
     /// The number of events that each had when this one was predicted.
@@ -26,14 +26,14 @@ pub struct Event {
 
 impl Event {
     /// The impact of two discs; `code` is the image of the second.
-    pub fn of_discs(impact: Impact, pair: [u32; 2], code: u16, counts: [u32; 2]) -> Self {
+    pub fn of_discs(impact: Impact, pair: [u32; 2], code: u32, counts: [u32; 2]) -> Self {
         let Impact { time, kind } = impact;
         Self { time, kind, code, pair, counts }
     }
 
     /// The impact of a disc on a wall.
     pub fn with_wall(impact: Impact, index: u32, wall: u8, count: u32) -> Self {
-        Self::of_discs(impact, [index, WALL], u16::from(wall), [count, 0])
+        Self::of_discs(impact, [index, WALL], u32::from(wall), [count, 0])
     }
 }
 

@@ -47,7 +47,7 @@ struct Nearby {
     index: u32,
     /// The number of its course; [`NONE`] if it has none.
     number: u32,
-    image: u16,
+    image: u32,
     /// The number of its events.
     count: u32,
     /// A segment that begins now.
@@ -312,7 +312,7 @@ impl Simulation<'_> {
         self.add(touch);
     }
 
-    fn touch_disc(&mut self, index: u32, partner: u32, code: u16, time: f64) {
+    fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
         let window = self.window;
         if window.starts[partner as usize].is_movable() {
             self.join(partner, time);

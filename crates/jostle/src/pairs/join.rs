@@ -33,17 +33,18 @@ type Task = (u32, u32);
 impl<T: Scalar> Join<'_, T> {
     /// All pairs, each turned from places into what `finish` makes of it.
     pub(super) fn run(&self, max_pairs: usize, finish: &Finish<'_>) -> Result<Found> {
-        self.run_in(max_pairs, finish, &mut JoinMemory::default())
+        self.run_in(max_pairs, finish, &mut JoinScratch::default())
     }
 
-    /// As [`Join::run`], in the memory of earlier calls. One thread allocates no more.
+    /// As [`Join::run`], in the memory of earlier calls. With one thread it allocates only if the
+    /// result needs more.
     pub(super) fn run_in(
         &self,
         max_pairs: usize,
         finish: &Finish<'_>,
-        memory: &mut JoinMemory,
+        memory: &mut JoinScratch,
     ) -> Result<Found> {
-        let JoinMemory { pairs, stack } = memory;
+        let JoinScratch { pairs, stack } = memory;
         stack.clear();
         if !self.a.is_empty() && !self.b.is_empty() {
             self.push((0, 0), &mut |task| stack.push(task));
@@ -143,7 +144,7 @@ impl<T: Scalar> Join<'_, T> {
 
 /// Memory that [`Join::run_in`] keeps between calls.
 #[derive(Clone, Debug, Default)]
-pub struct JoinMemory {
+pub struct JoinScratch {
     /// Memory for the pairs of the next call.
     pub pairs: Vec<[u32; 2]>,
     stack: Vec<Task>,

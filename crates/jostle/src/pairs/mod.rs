@@ -24,7 +24,7 @@ use crate::shapes::Shapes;
 use crate::simd::{Simd, Work};
 use crate::sorting;
 use join::Join;
-pub use join::JoinMemory;
+pub use join::JoinScratch;
 use kernel::Kernel;
 use output::{Budget, Output, keep};
 
@@ -164,7 +164,7 @@ pub struct Overlaps<T> {
 
 /// As [`within`], with normals and depths.
 pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overlaps<T>> {
-    let Found { mut pairs, tests } = places_within(tree, max_pairs, &mut JoinMemory::default())?;
+    let Found { mut pairs, tests } = places_within(tree, max_pairs, &mut JoinScratch::default())?;
     let mut normals = memory::with_room(pairs.len())?;
     let mut depths = memory::with_room(pairs.len())?;
     let mut pulse = Pulse::current();
@@ -184,7 +184,7 @@ pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overl
 pub fn places_within<T: Scalar>(
     tree: &Quadtree<T>,
     max_pairs: usize,
-    memory: &mut JoinMemory,
+    memory: &mut JoinScratch,
 ) -> Result<Found> {
     let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
     join.run_in(max_pairs, &as_they_are, memory)
@@ -196,7 +196,7 @@ pub fn places_between<T: Scalar>(
     b: &Quadtree<T>,
     shift: [T; 2],
     max_pairs: usize,
-    memory: &mut JoinMemory,
+    memory: &mut JoinScratch,
 ) -> Result<Found> {
     Join { a, b, shift, itself: false, mask: None }.run_in(max_pairs, &as_they_are, memory)
 }

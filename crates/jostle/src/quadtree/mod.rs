@@ -97,16 +97,26 @@ impl<T: Scalar> Quadtree<T> {
     pub fn fill(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
         settings.validate()?;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
-        let built = parallel::among(threads, || {
+        parallel::among(threads, || {
             self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b))
-        });
-        self.check_if_small();
-        built
+        })
     }
 
     /// Builds the tree anew in its old memory. `tie` orders rows whose centres
     /// coincide; the settings are taken as valid. Where it fails the tree is empty.
     pub fn rebuild(
+        &mut self,
+        shapes: &Shapes<T>,
+        settings: Settings,
+        tie: &order::Tie<'_>,
+    ) -> Result<()> {
+        let built = self.rebuild_unchecked(shapes, settings, tie);
+        debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
+        built
+    }
+
+    /// As [`Quadtree::rebuild`], never checked.
+    pub fn rebuild_unchecked(
         &mut self,
         shapes: &Shapes<T>,
         settings: Settings,
@@ -118,11 +128,6 @@ impl<T: Scalar> Quadtree<T> {
             self.clear();
         }
         built
-    }
-
-    /// Checks a small tree where debug assertions are on.
-    pub fn check_if_small(&self) {
-        debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
     }
 
     fn build(&mut self, shapes: &Shapes<T>, tie: &order::Tie<'_>) -> Result<()> {
@@ -194,7 +199,7 @@ impl<T: Scalar> Quadtree<T> {
     }
 }
 
-/// Trees up to this size are checked where debug assertions are on.
+/// Trees up to this size are checked after every build where debug assertions are on.
 const CHECKED: usize = 500;
 
 /// Orders shapes with coincident centres by everything else about them.

@@ -140,12 +140,15 @@ impl Order {
         grids
             + items * size_of::<Item>()
             + self.rows.capacity() * size_of::<u32>()
+            + (self.equal.capacity() + self.open.capacity()) * size_of::<Range<usize>>()
             + self.sorter.kept_bytes()
     }
 
     /// Gives back the memory that only sorting needs.
     pub fn forget_scratch(&mut self) {
         self.sorter = Sorter::default();
+        self.equal = Vec::new();
+        self.open = VecDeque::new();
     }
 
     /// The index in `keyed` of the finer grid made for exactly these places.

@@ -98,7 +98,15 @@ impl Clone for Sorter {
 impl Sorter {
     /// Bytes of memory that it keeps, used or not.
     pub fn kept_bytes(&self) -> usize {
-        self.parted.capacity() * size_of::<Item>() + self.ends.capacity() * size_of::<u32>()
+        let of_scratch = |scratch: &Scratch| {
+            (scratch.collected.capacity() + scratch.spare.capacity()) * size_of::<Item>()
+                + scratch.counts.capacity() * size_of::<u32>()
+                + scratch.equal.capacity() * size_of::<Range<usize>>()
+        };
+        let scratch: usize = locked(&self.scratch).iter().map(of_scratch).sum();
+        scratch
+            + self.parted.capacity() * size_of::<Item>()
+            + self.ends.capacity() * size_of::<u32>()
     }
 
     /// Fills `items` and sorts them; lists the ranges that share a key in `equal`. `key` makes

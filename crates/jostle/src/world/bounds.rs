@@ -4,21 +4,22 @@
 //! circles along its trajectory.
 
 use std::cmp;
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::feel::aside;
-use super::{OnTouch, World};
+use super::{MAX_CANDIDATES, OnTouch, World};
 use crate::container::Container;
-use crate::error::Result;
-use crate::events::{Bounds, Outside};
+use crate::error::{Error, Result};
+use crate::events::{Bounds, NearPair, Outside};
 use crate::geometry::{Cover, Shape};
 use crate::interrupt::Pulse;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Shapes};
-use crate::trajectory::{Vector, dot};
+use crate::trajectory::{Segment, Vector, dot};
 
 /// Displacement that bounds allow for, in mean displacements, because collisions make slow particles
 /// faster.
@@ -27,9 +28,15 @@ const USUAL: f32 = 1.7;
 /// Circles of a chain at most.
 const MOST_CIRCLES: f64 = 4096.0;
 
+/// Pairs that one call of [`StepBounds::grow`] may find.
+const MOST_NEW: usize = MAX_CANDIDATES / 8;
+
 /// Collisions that the fastest particle on a torus may have in a part of a step if it meets the
 /// others at random places.
 const MOST_COLLISIONS: f64 = 16.0;
+
+/// Parts into which the rest of a step is cut at most because of few fast particles.
+const MOST_FOR_FEW: f64 = 128.0;
 
 /// Candidate pairs that a particle may have because it moves, in a dilute gas.
 const CANDIDATES: f64 = 1.5;
@@ -40,8 +47,9 @@ const MOST_SPLITS: f64 = 4096.0;
 /// Candidate pairs of a particle that cost less to test than another part of the step.
 const WORTH_A_SPLIT: f64 = 4.0;
 
-/// Displacements, in units of [`Container::reach`], up to which one circle is enough.
-const TOUR: f64 = 8.0;
+/// Displacements, in units of [`Container::reach`], up to which one circle is made. It and a particle
+/// together are at most half as large as the torus.
+const ONE_CIRCLE: f64 = 1.6;
 
 /// Bounds that are too small grow to this many times what is needed, so that they rarely have to
 /// grow twice.
@@ -122,8 +130,8 @@ impl World {
         parts.max(self.parts_with_few_collisions(dt)) as usize
     }
 
-    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions. It meets
-    /// 2 v (N r + Σ r) / A others in a second, with the area A.
+    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions. A particle
+    /// of radius r meets 2 v (N r + Σ r) / A others in a second, with the area A.
     fn parts_with_few_collisions(&self, dt: f64) -> f64 {
         let Particles { velocities, radii, .. } = &self.particles;
         let Container::Torus { size } = self.settings.container else { return 1.0 };
@@ -135,7 +143,7 @@ impl World {
             dot(velocity, velocity).sqrt() * (f64::from(radius) + mean_radius) * share
         };
         let most = velocities.iter().zip(radii).map(collisions).fold(0.0, f64::max);
-        (most / MOST_COLLISIONS).ceil().clamp(1.0, MOST_SPLITS)
+        (most / MOST_COLLISIONS).ceil().clamp(1.0, MOST_FOR_FEW)
     }
 }
 
@@ -170,12 +178,23 @@ struct Circle {
     radius: f32,
     /// The copy of the torus in which it is.
     tile: [i32; 2],
+    /// When the particle is in it, in seconds since the beginning of the window.
+    times: [f64; 2],
+}
+
+impl Circle {
+    /// Whether it is one circle for the whole step, and no part of a chain.
+    fn is_whole(&self) -> bool {
+        self.times[1] == f64::INFINITY
+    }
 }
 
 /// The circles that were added during the step.
 #[derive(Debug, Default)]
 pub(super) struct Grown {
     circles: Vec<Circle>,
+    /// The segments that have chains.
+    chained: HashSet<[u64; 6]>,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     stack: Vec<u32>,
@@ -188,6 +207,8 @@ pub(super) struct StepBounds<'a> {
     reaches: &'a mut [f32],
     grown: &'a mut Grown,
     container: Container,
+    /// Typical distance between neighbouring particles.
+    spacing: f32,
 }
 
 impl<'a> StepBounds<'a> {
@@ -199,52 +220,71 @@ impl<'a> StepBounds<'a> {
         container: Container,
     ) -> Self {
         grown.circles.clear();
-        Self { tree, particles, reaches, grown, container }
+        let area = container.area().unwrap_or(f64::INFINITY);
+        let spacing = (area / particles.len() as f64).sqrt() as f32;
+        Self { tree, particles, reaches, grown, container, spacing }
     }
 
     /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
-    fn cover(&mut self, outside: &Outside, gravity: Vector, end: f64) {
-        let Outside { index, distance, segment } = outside;
-        let radius = self.particles.radii[*index as usize];
-        let room = f64::from(self.container.reach());
-        if *distance <= TOUR * room {
-            let reach = &mut self.reaches[*index as usize];
-            // Another of its segments may have made them large enough.
-            if *distance <= f64::from(*reach) {
-                return;
-            }
+    fn cover(&mut self, outside: &Outside, gravity: Vector, end: f64) -> Result<()> {
+        let Outside { index, distance, .. } = *outside;
+        if distance > ONE_CIRCLE * f64::from(self.container.reach()) {
+            return self.cover_by_chain(outside, gravity, end);
+        }
+        let reach = &mut self.reaches[index as usize];
+        // Another of its segments may have made them large enough.
+        if distance > f64::from(*reach) {
             *reach = (distance * GROWTH) as f32;
-            let (center, radius) = (self.particles.positions[*index as usize], radius + *reach);
-            self.grown.circles.push(Circle { index: *index, center, radius, tile: [0; 2] });
-            return;
+            let radius = self.particles.radii[index as usize] + *reach;
+            let center = self.particles.positions[index as usize];
+            let times = [0.0, f64::INFINITY];
+            self.grown.circles.push(Circle { index, center, radius, tile: [0; 2], times });
+        }
+        Ok(())
+    }
+
+    /// Appends circles along a segment.
+    fn cover_by_chain(&mut self, outside: &Outside, gravity: Vector, end: f64) -> Result<()> {
+        let Outside { index, segment, .. } = *outside;
+        let Segment { time, position: [x, y], velocity: [u, v], .. } = segment;
+        let key = [f64::from(index), time, x, y, u, v].map(f64::to_bits);
+        if !self.grown.chained.insert(key) {
+            return Ok(());
         }
         // Along a parabola the speed is largest at an end.
-        let speeds = [segment.time, end].map(|time| {
+        let speeds = [time, end].map(|time| {
             let [_, velocity] = segment.at(time, gravity);
             dot(velocity, velocity).sqrt()
         });
-        let displacement = speeds[0].max(speeds[1]) * (end - segment.time);
-        let count = (displacement / room).ceil().clamp(1.0, MOST_CIRCLES);
-        let half = 0.5 * (end - segment.time) / count;
+        let displacement = speeds[0].max(speeds[1]) * (end - time);
+        // Circles about as large as the distances between particles find few of them.
+        let size =
+            self.container.reach().min(self.spacing.max(self.particles.radii[index as usize]));
+        let count = (displacement / f64::from(size)).ceil().max(1.0);
+        if count > MOST_CIRCLES {
+            return Err(Error::TooManyCandidates { most: MOST_NEW });
+        }
+        let interval = (end - time) / count;
+        let radius = self.particles.radii[index as usize];
         let radius = (f64::from(radius) + 0.5 * displacement / count) as f32 * 1.001;
         for number in 0..count as usize {
-            let position = segment.place_at(segment.time + (2 * number + 1) as f64 * half, gravity);
-            let tile = self.container.tile(position);
+            let times = [number, number + 1].map(|number| time + number as f64 * interval);
+            let middle = segment.place_at(0.5 * (times[0] + times[1]), gravity);
+            let tile = self.container.tile(middle);
             let offset = self.container.offset(tile);
-            let center = [0, 1].map(|k| (position[k] - offset[k]) as f32);
+            let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
             // A step whose positions overflow is refused when they are stored.
             if center.into_iter().chain([radius]).all(f32::is_finite) {
-                self.grown.circles.push(Circle { index: *index, center, radius, tile });
+                self.grown.circles.push(Circle { index, center, radius, tile, times });
             }
         }
+        Ok(())
     }
 
     /// The copies of the torus that have a point within some distance of it.
     fn tiles(&self, distance: f32) -> impl Iterator<Item = [i32; 2]> + use<> {
         let [columns, rows] = match self.container {
-            Container::Torus { size } => {
-                size.map(|side| (distance / side).ceil().clamp(1.0, 8.0) as i32)
-            }
+            Container::Torus { size } => size.map(|side| (distance / side).ceil() as i32),
             _ => [0; 2],
         };
         (-columns..=columns).flat_map(move |i| (-rows..=rows).map(move |j| [i, j]))
@@ -256,15 +296,23 @@ impl Bounds for StepBounds<'_> {
         self.reaches
     }
 
+    fn begin_window(&mut self) {
+        self.grown.circles.retain(Circle::is_whole);
+        self.grown.chained.clear();
+    }
+
     fn grow(
         &mut self,
         outside: &[Outside],
         gravity: Vector,
         end: f64,
-        pairs: &mut Vec<(u32, u32, Vector)>,
+        pairs: &mut Vec<NearPair>,
     ) -> Result<()> {
         let known = self.grown.circles.len();
-        outside.iter().for_each(|outside| self.cover(outside, gravity, end));
+        outside.iter().try_for_each(|outside| self.cover(outside, gravity, end))?;
+        if self.grown.circles.len() == known {
+            return Ok(());
+        }
         // The step's tree has the old bounds of particles whose bounds have grown.
         let Grown { circles, shapes, tree, .. } = &mut *self.grown;
         shapes.centers.clear();
@@ -272,22 +320,32 @@ impl Bounds for StepBounds<'_> {
         let radii = shapes.radii.rows_mut();
         radii.clear();
         radii.extend(circles.iter().map(|circle| circle.radius));
-        tree.rebuild(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
+        tree.rebuild_unchecked(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
         let mut stack = std::mem::take(&mut self.grown.stack);
-        let mut pulse = Pulse::current();
+        let found = self.find_pairs(known, &mut stack, pairs);
+        self.grown.stack = stack;
+        found
+    }
+}
+
+impl StepBounds<'_> {
+    /// Appends the pairs of the particles in new circles, from number `first` on, and all others.
+    fn find_pairs(
+        &self,
+        first: usize,
+        stack: &mut Vec<u32>,
+        pairs: &mut Vec<NearPair>,
+    ) -> Result<()> {
         let Grown { circles, tree, .. } = &*self.grown;
-        for circle in &circles[known..] {
-            pulse.check(circles.len().min(256))?;
+        let trees = [self.tree, tree];
+        let largest = trees.map(|tree| tree.covers().first().map_or(0.0, |root| root.radius));
+        let largest = largest[0].max(largest[1]);
+        let mut pulse = Pulse::current();
+        for circle in &circles[first..] {
             // The images of the others at +offset are around the particle at −offset.
-            for image in self.tiles(2.0 * circle.radius) {
+            for image in self.tiles(circle.radius + largest) {
                 let offset = self.container.offset(image).map(|v| v as f32);
                 let center = [0, 1].map(|k| circle.center[k] - offset[k]);
-                let mut add = |other: u32, tile: [i32; 2]| {
-                    if other != circle.index {
-                        let tile = [0, 1].map(|k| circle.tile[k] + image[k] - tile[k]);
-                        pairs.push((circle.index, other, self.container.offset(tile)));
-                    }
-                };
                 let of = Cover::of(&Shape {
                     min: center,
                     max: center,
@@ -296,28 +354,48 @@ impl Bounds for StepBounds<'_> {
                     category: DEFAULT_CATEGORY,
                     mask: DEFAULT_MASK,
                 });
-                each_overlap(self.tree, &of, &mut stack, |place| add(place as u32, [0; 2]));
-                each_overlap(tree, &of, &mut stack, |place| {
-                    let other = &circles[tree.rows()[place] as usize];
-                    add(other.index, other.tile);
+                let mut add = |other: u32, tile: [i32; 2], lasts: bool| {
+                    if other != circle.index {
+                        let tile = [0, 1].map(|k| circle.tile[k] + image[k] - tile[k]);
+                        let offset = self.container.offset(tile);
+                        let pair = [circle.index, other];
+                        pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
+                    }
+                };
+                let work = each_overlap(self.tree, &of, stack, |place| {
+                    add(place as u32, [0; 2], true);
                 });
+                pulse.check(work)?;
+                let work = each_overlap(tree, &of, stack, |place| {
+                    let other = &circles[tree.rows()[place] as usize];
+                    let [start, end] = other.times;
+                    if start <= circle.times[1] && circle.times[0] <= end {
+                        add(other.index, other.tile, other.is_whole());
+                    }
+                });
+                pulse.check(work)?;
+            }
+            if pairs.len() > MOST_NEW {
+                return Err(Error::TooManyCandidates { most: MOST_NEW });
             }
         }
-        self.grown.stack = stack;
         Ok(())
     }
 }
 
-/// Calls `act` with the place of each circle of a tree that overlaps another one.
+/// Calls `act` with the place of each circle of a tree that overlaps another one. Returns the number
+/// of tests.
 fn each_overlap(
     tree: &Quadtree<f32>,
     circle: &Cover<f32>,
     stack: &mut Vec<u32>,
     mut act: impl FnMut(usize),
-) {
+) -> usize {
+    let mut tests = 0;
     stack.clear();
     stack.extend((!tree.is_empty()).then_some(0));
     while let Some(index) = stack.pop() {
+        tests += 1;
         if !tree.covers()[index as usize].meets(circle, [0.0; 2], 0.0) {
             continue;
         }
@@ -328,6 +406,8 @@ fn each_overlap(
                 Cover::of(&tree.columns().shape(*place)).meets(circle, [0.0; 2], 0.0)
             };
             node.range().filter(meets).for_each(&mut act);
+            tests += node.len();
         }
     }
+    tests
 }

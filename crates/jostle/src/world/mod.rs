@@ -157,7 +157,7 @@ struct Memory {
     motions: Motions,
     resting: Resting,
     correction: Correction,
-    listing: search::ListMemory,
+    listing: search::ListScratch,
     /// The candidate pairs.
     pairs: search::Lists,
     /// Those that overlap at the beginning of a step in which nothing can rest.

@@ -5,7 +5,7 @@ use std::iter;
 
 use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
 use crate::error::{Error, Result};
-use crate::pairs::{self, JoinMemory, SortScratch};
+use crate::pairs::{self, JoinScratch, SortScratch};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
@@ -17,8 +17,8 @@ pub(super) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
 
 /// Scratch of [`list`].
 #[derive(Debug, Default)]
-pub(super) struct ListMemory {
-    join: JoinMemory,
+pub(super) struct ListScratch {
+    join: JoinScratch,
     sorting: SortScratch,
 }
 
@@ -28,13 +28,13 @@ pub(super) fn list(
     tree: &Quadtree<f32>,
     settings: &WorldSettings,
     is_sorted: bool,
-    memory: &mut ListMemory,
+    memory: &mut ListScratch,
     lists: &mut Lists,
 ) -> Result<u64> {
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
     let is_brute = settings.method == Method::Brute;
-    let ListMemory { join, sorting } = memory;
+    let ListScratch { join, sorting } = memory;
     let images = iter::once([0.0; 2]).chain(settings.container.images());
     let (mut count, mut tests) = (0, 0);
     for image in images {
@@ -92,7 +92,7 @@ impl World {
         let mut tree = Quadtree::default();
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let mut lists = Vec::new();
-        let tests = list(&tree, settings, true, &mut ListMemory::default(), &mut lists)?;
+        let tests = list(&tree, settings, true, &mut ListScratch::default(), &mut lists)?;
         let mut found = Vec::new();
         for (image, pairs) in lists {
             for pair in pairs {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 use super::feel::{find_places, springs};
 use super::undo::Ordered;
 use super::{Memory, OnTouch, Stage, Stats, World, search};
-use crate::container::MAX_WALLS;
+use crate::container::{Container, MAX_WALLS, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::motion::Motion;
@@ -19,9 +19,6 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Fewer particles than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 12_000;
-
-/// Times that a particle may travel around a torus in a step at most.
-const MOST_TOURS: f32 = 125.0;
 
 impl World {
     /// Advances the world by `steps` times `dt` seconds. `watch` is called when a stage ends. After
@@ -55,10 +52,8 @@ impl World {
     ) -> Result<()> {
         for _ in 0..steps {
             self.check_displacements(single)?;
-            self.memory.usual_speed = self.usual_speed();
-            let parts = self.parts(single);
             self.begin();
-            if let Err(error) = self.step_in_parts(single, parts, watch) {
+            if let Err(error) = self.step_in_parts(single, watch) {
                 self.undo();
                 return Err(error);
             }
@@ -67,18 +62,25 @@ impl World {
         Ok(())
     }
 
-    fn step_in_parts(
-        &mut self,
-        dt: f32,
-        parts: usize,
-        watch: &mut (dyn FnMut(Stage) + Send),
-    ) -> Result<()> {
+    fn step_in_parts(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         self.memory.exhausted.clear();
-        let substeps = self.substeps().div_ceil(parts);
-        for _ in 0..parts {
-            self.step_once(dt / parts as f32, substeps, watch)?;
+        // On a torus, fast particles may make others fast, so each part is chosen anew.
+        let is_torus = matches!(self.settings.container, Container::Torus { .. });
+        let mut left = dt;
+        loop {
+            self.memory.usual_speed = self.usual_speed();
+            let parts = self.parts(left);
+            let substeps = (self.substeps() as f32 * (left / dt)).ceil() as usize;
+            let substeps = substeps.max(1).div_ceil(parts);
+            let part = left / parts as f32;
+            for _ in 0..if is_torus { 1 } else { parts } {
+                self.step_once(part, substeps, watch)?;
+            }
+            if !is_torus || parts == 1 {
+                return Ok(());
+            }
+            left -= part;
         }
-        Ok(())
     }
 
     /// The first row with this `number`, for an error.
@@ -168,9 +170,7 @@ impl World {
         let particles = &self.particles;
         let memory = &mut self.memory;
         let tie = |a: usize, b: usize| compare_particles(particles, a, b);
-        let built = memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie);
-        memory.tree.check_if_small();
-        built
+        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old
