@@ -204,6 +204,17 @@ def test_what_is_wrong_with_a_state_is_noted() -> None:
     ]
 
 
+def test_a_simulation_that_stands_still_is_not_timed() -> None:
+    start = step_rivals.gas(25)
+    moved = start.positions + start.velocities * step_rivals.FRAME
+
+    def running(positions: np.ndarray) -> step_rivals.Running:
+        return step_rivals.Running({}, lambda: (positions, start.velocities))
+
+    assert steps.stands_still(running(start.positions), start)
+    assert not steps.stands_still(running(moved), start)
+
+
 # ---- held ----------------------------------------------------------------------------------------
 
 

@@ -54,11 +54,13 @@ impl Images {
         self.offsets.clear();
         self.numbers.clear();
         self.offsets.extend([[0.0; 2]; 2]);
-        self.numbers.insert([0; 2], 0);
     }
 
     /// The number of an offset; new ones are added together with their opposites.
     fn number(&mut self, offset: Vector) -> u32 {
+        if offset == [0.0; 2] {
+            return 0;
+        }
         // 0 + v, so that no offset is −0.
         let bits = |offset: Vector| offset.map(|v| (0.0 + v).to_bits());
         if let Some(&number) = self.numbers.get(&bits(offset)) {
