@@ -59,17 +59,7 @@ def pile(count: int) -> jostle.World | None:
     start = step_rivals.pile(count, FALL)
     if start is None:
         return None
-    world = jostle.World(
-        start.positions,
-        start.velocities,
-        start.radii,
-        masses=start.masses,
-        gravity=start.gravity,
-        restitution=start.restitution,
-        container=jostle.Box(*start.box),
-        substeps=start.substeps,
-    )
-    return settled(world, 60)
+    return settled(step_rivals.resumed(start, 1), 60)
 
 
 def settled(world: jostle.World, steps: int) -> jostle.World:

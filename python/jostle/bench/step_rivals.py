@@ -113,9 +113,9 @@ def speed(velocities: Column) -> float:
     return float(np.sqrt(np.mean(np.einsum("ij,ij->i", velocities, velocities))))
 
 
-def jostle_world(start: Beginning, threads: int, method: str = "quadtree") -> Running:
-    """Our world, all positions read as one array."""
-    world = jostle.World(
+def resumed(start: Beginning, threads: int) -> jostle.World:
+    """Return a world that goes on from a beginning."""
+    return jostle.World(
         start.positions,
         start.velocities,
         start.radii,
@@ -126,6 +126,11 @@ def jostle_world(start: Beginning, threads: int, method: str = "quadtree") -> Ru
         substeps=start.substeps,
         threads=threads,
     )
+
+
+def jostle_world(start: Beginning, threads: int, method: str = "quadtree") -> Running:
+    """Our world, all positions read as one array."""
+    world = resumed(start, threads)
     world.method = "brute" if method == "brute" else "quadtree"
 
     def frame() -> Column:
