@@ -208,6 +208,25 @@ for call in calls:
     assert printed == "refused\n" * 3
 
 
+@linux
+@pytest.mark.parametrize("mebibytes", [2, 8, 16, 24])
+def test_threads_keep_memory_for_small_allocations(mebibytes: int) -> None:
+    """Small allocations of the threads cannot fail; without a margin they abort the process."""
+    printed = run_child(
+        f"""
+from signals import limit_memory
+tree = jostle.Quadtree(np.random.default_rng(0).random((9000, 2)))
+points = np.random.default_rng(1).random((9000, 2))
+limit_memory({mebibytes} << 20)
+try:
+    tree.nearest(points, k=200)
+except MemoryError:
+    print("refused")
+"""
+    )
+    assert printed == "refused\n"
+
+
 # ---- threads -------------------------------------------------------------------------------------
 
 

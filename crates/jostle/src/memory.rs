@@ -1,8 +1,28 @@
 //! Large allocations; a failure is an [`Error::NoMemory`] with the size.
 
+use core::hint::black_box;
 use std::collections::TryReserveError;
 
 use crate::error::{Error, Result};
+
+/// Bytes that must be free after each allocation here. Small allocations of libraries, for
+/// instance of threads, abort the process if they fail; the margin is for them.
+const MARGIN: usize = 1 << 20;
+
+/// An allocation of fewer bytes is made without a look at the margin.
+const SMALL: usize = 1 << 10;
+
+/// Whether [`MARGIN`] bytes are free after an allocation for `len` values.
+pub fn check_margin<V>(len: usize) -> core::result::Result<(), TryReserveError> {
+    if len.saturating_mul(size_of::<V>()) < SMALL {
+        return Ok(());
+    }
+    let mut margin = Vec::<u8>::new();
+    margin.try_reserve_exact(MARGIN)?;
+    // Without this the compiler may leave out the allocation.
+    black_box(margin);
+    Ok(())
+}
 
 /// Reserves capacity for `more` values after those of `values`.
 #[inline(always)]
@@ -13,7 +33,8 @@ pub fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
 #[cold]
 fn grow<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
     let len = values.len();
-    values.try_reserve(more).map_err(|error| no_memory::<V>(&error, len.saturating_add(more)))
+    let grown = values.try_reserve(more).and_then(|()| check_margin::<V>(values.capacity()));
+    grown.map_err(|error| no_memory::<V>(&error, len.saturating_add(more)))
 }
 
 /// The error of an allocation for `len` values.
@@ -24,7 +45,8 @@ pub fn no_memory<V>(_: &TryReserveError, len: usize) -> Error {
 /// An empty vector with capacity for exactly `len` values.
 pub fn with_room<V>(len: usize) -> Result<Vec<V>> {
     let mut values = Vec::new();
-    values.try_reserve_exact(len).map_err(|error| no_memory::<V>(&error, len))?;
+    let grown = values.try_reserve_exact(len).and_then(|()| check_margin::<V>(len));
+    grown.map_err(|error| no_memory::<V>(&error, len))?;
     Ok(values)
 }
 
@@ -39,7 +61,7 @@ pub fn filled<V: Clone>(len: usize, value: V) -> Result<Vec<V>> {
 /// uses them.
 pub fn zeroed<V: Clone + Default>(len: usize) -> Result<Vec<V>> {
     // `vec!` aborts if there is no memory, so the same amount is allocated and freed before.
-    drop(with_room::<V>(len)?);
+    drop(black_box(with_room::<V>(len)?));
     Ok(vec![V::default(); len])
 }
 

@@ -123,8 +123,9 @@ impl<T: Scalar> Nearest<T> {
     fn grow(&mut self) -> bool {
         let len = self.found.len();
         let grown = self.found.try_reserve(1 + len.min(self.wanted - len - 1));
-        let grown =
-            grown.map_err(|error| memory::no_memory::<Neighbor<T>>(&error, (2 * len).max(4)));
+        let grown = grown
+            .and_then(|()| memory::check_margin::<Neighbor<T>>(self.found.capacity()))
+            .map_err(|error| memory::no_memory::<Neighbor<T>>(&error, (2 * len).max(4)));
         self.failed = self.failed.take().or(grown.err());
         self.failed.is_none()
     }
