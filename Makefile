@@ -56,7 +56,7 @@ lint: setup  ## check format, style and types
 	$(BIN)/python docs/stub_docstrings.py --check
 	$(BIN)/python -m mypy.stubtest jostle._core
 	cargo clippy --workspace --all-targets -- -D warnings
-	cargo clippy --package jostle --no-default-features --all-targets -- -D warnings
+	cargo clippy --package jostle --no-default-features -- -D warnings
 
 bench: setup $(VENV)/bench  ## measure against the rivals; ARGS="pairs native" chooses parts
 	$(if $(call asked,$(filter-out native,$(ARGS))),$(BIN)/python benchmarks/run.py $(filter-out native,$(ARGS)))

@@ -6,15 +6,19 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# Files that test the simulator, the command or the repository, not the library.
+# Files that test the simulator, the command, the repository or the physics of the compiled core,
+# which is the same for every Python.
 BESIDE_THE_LIBRARY = [
     "test_app_*.py",
     "test_bench.py",
     "test_cli.py",
     "test_emitters.py",
+    "test_exact_step.py",
     "test_examples.py",
+    "test_gas.py",
     "test_interrupt.py",
     "test_layers.py",
+    "test_resting.py",
     "test_stub.py",
     "test_tune.py",
 ]
@@ -33,7 +37,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    text = "run only the tests of the library, which need none of the simulator's packages"
+    text = "run only the tests of the library's interface, which need none of the simulator's packages"
     parser.addoption("--library", action="store_true", help=text)
 
 

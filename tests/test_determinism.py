@@ -15,7 +15,7 @@ PINNED = {
 }
 STEP = float(np.float32(1) / np.float32(60))
 MOST = 1000
-STEPS = 400
+STEPS = 240
 
 
 def test_every_scene_is_pinned() -> None:
