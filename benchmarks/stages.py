@@ -4,7 +4,7 @@
 
 Times on a shared machine vary; the number of instructions of the same program with the same
 input does not, so compare two versions of the core by it. callgrind supports AVX2 but not AVX-512.
-Needs cargo and valgrind; `cargo bench --package jostle` and the example `one_step` measure times of
+Needs cargo and valgrind; the example `one_step` measures times of
 the same stages.
 """
 

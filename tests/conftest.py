@@ -37,7 +37,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    text = "run only the tests of the library's interface, which need none of the simulator's packages"
+    text = "run only the tests of the library, which need none of the simulator's packages"
     parser.addoption("--library", action="store_true", help=text)
 
 
