@@ -1,5 +1,7 @@
 //! Numbers as bytes, the same on every machine: little-endian, without gaps.
 
+use core::ops::RangeInclusive;
+
 use crate::error::{Error, Result};
 
 /// Something with a fixed number of bytes.
@@ -91,8 +93,12 @@ impl Writer {
 pub struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    /// Looks at the head that [`Writer::finish`] has written.
-    pub fn open(bytes: &'a [u8], magic: [u8; 8], version: u32) -> Result<Self> {
+    /// Looks at the head that [`Writer::finish`] has written, and returns the version too.
+    pub fn open(
+        bytes: &'a [u8],
+        magic: [u8; 8],
+        versions: RangeInclusive<u32>,
+    ) -> Result<(Self, u32)> {
         let all = bytes.len();
         let mut reader = Self(bytes);
         if all == 0 {
@@ -106,8 +112,9 @@ impl<'a> Reader<'a> {
             return Err(Error::of("data", format!("{all} bytes of something else"), rule));
         }
         let found: u32 = reader.get()?;
-        if found != version {
-            let rule = format!("this version of jostle reads format {version}");
+        if !versions.contains(&found) {
+            let [first, last] = [versions.start(), versions.end()];
+            let rule = format!("this version of jostle reads formats {first} to {last}");
             return Err(Error::of("data", format!("a snapshot in format {found}"), &rule));
         }
         let (length, sum): (u64, u64) = (reader.get()?, reader.get()?);
@@ -117,7 +124,7 @@ impl<'a> Reader<'a> {
         if length < reader.0.len() as u64 || sum != checksum(reader.0) {
             return Err(damaged("its checksum is wrong"));
         }
-        Ok(reader)
+        Ok((reader, found))
     }
 
     /// The next value.

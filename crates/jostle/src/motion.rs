@@ -7,10 +7,24 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Motion {
     /// Centre.
     pub position: [f32; 2],
+    /// What rounding to float32 removed from the centre.
+    pub residual: [f32; 2],
     /// Velocity.
     pub velocity: [f32; 2],
     /// Displacement during the last window, without position correction.
     pub travel: [f32; 2],
+}
+
+/// A position from its float32 part and its residual.
+#[inline(always)]
+pub fn exact(position: [f32; 2], residual: [f32; 2]) -> [f64; 2] {
+    [0, 1].map(|k| f64::from(position[k]) + f64::from(residual[k]))
+}
+
+/// What rounding to `rounded` removed from a position.
+#[inline(always)]
+pub fn residual(position: [f64; 2], rounded: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| (position[k] - f64::from(rounded[k])) as f32)
 }
 
 /// Two numbers in one word, so that they are read and written together.
@@ -44,6 +58,7 @@ impl Two {
 #[derive(Debug, Default)]
 struct Row {
     position: Two,
+    residual: Two,
     velocity: Two,
     travel: Two,
 }
@@ -65,6 +80,7 @@ impl Motions {
         let row = &self.0[place as usize];
         Motion {
             position: row.position.vector(),
+            residual: row.residual.vector(),
             velocity: row.velocity.vector(),
             travel: row.travel.vector(),
         }
@@ -75,6 +91,7 @@ impl Motions {
     pub fn set(&self, place: u32, motion: Motion) {
         let row = &self.0[place as usize];
         row.position.set_vector(motion.position);
+        row.residual.set_vector(motion.residual);
         row.velocity.set_vector(motion.velocity);
         row.travel.set_vector(motion.travel);
     }
@@ -83,6 +100,12 @@ impl Motions {
     #[inline(always)]
     pub fn position(&self, place: u32) -> [f32; 2] {
         self.0[place as usize].position.vector()
+    }
+
+    /// What rounding removed from its position.
+    #[inline(always)]
+    pub fn residual(&self, place: u32) -> [f32; 2] {
+        self.0[place as usize].residual.vector()
     }
 
     /// Its velocity alone.
@@ -97,7 +120,7 @@ impl Motions {
         self.0[place as usize].travel.vector()
     }
 
-    /// Replaces its position alone.
+    /// Replaces its position alone; the residual remains.
     #[inline(always)]
     pub fn set_position(&self, place: u32, position: [f32; 2]) {
         self.0[place as usize].position.set_vector(position);
@@ -107,9 +130,11 @@ impl Motions {
     #[inline(always)]
     pub fn advance(&self, place: u32, position: [f64; 2], velocity: [f64; 2]) {
         let row = &self.0[place as usize];
-        let [x, y] = row.position.vector().map(f64::from);
-        row.travel.set_vector([(position[0] - x) as f32, (position[1] - y) as f32]);
-        row.position.set_vector(position.map(|v| v as f32));
+        let old = exact(row.position.vector(), row.residual.vector());
+        row.travel.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
+        let rounded = position.map(|v| v as f32);
+        row.position.set_vector(rounded);
+        row.residual.set_vector(residual(position, rounded));
         row.velocity.set_vector(velocity.map(|v| v as f32));
     }
 }

@@ -15,6 +15,8 @@ pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
 pub struct Particles {
     /// Centres.
     pub positions: Vec<[f32; 2]>,
+    /// What rounding to float32 removed from the centres; a step adds it again.
+    pub residuals: Vec<[f32; 2]>,
     /// In world units per second; zero for immovable particles.
     pub velocities: Vec<[f32; 2]>,
     /// Radii, at least 0.
@@ -37,8 +39,9 @@ impl Particles {
     ) -> Self {
         let len = positions.len();
         let masses = radii.iter().map(|r| density * r * r).collect();
-        let (restitutions, movable) = (vec![1.0; len], vec![true; len]);
-        Self { positions, velocities, radii, masses, restitutions, movable }
+        let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
+        let movable = vec![true; len];
+        Self { positions, residuals, velocities, radii, masses, restitutions, movable }
     }
 
     /// Number of particles.
@@ -55,6 +58,7 @@ impl Particles {
     pub fn validate(&self) -> Result<()> {
         let expected = self.len();
         let lengths = [
+            ("residuals", self.residuals.len()),
             ("velocities", self.velocities.len()),
             ("radii", self.radii.len()),
             ("masses", self.masses.len()),
@@ -67,6 +71,7 @@ impl Particles {
             }
         }
         check_vectors("positions", &self.positions)?;
+        check_vectors("residuals", &self.residuals)?;
         check_vectors("velocities", &self.velocities)?;
         check_radii(&self.radii)?;
         check_masses(&self.masses)?;
@@ -76,6 +81,7 @@ impl Particles {
     /// Appends the rows of `other`.
     pub fn extend(&mut self, other: &Self) {
         self.positions.extend_from_slice(&other.positions);
+        self.residuals.extend_from_slice(&other.residuals);
         self.velocities.extend_from_slice(&other.velocities);
         self.radii.extend_from_slice(&other.radii);
         self.masses.extend_from_slice(&other.masses);
@@ -86,6 +92,7 @@ impl Particles {
     /// Replaces the contents by the rows `order` of `source`, in that order.
     pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
         parallel::gather(threads, &mut self.positions, &source.positions, order);
+        parallel::gather(threads, &mut self.residuals, &source.residuals, order);
         parallel::gather(threads, &mut self.velocities, &source.velocities, order);
         parallel::gather(threads, &mut self.radii, &source.radii, order);
         parallel::gather(threads, &mut self.masses, &source.masses, order);
@@ -96,6 +103,7 @@ impl Particles {
     /// Writes the first row of `one` over `row`.
     pub fn put(&mut self, row: usize, one: &Self) {
         self.positions[row] = one.positions[0];
+        self.residuals[row] = one.residuals[0];
         self.velocities[row] = one.velocities[0];
         self.radii[row] = one.radii[0];
         self.masses[row] = one.masses[0];
@@ -113,6 +121,7 @@ impl Particles {
             });
         }
         filter(&mut self.positions, &keep);
+        filter(&mut self.residuals, &keep);
         filter(&mut self.velocities, &keep);
         filter(&mut self.radii, &keep);
         filter(&mut self.masses, &keep);

@@ -86,17 +86,34 @@ pub struct Limits {
     pub until: f64,
     /// When the window ends.
     pub end: f64,
-    /// Distance that rounding of the stored positions may change.
+    /// Distance that rounding of positions to float32 may change.
     pub rounding: f64,
+    /// A bounce that is lower than this is left out.
+    pub lowest: f64,
     /// An impact that would make the surfaces overlap by less until the end of the window is left
     /// out.
     pub tolerance: f64,
+    /// The same for discs that overlap by more than [`DEEP`]. Many of them can have very many impacts
+    /// at the same time.
+    pub deep_tolerance: f64,
     /// All bounces after an impact with the speed v, against the acceleration a, take this times
     /// v/a: 2e/(1 − e) with the coefficient of restitution e.
     pub bounces: f64,
 }
 
+/// An overlap of discs, as a share of the sum of radii, which impacts do not cause.
+const DEEP: f64 = 0.01;
+
 impl Limits {
+    /// The limits for two discs; `square` is that of the distance of their centres.
+    #[inline(always)]
+    pub fn of_overlap(&self, square: f64, reach: f64) -> Self {
+        let least = (1.0 - DEEP) * reach;
+        let is_deep = square < least * least;
+        let tolerance = if is_deep { self.deep_tolerance } else { self.tolerance };
+        Self { tolerance, ..*self }
+    }
+
     /// What happens when surfaces touch at `time` that approach with `speed` and accelerate
     /// towards each other with `pull`; None if nothing does.
     #[inline(always)]
@@ -104,7 +121,7 @@ impl Limits {
         let left = self.end - time;
         if pull > 0.0 {
             // A bounce with this speed is as high as speed² / (2 · pull).
-            let is_low = speed * speed <= 2.0 * pull * self.rounding;
+            let is_low = speed * speed <= 2.0 * pull * self.lowest;
             let ends = speed >= 0.0 && speed * self.bounces <= pull * left;
             if is_low || ends {
                 return Some(Kind::Hold);
@@ -201,7 +218,7 @@ impl Relative {
             ((closest - back).max(0.0), back * ww / reach)
         };
         let time = self.start + wait;
-        let kind = limits.kind(normal_speed, 0.0, time)?;
+        let kind = limits.of_overlap(qq, reach).kind(normal_speed, 0.0, time)?;
         (time <= limits.until).then_some(Impact { time, kind })
     }
 
@@ -214,7 +231,7 @@ impl Relative {
         let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
         let wait = if square > 0.0 {
             first_root([square, rate, rest[0], rest[1], rest[2]], span)?
-        } else if let Some(kind) = self.kind_at(0.0, limits) {
+        } else if let Some(kind) = self.kind_at(0.0, &limits.of_overlap(dot(q, q), reach)) {
             return Some(Impact { time: self.start, kind });
         } else {
             // They touch and separate: the root at 0 is divided out.

@@ -4,7 +4,7 @@ use super::queue::Event;
 use crate::container::{Container, MAX_WALLS};
 use crate::flow::{Flow, Kick};
 use crate::forces::Thermostat;
-use crate::motion::Motions;
+use crate::motion::{Motions, exact};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{
@@ -13,6 +13,13 @@ use crate::trajectory::{
 
 /// Relative size of the rounding of positions in float32, with a reserve for sums.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
+/// A bounce that is lower than this share of the sum of radii is left out.
+const LOWEST: f64 = 1e-3;
+
+/// An impact without which the surfaces would overlap by less than this share of the sum of radii at
+/// the end of the window is left out.
+const SLIGHT: f64 = 1e-6;
 
 /// Relative error, with a large reserve, of the tests in float32.
 const MARGIN: f32 = 1e-4;
@@ -27,29 +34,18 @@ const DEFERRED: f64 = 0.01;
 pub struct Start {
     /// Centre.
     pub position: [f32; 2],
+    /// What rounding to float32 removed from the centre.
+    pub residual: [f32; 2],
     /// Velocity.
     pub velocity: [f32; 2],
     /// Radius.
     pub radius: f32,
-    /// 0 if it cannot move.
-    pub mass: f32,
+    /// Whether it can move.
+    pub is_movable: bool,
     /// Whether resting contacts support it.
     pub is_supported: bool,
     /// Whether gravity accelerates it.
     pub falls: bool,
-}
-
-impl Start {
-    /// Whether the disc can move.
-    #[inline(always)]
-    pub fn is_movable(&self) -> bool {
-        self.mass > 0.0
-    }
-
-    /// One over the mass; 0 if the disc cannot move.
-    pub fn inverse_mass(&self) -> f64 {
-        if self.is_movable() { 1.0 / f64::from(self.mass) } else { 0.0 }
-    }
 }
 
 /// What all discs of a sub-step have in common.
@@ -107,9 +103,10 @@ impl Flight<'_> {
             for (start, index) in starts.iter_mut().zip(first..) {
                 *start = Start {
                     position: motions.position(index as u32),
+                    residual: motions.residual(index as u32),
                     velocity: [0.0; 2],
                     radius: particles.radii[index],
-                    mass: 0.0,
+                    is_movable: movable[index],
                     is_supported: false,
                     falls: false,
                 };
@@ -117,13 +114,12 @@ impl Flight<'_> {
                     start.is_supported = kicks.get(index).is_some_and(|kick| kick.is_supported);
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
-                    start.mass = particles.masses[index];
                 }
             }
         });
         for &index in exhausted {
             let start = &mut starts[index as usize];
-            (start.velocity, start.mass, start.falls) = ([0.0; 2], 0.0, false);
+            (start.velocity, start.is_movable, start.falls) = ([0.0; 2], false, false);
         }
     }
 }
@@ -150,10 +146,10 @@ impl Window<'_> {
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
         let start = &self.starts[index as usize];
-        let is_kicked = !self.flight.kicks.is_empty() && start.is_movable();
+        let is_kicked = !self.flight.kicks.is_empty() && start.is_movable;
         Segment {
             time: 0.0,
-            position: start.position.map(f64::from),
+            position: exact(start.position, start.residual),
             // Not rounded to float32 where forces change it.
             velocity: if is_kicked {
                 self.flight.velocity(index)
@@ -218,6 +214,12 @@ impl Window<'_> {
         kick.map_or(damped, |kick| vector(|k| damped[k] + kick.after[k]))
     }
 
+    /// One over the mass of a disc; 0 if it cannot move.
+    pub fn inverse_mass(&self, index: u32) -> f64 {
+        let mass = f64::from(self.flight.particles.masses[index as usize]);
+        if self.starts[index as usize].is_movable { 1.0 / mass } else { 0.0 }
+    }
+
     /// Coefficient of restitution of two discs.
     pub fn pair_restitution(&self, [a, b]: [u32; 2]) -> f64 {
         let Flight { particles: Particles { restitutions, .. }, restitution, .. } = self.flight;
@@ -240,15 +242,22 @@ impl Window<'_> {
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
         let rounding = ROUNDING * (position[0].abs() + position[1].abs() + reach);
-        let limits =
-            Limits { until, end: self.end, rounding, tolerance: rounding, bounces: f64::INFINITY };
+        let limits = Limits {
+            until,
+            end: self.end,
+            rounding,
+            lowest: rounding.min(LOWEST * reach),
+            tolerance: rounding.min(SLIGHT * reach),
+            deep_tolerance: rounding,
+            bounces: f64::INFINITY,
+        };
         if self.flight.is_elastic {
             return limits;
         }
         let (are_supported, restitution) = surfaces();
-        let deferred = if are_supported { DEFERRED * reach } else { 0.0 };
+        let tolerance = if are_supported { DEFERRED * reach } else { limits.tolerance };
         let bounces = 2.0 * restitution / (1.0 - restitution);
-        Limits { tolerance: rounding.max(deferred), bounces, ..limits }
+        Limits { tolerance, deep_tolerance: rounding.max(tolerance), bounces, ..limits }
     }
 
     #[inline(always)]
@@ -256,7 +265,7 @@ impl Window<'_> {
         let surfaces = || {
             let rests = |index: u32| {
                 let start = &self.starts[index as usize];
-                start.is_supported || !start.is_movable()
+                start.is_supported || !start.is_movable
             };
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
@@ -299,7 +308,7 @@ impl Window<'_> {
     /// The next impact of a disc on a wall.
     pub fn wall_event(&self, index: u32, segment: &Segment, count: u32) -> Option<Event> {
         let (start, container) = (&self.starts[index as usize], &self.flight.container);
-        if !container.has_walls() || !start.is_movable() {
+        if !container.has_walls() || !start.is_movable {
             return None;
         }
         let radius = f64::from(start.radius);
@@ -319,10 +328,12 @@ impl Window<'_> {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
         let position = if a < b { first.position } else { second.position };
         let limits = self.pair_limits(self.end, position, [a, b]);
-        let (square, near) = (dot(offset, offset), self.reach(a, b) + limits.rounding);
+        let (square, reach) = (dot(offset, offset), self.reach(a, b));
+        let near = reach + limits.rounding;
         if square > near * near {
             return false;
         }
+        let limits = limits.of_overlap(square, reach);
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
         limits.kind(approach / square.sqrt(), 0.0, first.time).is_some()
     }
@@ -352,7 +363,8 @@ impl Window<'_> {
     /// has while it moves along a segment to the end of the window.
     #[inline(always)]
     pub fn longest_square(&self, index: u32, segment: &Segment) -> f64 {
-        let anchor = self.flight.particles.positions[index as usize].map(f64::from);
+        let Particles { positions, residuals, .. } = self.flight.particles;
+        let anchor = exact(positions[index as usize], residuals[index as usize]);
         let square = |p: Vector| {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)

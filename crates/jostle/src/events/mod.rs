@@ -302,7 +302,7 @@ impl Events {
             for course in &history.courses {
                 self.neighbors.of(course.index, |neighbor| {
                     if range.contains(&neighbor.index)
-                        || !window.starts[neighbor.index as usize].is_movable()
+                        || !window.starts[neighbor.index as usize].is_movable
                     {
                         return;
                     }
@@ -388,7 +388,7 @@ impl Events {
         if all {
             again.courses.iter().for_each(|course| reopen(course.index));
         }
-        discs.retain(|&index| window.starts[index as usize].is_movable());
+        discs.retain(|&index| window.starts[index as usize].is_movable);
         discs.sort_unstable();
         discs.dedup();
     }
@@ -465,7 +465,7 @@ impl Events {
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
             for index in block.range.clone() {
                 let (last, stopped) = match course_of[index as usize] {
-                    NONE if !window.starts[index as usize].is_movable() => continue,
+                    NONE if !window.starts[index as usize].is_movable => continue,
                     NONE => (window.segment(index), None),
                     number => {
                         let is_again = number & AGAIN != 0;
@@ -533,12 +533,12 @@ impl Block {
         let near = &mut scratch.near;
         near.resize(neighbors.count(&self.range), Default::default());
         let mut count = 0;
-        for index in self.range.clone().filter(|&index| start(index).is_movable()) {
+        for index in self.range.clone().filter(|&index| start(index).is_movable) {
             let own = start(index);
             neighbors.of(index, |neighbor| {
                 let other = start(neighbor.index);
                 let image = neighbors.image(neighbor).map(|v| v as f32);
-                let is_first = (neighbor.index > index) | !other.is_movable();
+                let is_first = (neighbor.index > index) | !other.is_movable;
                 // Without branches, because they would often be predicted wrongly.
                 near[count] = (index, *neighbor);
                 count += usize::from(is_first & window.may_meet(own, other, image));
@@ -547,7 +547,7 @@ impl Block {
         for &(a, Neighbor { index: b, image: code }) in &near[..count] {
             let [p, q] = [a, b].map(|disc| window.segment(disc));
             let impact = window.impact((a, &p), (b, &q), neighbors.image_of(code), window.end);
-            let is_inside = self.range.contains(&b) || !start(b).is_movable();
+            let is_inside = self.range.contains(&b) || !start(b).is_movable;
             let events = if is_inside { &mut self.first } else { &mut self.crossing };
             events.extend(impact.map(|impact| Event::of_discs(impact, [a, b], code, [0; 2])));
         }
@@ -583,7 +583,7 @@ impl Block {
 
 /// Lists the discs whose first segment leaves their bounds.
 fn find_outside_at_start(window: &Window<'_>, reaches: &[f32], outside: &mut Vec<Outside>) {
-    let movable = (0..).zip(window.starts).filter(|(_, start)| start.is_movable());
+    let movable = (0..).zip(window.starts).filter(|(_, start)| start.is_movable);
     let all = movable.map(|(index, _)| {
         let segment = window.segment(index);
         let distance = window.longest_square(index, &segment).sqrt();

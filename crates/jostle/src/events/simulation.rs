@@ -142,7 +142,7 @@ impl Simulation<'_> {
         }
         let takes_part = match self.course_of.get(index.wrapping_sub(self.range.start) as usize) {
             Some(&number) => number == NONE,
-            None => !self.window.starts[index as usize].is_movable(),
+            None => !self.window.starts[index as usize].is_movable,
         };
         takes_part.then(|| (NONE, self.window.segment(index), 0))
     }
@@ -159,7 +159,7 @@ impl Simulation<'_> {
             count: 0,
             segment: self.window.segment(index),
             before: NONE,
-            inverse_mass: self.window.starts[index as usize].inverse_mass(),
+            inverse_mass: self.window.inverse_mass(index),
             in_group: 0,
             island: number,
             next: number,
@@ -249,7 +249,7 @@ impl Simulation<'_> {
                 if is_predicted || course.stopped.is_some() && stopped.is_some() {
                     continue;
                 }
-            } else if stopped.is_some() && !window.starts[other.index as usize].is_movable() {
+            } else if stopped.is_some() && !window.starts[other.index as usize].is_movable {
                 continue;
             }
             let image = self.neighbors.image_of(other.image);
@@ -314,7 +314,7 @@ impl Simulation<'_> {
 
     fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
         let window = self.window;
-        if window.starts[partner as usize].is_movable() {
+        if window.starts[partner as usize].is_movable {
             self.join(partner, time);
         }
         // From the smaller index to the larger, so that both give the same numbers.

@@ -16,7 +16,7 @@ impl Simulation<'_> {
     pub(super) fn collide_two(&mut self, event: &Event) -> bool {
         let window = self.window;
         let Event { time, kind, code, pair: discs, .. } = *event;
-        let are_discs = discs[1] != WALL && window.starts[discs[1] as usize].is_movable();
+        let are_discs = discs[1] != WALL && window.starts[discs[1] as usize].is_movable;
         if kind != Kind::Bounce || !are_discs {
             return false;
         }

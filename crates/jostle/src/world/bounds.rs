@@ -95,7 +95,8 @@ impl World {
         radii.resize(len, 0.0);
         parallel::for_chunks(threads, radii, |first, radii| {
             for (radius, place) in radii.iter_mut().zip(first..) {
-                *radius = particles.radii[place] + reaches[place];
+                let rounding = rounding(particles.positions[place]);
+                *radius = particles.radii[place] + reaches[place] + rounding;
             }
         });
     }
@@ -158,6 +159,11 @@ fn mean(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
     let add = |(sum, count), number| (sum + (number * scale) as u64, count + 1);
     let (sum, count) = numbers.fold((0, 0u32), add);
     sum as f64 / scale / f64::from(count)
+}
+
+/// A distance that rounding to float32 changes by less.
+fn rounding([x, y]: [f32; 2]) -> f32 {
+    f32::EPSILON * (x.abs() + y.abs())
 }
 
 /// Area of the smallest AABB around some points.
@@ -235,8 +241,8 @@ impl<'a> StepBounds<'a> {
         // Another of its segments may have made them large enough.
         if distance > f64::from(*reach) {
             *reach = (distance * GROWTH) as f32;
-            let radius = self.particles.radii[index as usize] + *reach;
             let center = self.particles.positions[index as usize];
+            let radius = self.particles.radii[index as usize] + *reach + rounding(center);
             let times = [0.0, f64::INFINITY];
             self.grown.circles.push(Circle { index, center, radius, tile: [0; 2], times });
         }
@@ -273,6 +279,7 @@ impl<'a> StepBounds<'a> {
             let tile = self.container.tile(middle);
             let offset = self.container.offset(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
+            let radius = radius + rounding(center);
             // A step whose positions overflow is refused when they are stored.
             if center.into_iter().chain([radius]).all(f32::is_finite) {
                 self.grown.circles.push(Circle { index, center, radius, tile, times });

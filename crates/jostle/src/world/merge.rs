@@ -173,6 +173,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
     };
     Some(Particles {
         positions: vec![position],
+        residuals: vec![[0.0; 2]],
         velocities: vec![velocity],
         radii: vec![radius],
         masses: vec![whole],

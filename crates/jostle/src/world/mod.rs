@@ -326,9 +326,10 @@ impl World {
     }
 
     /// Changes columns of the particles: `change` gets a copy of them in the order of
-    /// adding. Refused values change nothing.
+    /// adding. A particle with a new position has no residual. Refused values change nothing.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
         let mut copy = self.particles();
+        let before = copy.positions.clone();
         change(&mut copy)?;
         if copy.len() != self.len() {
             let (found, expected) = (copy.len(), self.len());
@@ -337,6 +338,9 @@ impl World {
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
         rest_the_immovable(&mut copy);
+        let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before));
+        let moved = rows.filter(|(_, (new, old))| new != old);
+        moved.for_each(|(residual, _)| *residual = [0.0; 2]);
         self.particles.gather(&copy, &self.rows, Some(1));
         Ok(())
     }

@@ -16,8 +16,8 @@ use crate::settings::{Method, Settings};
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Version of the format of the other bytes.
-const VERSION: u32 = 2;
+/// Version of the format of the other bytes. Version 2 had no residuals.
+const VERSION: u32 = 3;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -33,7 +33,7 @@ impl World {
     /// # Ok::<(), jostle::Error>(())
     /// ```
     pub fn snapshot(&self) -> Vec<u8> {
-        let mut to = Writer::with_capacity(40 * self.len() + 256);
+        let mut to = Writer::with_capacity(48 * self.len() + 256);
         put_settings(&mut to, &self.settings);
         to.put(self.time);
         let Stats { nodes, leaves, depth, tests, unresolved } = self.stats;
@@ -52,7 +52,7 @@ impl World {
 
     /// The world of a snapshot. Refuses bytes that are not one, are cut off or damaged.
     pub fn restore(bytes: &[u8]) -> Result<Self> {
-        let mut from = Reader::open(bytes, MAGIC, VERSION)?;
+        let (mut from, version) = Reader::open(bytes, MAGIC, 2..=VERSION)?;
         let valid = |error: Error| damaged(&error.to_string());
         let mut world = Self::default();
         world.configure(get_settings(&mut from)?).map_err(valid)?;
@@ -69,7 +69,7 @@ impl World {
         };
         let len = from.get_count()?;
         let rows: Vec<u32> = from.get_all(len)?;
-        world.add(get_particles(&mut from, len)?).map_err(valid)?;
+        world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.check_rows(&rows).map_err(valid)?;
         world.rows = rows;
         get_wall_pushes(&mut from, &mut world.wall_pushes)?;
@@ -139,6 +139,7 @@ fn get_settings(from: &mut Reader<'_>) -> Result<WorldSettings> {
 
 fn put_particles(to: &mut Writer, all: &Particles) {
     to.put_all(&all.positions);
+    to.put_all(&all.residuals);
     to.put_all(&all.velocities);
     for column in [&all.radii, &all.masses, &all.restitutions] {
         let same = column.windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
@@ -149,9 +150,10 @@ fn put_particles(to: &mut Writer, all: &Particles) {
     to.put_all(&movable);
 }
 
-fn get_particles(from: &mut Reader<'_>, len: usize) -> Result<Particles> {
+fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
     Ok(Particles {
         positions: from.get_all(len)?,
+        residuals: if version > 2 { from.get_all(len)? } else { vec![[0.0; 2]; len] },
         velocities: from.get_all(len)?,
         radii: get_column(from, len)?,
         masses: get_column(from, len)?,

@@ -9,9 +9,9 @@ use super::{Memory, OnTouch, Stage, Stats, World, search};
 use crate::container::{Container, MAX_WALLS, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::motion::Motion;
+use crate::motion::{self, Motion};
 use crate::parallel;
-use crate::particles::{self, Particles};
+use crate::particles::{FARTHEST, Particles};
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.
@@ -106,12 +106,12 @@ impl World {
     fn check_displacements(&self, dt: f32) -> Result<()> {
         let longest = self.longest_displacement(dt);
         let tours = self.settings.container.tours(longest);
-        if longest <= particles::FARTHEST && tours <= MOST_TOURS {
+        if longest <= FARTHEST && tours <= MOST_TOURS {
             return Ok(());
         }
         let row = self.row_of(longest, |place| self.displacement(place, dt));
-        let rule = if longest > particles::FARTHEST {
-            let most = particles::FARTHEST;
+        let rule = if longest > FARTHEST {
+            let most = FARTHEST;
             format!("particle {row} would move by {longest:e}, more than {most:e}")
         } else {
             format!("particle {row} would circle the torus {tours} times; take smaller steps")
@@ -241,19 +241,35 @@ impl World {
                 "inf",
             ));
         }
-        let Particles { positions, velocities, .. } = &mut self.particles;
+        let Particles { positions, residuals, velocities, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
         let any = AtomicBool::new(false);
-        parallel::for_chunks_of_two(threads, positions, velocities, |first, p, v| {
-            for ((position, velocity), place) in p.iter_mut().zip(v).zip(first as u32..) {
-                let limit = particles::FARTHEST;
-                let motion = motions.get(place);
-                if !is_finite(&motion, &wall_pushes[place as usize]) {
-                    any.store(true, Atomic::Relaxed);
+        let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
+        parallel::for_chunks_of_two(
+            threads,
+            positions,
+            residuals,
+            |first, positions, residuals| {
+                let columns = positions.iter_mut().zip(residuals).zip(first as u32..);
+                for ((position, residual), place) in columns {
+                    let motion = motions.get(place);
+                    if !is_finite(&motion, &wall_pushes[place as usize]) {
+                        any.store(true, Atomic::Relaxed);
+                    }
+                    let inside = allowed(motion.position);
+                    let is_kept = inside == motion.position;
+                    *position = settings.container.wrap(inside);
+                    *residual = match settings.container {
+                        _ if !is_kept => [0.0; 2],
+                        Container::Torus { .. } => wrapped_residual(&settings.container, &motion),
+                        _ => motion.residual,
+                    };
                 }
-                let allowed = motion.position.map(|v| v.clamp(-limit, limit));
-                *position = settings.container.wrap(allowed);
-                *velocity = motion.velocity.map(|v| v.clamp(-limit, limit));
+            },
+        );
+        parallel::for_chunks(threads, velocities, |first, velocities| {
+            for (velocity, place) in velocities.iter_mut().zip(first as u32..) {
+                *velocity = allowed(motions.velocity(place));
             }
         });
         if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
@@ -288,6 +304,16 @@ fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
     [x, y, u, v, a, b, c, d].into_iter().map(|value| value * 0.0).sum::<f32>() == 0.0
 }
 
+/// What rounding removes from a position within a torus.
+fn wrapped_residual(torus: &Container, motion: &Motion) -> [f32; 2] {
+    let Motion { position, residual, .. } = *motion;
+    let wrapped = torus.wrap(position);
+    let shift = [0, 1].map(|k| f64::from(position[k]) - f64::from(wrapped[k]));
+    let nearest = torus.short_way(shift);
+    let exact = motion::exact(position, residual);
+    motion::residual([0, 1].map(|k| exact[k] - (shift[k] - nearest[k])), wrapped)
+}
+
 fn not_finite(argument: &'static str, row: u32, value: &str) -> Error {
     Error::NotFinite { argument, index: row as usize, value: value.to_string() }
 }
@@ -307,7 +333,8 @@ fn gather<V: Copy + Default + Send + Sync>(
 fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
     let numbers = |place: usize| {
         let ([x, y], [u, v]) = (all.positions[place], all.velocities[place]);
-        [x, y, u, v, all.radii[place], all.masses[place], all.restitutions[place]]
+        let [a, b] = all.residuals[place];
+        [x, y, a, b, u, v, all.radii[place], all.masses[place], all.restitutions[place]]
     };
     let pairs = numbers(a).into_iter().zip(numbers(b));
     let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());

@@ -93,7 +93,8 @@ impl World {
         let (motions, particles) = (&memory.motions, &self.particles);
         parallel::for_rows(threads, particles.len(), |place| {
             let (position, velocity) = (particles.positions[place], particles.velocities[place]);
-            motions.set(place as u32, Motion { position, velocity, ..Motion::default() });
+            let residual = particles.residuals[place];
+            motions.set(place as u32, Motion { position, residual, velocity, travel: [0.0; 2] });
         });
         let mut bounds = StepBounds::new(
             &memory.tree,

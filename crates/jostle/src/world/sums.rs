@@ -84,8 +84,9 @@ impl World {
         mix(all.len() as u32);
         for row in 0..all.len() {
             let ([x, y], [u, v]) = (all.positions[row], all.velocities[row]);
+            let [a, b] = all.residuals[row];
             let own = [all.radii[row], all.masses[row], all.restitutions[row]];
-            [x, y, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
+            [x, y, a, b, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
             mix(u32::from(all.movable[row]));
         }
         hash
