@@ -62,6 +62,16 @@ def test_a_restored_world_goes_on_to_the_bit(way: str, tmp_path: Path) -> None:
     assert_same(again, world)
 
 
+def test_a_snapshot_of_format_2_can_be_loaded() -> None:
+    """It has no residuals; its positions are float32."""
+    world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-2.jostle")
+    expected = [(2.1043539, 3.9709370), (3.7273207, 4.3773355), (5.2320442, 4.25)]
+    np.testing.assert_allclose(world.positions, expected, rtol=1e-7)
+    assert world.time == pytest.approx(100 / 60)
+    world.step(STEP, steps=100)
+    assert jostle.World.restore(world.snapshot()).state_hash() == world.state_hash()
+
+
 def test_other_bytes_like_objects() -> None:
     data = pile().snapshot()
     assert isinstance(data, bytes)

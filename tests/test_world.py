@@ -743,3 +743,17 @@ def test_signatures() -> None:
         "radii",
     ]
     assert "ids, *, positions=None" in str(inspect.signature(jostle.World.set))
+
+
+def test_given_positions_have_no_residual() -> None:
+    """Also where they are those that the world has."""
+    world = jostle.World([(0, 0), (3, 0)], [(0.1, 0), (0, 0)], radii=1.0)
+    world.step(1 / 60, steps=7)
+    positions, velocities = world.positions, world.velocities
+    same = jostle.World(positions, velocities, radii=1.0)
+    assert world.state_hash() != same.state_hash()
+    world.positions = positions
+    assert world.state_hash() == same.state_hash()
+    world.step(1 / 60, steps=7)
+    same.step(1 / 60, steps=7)
+    assert world.state_hash() == same.state_hash()

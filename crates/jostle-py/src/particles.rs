@@ -66,6 +66,9 @@ impl Draft {
 
     /// Writes the columns over those of the particles `ids`, or of all.
     pub fn write(self, particles: &mut Particles, ids: Option<&[u32]>) {
+        // Given positions are exact.
+        let residuals = self.positions.is_some().then_some(Each::One([0.0; 2]));
+        put(residuals, &mut particles.residuals, ids);
         put(self.positions.map(Each::Rows), &mut particles.positions, ids);
         put(self.velocities.map(Each::Rows), &mut particles.velocities, ids);
         put(self.radii, &mut particles.radii, ids);

@@ -56,7 +56,8 @@ const DIRECTIONS: [[f32; 2]; 16] = [
 #[derive(Clone, Copy, Debug)]
 struct Near {
     places: [u32; 2],
-    image: [f32; 2],
+    /// From the first to the second, before the correction.
+    offset: [f32; 2],
     reach: f32,
     inverse_masses: [f32; 2],
     /// Largest impulse: a displacement is the impulse times the inverse mass.
@@ -66,7 +67,8 @@ struct Near {
 /// Scratch.
 #[derive(Debug, Default)]
 pub struct Correction {
-    positions: Vectors,
+    /// Displacements by the correction; 0 before and after it.
+    displacements: Vectors,
     near: Vec<Near>,
     /// Where in `near` each colour ends.
     ends: Vec<usize>,
@@ -83,29 +85,42 @@ impl Correction {
         threads: Option<usize>,
     ) {
         let radii = &particles.radii;
-        let inside =
-            |place: u32, position: [f32; 2]| container.clamp(position, radii[place as usize]);
+        let clamp = |place: u32| {
+            let position = motions.position(place);
+            let allowed = container.clamp(position, radii[place as usize]);
+            if allowed != position {
+                motions.set_position(place, allowed);
+            }
+        };
         if container.has_walls() {
             parallel::for_rows(threads, particles.len(), |index| {
                 if particles.movable[index] {
-                    let place = index as u32;
-                    let position = motions.position(place);
-                    let allowed = inside(place, position);
-                    if allowed != position {
-                        motions.set_position(place, allowed);
-                    }
+                    clamp(index as u32);
                 }
             });
         }
-        self.positions.resize(particles.len());
+        // The displacement that walls allow.
+        let inside = |place: u32, by: [f32; 2]| {
+            let position = motions.position(place);
+            let wanted = [0, 1].map(|k| position[k] + by[k]);
+            let allowed = container.clamp(wanted, radii[place as usize]);
+            if allowed == wanted { by } else { [0, 1].map(|k| allowed[k] - position[k]) }
+        };
+        self.displacements.resize(particles.len());
         self.list(contacts, motions, radii);
         let mut sweeps = 0;
         while sweeps < ITERATIONS && self.separate(inside, threads) {
             sweeps += 1;
         }
         if sweeps > 0 {
-            let places = self.near.iter().flat_map(|near| near.places);
-            places.for_each(|place| motions.set_position(place, self.positions.get(place)));
+            for place in self.near.iter().flat_map(|near| near.places) {
+                let by = self.displacements.get(place);
+                if by != [0.0; 2] {
+                    motions.displace(place, by);
+                    clamp(place);
+                    self.displacements.set(place, [0.0; 2]);
+                }
+            }
         }
     }
 
@@ -117,16 +132,15 @@ impl Correction {
             for contact in &mut contacts.list[range] {
                 let Contact { places, image, reach, inverse_masses, .. } = *contact;
                 let [a, b] = places.map(|place| motions.position(place));
-                let offset = [0, 1].map(|k| b[k] - a[k] + image[k]);
+                let [c, d] = places.map(|place| motions.residual(place));
+                let offset = [0, 1].map(|k| (b[k] - a[k] + image[k]) + (d[k] - c[k]));
                 let square = offset[0] * offset[0] + offset[1] * offset[1];
                 contact.touched |= square < reach * reach;
                 let near = (1.0 + NEAR) * reach;
                 if square < near * near {
                     let [p, q] = places.map(|place| radii[place as usize]);
                     let most = MOST * p.min(q) / inverse_masses[0].max(inverse_masses[1]);
-                    self.positions.set(places[0], a);
-                    self.positions.set(places[1], b);
-                    self.near.push(Near { places, image, reach, inverse_masses, most });
+                    self.near.push(Near { places, offset, reach, inverse_masses, most });
                 }
             }
             self.ends.push(self.near.len());
@@ -148,7 +162,7 @@ impl Correction {
             }
             let threads = if colour == COLOURS { Some(1) } else { threads };
             parallel::for_slices(threads, near, |near| {
-                let all = near.iter().map(|near| near.separate(&self.positions, &inside));
+                let all = near.iter().map(|near| near.separate(&self.displacements, &inside));
                 any.fetch_or(all.fold(false, |any, moves| any | moves), Ordering::Relaxed);
             });
         }
@@ -159,9 +173,13 @@ impl Correction {
 impl Near {
     /// Moves two overlapping particles apart. Returns whether they overlap.
     #[inline(always)]
-    fn separate(&self, positions: &Vectors, inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) -> bool {
-        let [a, b] = self.places.map(|place| positions.get(place));
-        let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
+    fn separate(
+        &self,
+        displacements: &Vectors,
+        inside: &impl Fn(u32, [f32; 2]) -> [f32; 2],
+    ) -> bool {
+        let [a, b] = self.places.map(|place| displacements.get(place));
+        let offset = [0, 1].map(|k| self.offset[k] + (b[k] - a[k]));
         let square = offset[0] * offset[0] + offset[1] * offset[1];
         let least = (1.0 - SLOP - TOLERANCE) * self.reach;
         if square >= least * least {
@@ -176,11 +194,11 @@ impl Near {
         let excess = (1.0 - SLOP) * self.reach - length;
         let [inverse_a, inverse_b] = self.inverse_masses;
         let push = (SOFTNESS * excess / (inverse_a + inverse_b)).min(self.most);
-        for (k, position, sign) in [(0, a, -1.0), (1, b, 1.0)] {
+        for (k, displacement, sign) in [(0, a, -1.0), (1, b, 1.0)] {
             let (place, by) = (self.places[k], sign * push * self.inverse_masses[k]);
             if by != 0.0 {
-                let new = [0, 1].map(|k| position[k] + normal[k] * by);
-                positions.set(place, inside(place, new));
+                let new = [0, 1].map(|k| displacement[k] + normal[k] * by);
+                displacements.set(place, inside(place, new));
             }
         }
         true

@@ -63,6 +63,15 @@ struct Row {
     travel: Two,
 }
 
+impl Row {
+    #[inline(always)]
+    fn set_exact(&self, position: [f64; 2]) {
+        let rounded = position.map(|v| v as f32);
+        self.position.set_vector(rounded);
+        self.residual.set_vector(residual(position, rounded));
+    }
+}
+
 /// The motions of all particles. Contacts of one colour share no movable
 /// particle, so plain (relaxed) loads and stores are enough, and safe.
 #[derive(Debug, Default)]
@@ -120,10 +129,20 @@ impl Motions {
         self.0[place as usize].travel.vector()
     }
 
-    /// Replaces its position alone; the residual remains.
+    /// Replaces its position, exactly.
     #[inline(always)]
     pub fn set_position(&self, place: u32, position: [f32; 2]) {
-        self.0[place as usize].position.set_vector(position);
+        let row = &self.0[place as usize];
+        row.position.set_vector(position);
+        row.residual.set_vector([0.0; 2]);
+    }
+
+    /// Adds a displacement to its position.
+    #[inline(always)]
+    pub fn displace(&self, place: u32, by: [f32; 2]) {
+        let row = &self.0[place as usize];
+        let old = exact(row.position.vector(), row.residual.vector());
+        row.set_exact([0, 1].map(|k| old[k] + f64::from(by[k])));
     }
 
     /// Replaces position and velocity; the displacement is the change of the position.
@@ -132,9 +151,7 @@ impl Motions {
         let row = &self.0[place as usize];
         let old = exact(row.position.vector(), row.residual.vector());
         row.travel.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
-        let rounded = position.map(|v| v as f32);
-        row.position.set_vector(rounded);
-        row.residual.set_vector(residual(position, rounded));
+        row.set_exact(position);
         row.velocity.set_vector(velocity.map(|v| v as f32));
     }
 }

@@ -86,10 +86,9 @@ pub struct Limits {
     pub until: f64,
     /// When the window ends.
     pub end: f64,
-    /// Distance that rounding of positions to float32 may change.
+    /// Surfaces with a smaller gap touch, and a bounce that is lower is left out: rounding of
+    /// positions to float32 may change them by so much.
     pub rounding: f64,
-    /// A bounce that is lower than this is left out.
-    pub lowest: f64,
     /// An impact that would make the surfaces overlap by less until the end of the window is left
     /// out.
     pub tolerance: f64,
@@ -121,7 +120,7 @@ impl Limits {
         let left = self.end - time;
         if pull > 0.0 {
             // A bounce with this speed is as high as speed² / (2 · pull).
-            let is_low = speed * speed <= 2.0 * pull * self.lowest;
+            let is_low = speed * speed <= 2.0 * pull * self.rounding;
             let ends = speed >= 0.0 && speed * self.bounces <= pull * left;
             if is_low || ends {
                 return Some(Kind::Hold);

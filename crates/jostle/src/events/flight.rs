@@ -14,8 +14,9 @@ use crate::trajectory::{
 /// Relative size of the rounding of positions in float32, with a reserve for sums.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
-/// A bounce that is lower than this share of the sum of radii is left out.
-const LOWEST: f64 = 1e-3;
+/// Far from the origin, where float32 is coarse, the rounding counts as this share of the sum of
+/// radii.
+const COARSE: f64 = 1e-3;
 
 /// An impact without which the surfaces would overlap by less than this share of the sum of radii at
 /// the end of the window is left out.
@@ -223,6 +224,10 @@ impl Window<'_> {
     /// Coefficient of restitution of two discs.
     pub fn pair_restitution(&self, [a, b]: [u32; 2]) -> f64 {
         let Flight { particles: Particles { restitutions, .. }, restitution, .. } = self.flight;
+        // Not read if all are 1.
+        if self.flight.is_elastic {
+            return 1.0;
+        }
         f64::from(restitution * (restitutions[a as usize] * restitutions[b as usize]))
     }
 
@@ -245,8 +250,7 @@ impl Window<'_> {
         let limits = Limits {
             until,
             end: self.end,
-            rounding,
-            lowest: rounding.min(LOWEST * reach),
+            rounding: rounding.min(COARSE * reach),
             tolerance: rounding.min(SLIGHT * reach),
             deep_tolerance: rounding,
             bounces: f64::INFINITY,
