@@ -211,7 +211,7 @@ for call in calls:
 @linux
 @pytest.mark.parametrize("mebibytes", [2, 8, 16, 24])
 def test_threads_keep_memory_for_small_allocations(mebibytes: int) -> None:
-    """Small allocations of the threads cannot fail; without a margin they abort the process."""
+    """A small allocation that fails ends the process, so some memory is left for the threads."""
     printed = run_child(
         f"""
 from signals import limit_memory

@@ -31,8 +31,10 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// Particles: discs that move, collide and bounce off walls.
 ///
 /// Particles are rows, in the order of adding; their row numbers are their ids.
-/// Everything is float32; other numbers are converted. The same input gives the
-/// same bits on every machine, for every number of threads and for both methods.
+/// All columns are float32; other numbers are converted. What rounding to float32 removes
+/// from positions is kept from step to step; positions that are assigned are exact. The same
+/// input gives the same bits on every machine, for every number of threads and for both
+/// methods.
 ///
 /// Parameters
 /// ----------

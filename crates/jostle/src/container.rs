@@ -1,6 +1,7 @@
 //! The container: walls, or a torus.
 
 use crate::error::{Error, Result};
+use crate::motion;
 use crate::particles::FARTHEST;
 
 /// The region that contains the particles.
@@ -230,6 +231,24 @@ impl Container {
             if v >= side || v < 0.0 { 0.0 } else { v }
         };
         [wrapped(0), wrapped(1)]
+    }
+
+    /// The equivalent position within a torus, in float32, and its residual.
+    pub fn wrap_exact(&self, position: [f32; 2], residual: [f32; 2]) -> ([f32; 2], [f32; 2]) {
+        let Self::Torus { size } = self else { return (position, residual) };
+        let exact = motion::exact(position, residual);
+        let mut inside = exact;
+        let mut rounded = [0.0; 2];
+        for k in [0, 1] {
+            let side = f64::from(size[k]);
+            inside[k] -= side * (exact[k] / side).floor();
+            rounded[k] = inside[k] as f32;
+            // A position that rounds to the far side is at the near one.
+            if rounded[k] >= size[k] {
+                (inside[k], rounded[k]) = (inside[k] - side, 0.0);
+            }
+        }
+        (rounded, motion::residual(inside, rounded))
     }
 
     /// The minimum image of an offset: that to the nearest image.

@@ -104,7 +104,8 @@ impl Correction {
             let position = motions.position(place);
             let wanted = [0, 1].map(|k| position[k] + by[k]);
             let allowed = container.clamp(wanted, radii[place as usize]);
-            if allowed == wanted { by } else { [0, 1].map(|k| allowed[k] - position[k]) }
+            let is_kept = |k: usize| allowed[k] == wanted[k];
+            [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
         };
         self.displacements.resize(particles.len());
         self.list(contacts, motions, radii);

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 /// instance of threads, abort the process if they fail; the margin is for them.
 const MARGIN: usize = 1 << 20;
 
-/// An allocation of fewer bytes is made without a look at the margin.
+/// An allocation of fewer bytes does not check the margin.
 const SMALL: usize = 1 << 10;
 
 /// Whether [`MARGIN`] bytes are free after an allocation for `len` values.
@@ -33,8 +33,13 @@ pub fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
 #[cold]
 fn grow<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
     let len = values.len();
+    let before = values.capacity();
     let grown = values.try_reserve(more).and_then(|()| check_margin::<V>(values.capacity()));
-    grown.map_err(|error| no_memory::<V>(&error, len.saturating_add(more)))
+    grown.map_err(|error| {
+        // Other threads go on until they notice the error.
+        values.shrink_to(before);
+        no_memory::<V>(&error, len.saturating_add(more))
+    })
 }
 
 /// The error of an allocation for `len` values.

@@ -129,12 +129,14 @@ impl Motions {
         self.0[place as usize].travel.vector()
     }
 
-    /// Replaces its position, exactly.
+    /// Replaces its position; a coordinate that changes has no residual.
     #[inline(always)]
     pub fn set_position(&self, place: u32, position: [f32; 2]) {
         let row = &self.0[place as usize];
+        let (old, kept) = (row.position.vector(), row.residual.vector());
+        let is_same = |k: usize| position[k] == old[k];
+        row.residual.set_vector([0, 1].map(|k| if is_same(k) { kept[k] } else { 0.0 }));
         row.position.set_vector(position);
-        row.residual.set_vector([0.0; 2]);
     }
 
     /// Adds a displacement to its position.
@@ -161,7 +163,7 @@ impl Motions {
 pub struct Vectors(Vec<Two>);
 
 impl Vectors {
-    /// Makes room for `len` vectors; what is in them is unspecified.
+    /// Makes room for `len` vectors; new ones are 0.
     pub fn resize(&mut self, len: usize) {
         self.0.resize_with(len, Default::default);
     }

@@ -15,7 +15,7 @@ pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
 pub struct Particles {
     /// Centres.
     pub positions: Vec<[f32; 2]>,
-    /// What rounding to float32 removed from the centres; a step adds it again.
+    /// What rounding to float32 removed from the centres; the next step adds it to them.
     pub residuals: Vec<[f32; 2]>,
     /// In world units per second; zero for immovable particles.
     pub velocities: Vec<[f32; 2]>,

@@ -86,8 +86,8 @@ pub struct Limits {
     pub until: f64,
     /// When the window ends.
     pub end: f64,
-    /// Surfaces with a smaller gap touch, and a bounce that is lower is left out: rounding of
-    /// positions to float32 may change them by so much.
+    /// Surfaces with a smaller gap touch. Lower bounces are left out. About the rounding of
+    /// positions to float32.
     pub rounding: f64,
     /// An impact that would make the surfaces overlap by less until the end of the window is left
     /// out.
@@ -100,7 +100,7 @@ pub struct Limits {
     pub bounces: f64,
 }
 
-/// An overlap of discs, as a share of the sum of radii, which impacts do not cause.
+/// Impacts do not cause overlaps above this share of the sum of radii.
 const DEEP: f64 = 0.01;
 
 impl Limits {

@@ -721,3 +721,37 @@ fn slow_discs_far_from_the_origin_collide_as_near_it() {
         }
     }
 }
+
+#[test]
+fn a_slow_disc_slides_along_a_floor_far_from_the_origin() {
+    let disc = Particles::new(vec![[1e6, 9.0]], vec![[0.05, 0.0]], vec![1.0], 1.0);
+    let container = Container::Box { min: [1e6 - 10.0, -10.0], max: [1e6 + 50.0, 10.0] };
+    let settings =
+        WorldSettings { container, gravity: [0.0, 10.0], restitution: 0.5, ..Default::default() };
+    let mut world = world(disc, settings);
+    run(&mut world, STEP, 3600);
+    let [x, y] = world.positions()[0];
+    assert!((f64::from(x) - 1e6 - 0.05 * world.time()).abs() < 0.07, "{x}");
+    assert_eq!(y, 9.0);
+}
+
+#[test]
+fn points_rest_and_bounce_on_a_floor_in_bounded_work() {
+    for restitution in [0.5, 0.9, 1.0] {
+        let mut points = Particles::new(
+            vec![[100.0, 9.0], [101.0, 10.0], [10.0, 10.0]],
+            vec![[0.1, 0.0], [0.0, -1e-9], [0.0, 1e-9]],
+            vec![0.0; 3],
+            1.0,
+        );
+        points.masses = vec![1.0; 3];
+        let container = Container::Box { min: [10.0, -10.0], max: [110.0, 10.0] };
+        let gravity = [0.0, 10.0];
+        let mut world =
+            world(points, WorldSettings { container, gravity, restitution, ..Default::default() });
+        for _ in 0..60 {
+            run(&mut world, STEP, 1);
+            assert_eq!(world.stats().unresolved, 0, "{restitution}");
+        }
+    }
+}

@@ -14,6 +14,9 @@ use crate::trajectory::{
 /// Relative size of the rounding of positions in float32, with a reserve for sums.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
+/// Relative size of the rounding of positions with residuals, with a reserve for sums.
+const PRECISION: f64 = ROUNDING / (1 << 24) as f64;
+
 /// Far from the origin, where float32 is coarse, the rounding counts as this share of the sum of
 /// radii.
 const COARSE: f64 = 1e-3;
@@ -246,12 +249,16 @@ impl Window<'_> {
         reach: f64,
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
-        let rounding = ROUNDING * (position[0].abs() + position[1].abs() + reach);
+        let size = position[0].abs() + position[1].abs() + reach;
+        let rounding = ROUNDING * size;
+        let at_most = |share: f64| {
+            if reach > 0.0 { rounding.min((share * reach).max(PRECISION * size)) } else { rounding }
+        };
         let limits = Limits {
             until,
             end: self.end,
-            rounding: rounding.min(COARSE * reach),
-            tolerance: rounding.min(SLIGHT * reach),
+            rounding: at_most(COARSE),
+            tolerance: at_most(SLIGHT),
             deep_tolerance: rounding,
             bounces: f64::INFINITY,
         };

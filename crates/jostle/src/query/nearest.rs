@@ -125,7 +125,10 @@ impl<T: Scalar> Nearest<T> {
         let grown = self.found.try_reserve(1 + len.min(self.wanted - len - 1));
         let grown = grown
             .and_then(|()| memory::check_margin::<Neighbor<T>>(self.found.capacity()))
-            .map_err(|error| memory::no_memory::<Neighbor<T>>(&error, (2 * len).max(4)));
+            .map_err(|error| {
+                self.found.shrink_to(len);
+                memory::no_memory::<Neighbor<T>>(&error, (2 * len).max(4))
+            });
         self.failed = self.failed.take().or(grown.err());
         self.failed.is_none()
     }

@@ -95,7 +95,7 @@ impl World {
         radii.resize(len, 0.0);
         parallel::for_chunks(threads, radii, |first, radii| {
             for (radius, place) in radii.iter_mut().zip(first..) {
-                let rounding = rounding(particles.positions[place]);
+                let rounding = rounding(particles.positions[place], &settings.container);
                 *radius = particles.radii[place] + reaches[place] + rounding;
             }
         });
@@ -161,9 +161,13 @@ fn mean(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
     sum as f64 / scale / f64::from(count)
 }
 
-/// A distance that rounding to float32 changes by less.
-fn rounding([x, y]: [f32; 2]) -> f32 {
-    f32::EPSILON * (x.abs() + y.abs())
+/// Upper bound of the residual of a position, which on a torus may be that of the far side.
+fn rounding([x, y]: [f32; 2], container: &Container) -> f32 {
+    let [width, height] = match container {
+        Container::Torus { size } => *size,
+        _ => [0.0; 2],
+    };
+    f32::EPSILON * (x.abs() + y.abs() + width + height)
 }
 
 /// Area of the smallest AABB around some points.
@@ -242,7 +246,8 @@ impl<'a> StepBounds<'a> {
         if distance > f64::from(*reach) {
             *reach = (distance * GROWTH) as f32;
             let center = self.particles.positions[index as usize];
-            let radius = self.particles.radii[index as usize] + *reach + rounding(center);
+            let radius =
+                self.particles.radii[index as usize] + *reach + rounding(center, &self.container);
             let times = [0.0, f64::INFINITY];
             self.grown.circles.push(Circle { index, center, radius, tile: [0; 2], times });
         }
@@ -279,7 +284,7 @@ impl<'a> StepBounds<'a> {
             let tile = self.container.tile(middle);
             let offset = self.container.offset(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
-            let radius = radius + rounding(center);
+            let radius = radius + rounding(center, &self.container);
             // A step whose positions overflow is refused when they are stored.
             if center.into_iter().chain([radius]).all(f32::is_finite) {
                 self.grown.circles.push(Circle { index, center, radius, tile, times });

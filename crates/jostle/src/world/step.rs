@@ -9,7 +9,7 @@ use super::{Memory, OnTouch, Stage, Stats, World, search};
 use crate::container::{Container, MAX_WALLS, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::motion::{self, Motion};
+use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{FARTHEST, Particles};
 
@@ -258,12 +258,8 @@ impl World {
                     }
                     let inside = allowed(motion.position);
                     let is_kept = inside == motion.position;
-                    *position = settings.container.wrap(inside);
-                    *residual = match settings.container {
-                        _ if !is_kept => [0.0; 2],
-                        Container::Torus { .. } => wrapped_residual(&settings.container, &motion),
-                        _ => motion.residual,
-                    };
+                    let kept = if is_kept { motion.residual } else { [0.0; 2] };
+                    (*position, *residual) = settings.container.wrap_exact(inside, kept);
                 }
             },
         );
@@ -302,16 +298,6 @@ fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
     // A product with 0 is 0, or not a number.
     let [a, b, c, d] = wall_pushes;
     [x, y, u, v, a, b, c, d].into_iter().map(|value| value * 0.0).sum::<f32>() == 0.0
-}
-
-/// What rounding removes from a position within a torus.
-fn wrapped_residual(torus: &Container, motion: &Motion) -> [f32; 2] {
-    let Motion { position, residual, .. } = *motion;
-    let wrapped = torus.wrap(position);
-    let shift = [0, 1].map(|k| f64::from(position[k]) - f64::from(wrapped[k]));
-    let nearest = torus.short_way(shift);
-    let exact = motion::exact(position, residual);
-    motion::residual([0, 1].map(|k| exact[k] - (shift[k] - nearest[k])), wrapped)
 }
 
 fn not_finite(argument: &'static str, row: u32, value: &str) -> Error {

@@ -67,7 +67,8 @@ impl World {
         }
         let overlap = |[a, b]: [u32; 2], image: [f32; 2]| {
             let [p, q] = [a, b].map(|place| particles.positions[place as usize]);
-            let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+            let [c, d] = [a, b].map(|place| particles.residuals[place as usize]);
+            let [x, y] = [0, 1].map(|k| (q[k] - p[k] + image[k]) + (d[k] - c[k]));
             let reach = particles.radii[a as usize] + particles.radii[b as usize];
             let reach = reach * (1.0 - OVERLAP);
             x * x + y * y < reach * reach

@@ -22,8 +22,8 @@ pub(super) struct Before {
     pub(super) arranged: bool,
     pub(super) ordered: Ordered,
     pub(super) contacts: Contacts,
-    /// Positions as the caller gave them, if some were outside the torus.
-    unwrapped: Option<Vec<[f32; 2]>>,
+    /// Positions and residuals as they were, if some were outside the torus.
+    unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
     stats: Stats,
     renumbered: Option<Vec<Option<u32>>>,
@@ -38,11 +38,14 @@ impl World {
         before.stats = self.stats;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
-        let positions = &mut self.particles.positions;
+        let Particles { positions, residuals, .. } = &mut self.particles;
         let outside = |position: &[f32; 2]| container.wrap(*position) != *position;
-        before.unwrapped = positions.iter().any(outside).then(|| positions.clone());
-        if before.unwrapped.is_some() {
-            positions.iter_mut().for_each(|position| *position = container.wrap(*position));
+        let is_any_outside = positions.iter().any(outside);
+        before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
+        if is_any_outside {
+            for (position, residual) in positions.iter_mut().zip(residuals) {
+                (*position, *residual) = container.wrap_exact(*position, *residual);
+            }
         }
     }
 
@@ -57,8 +60,8 @@ impl World {
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
         }
-        if let Some(positions) = before.unwrapped.take() {
-            self.particles.positions = positions;
+        if let Some([positions, residuals]) = before.unwrapped.take() {
+            (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
         std::mem::swap(&mut self.forces, &mut before.forces);
         self.stats = before.stats;
