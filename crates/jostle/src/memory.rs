@@ -5,8 +5,8 @@ use std::collections::TryReserveError;
 
 use crate::error::{Error, Result};
 
-/// Bytes that must be free after each allocation here. Small allocations of libraries, for
-/// instance of threads, abort the process if they fail; the margin is for them.
+/// Bytes that must be free after each allocation here. A small allocation, for instance of a thread,
+/// ends the process if it fails; the margin is for these.
 const MARGIN: usize = 1 << 20;
 
 /// An allocation of fewer bytes does not check the margin.

@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 /// Relative size of the rounding of positions with residuals, with a reserve for sums.
 const PRECISION: f64 = ROUNDING / (1 << 24) as f64;
 
-/// Far from the origin, where float32 is coarse, the rounding counts as this share of the sum of
-/// radii.
+/// The rounding counts as at most this share of the sum of radii, which matters far from the origin,
+/// where float32 is coarse.
 const COARSE: f64 = 1e-3;
 
 /// An impact without which the surfaces would overlap by less than this share of the sum of radii at
