@@ -219,6 +219,7 @@ proptest! {
         if let Ok(mut world) = World::restore(&forged(bytes)) {
             let mut settings = *world.settings();
             settings.tree.threads = Some(1);
+            settings.substeps = settings.substeps.map(|asked| asked.min(4)); // it may be 2³²
             prop_assert!(world.configure(settings).is_ok());
             prop_assert!(world.contacts().is_ok());
             let _ = world.step(1e-3, 1, &mut |_| ());
