@@ -46,13 +46,22 @@ def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float
 
 
 def limit_memory(beyond: int) -> None:
-    """Let this process have `beyond` bytes of address space more than now."""
+    """Let this process have `beyond` bytes of address space more than now, until `lift_limit`."""
     import resource
 
     with open("/proc/self/statm", encoding="ascii") as file:
         pages = int(file.read().split()[0])
     most = pages * os.sysconf("SC_PAGE_SIZE") + beyond
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    _, largest = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (most, largest))
+
+
+def lift_limit() -> None:
+    """End the limit of `limit_memory`."""
+    import resource
+
+    _, largest = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (largest, largest))
 
 
 def limit_threads() -> None:

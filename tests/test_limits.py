@@ -136,7 +136,7 @@ def test_too_little_memory_is_a_memory_error() -> None:
     printed = run_child(
         """
 import re
-from signals import limit_memory
+from signals import lift_limit, limit_memory
 zeros = np.zeros((4000, 2))
 tree = jostle.Quadtree(zeros, 1.0)
 other = jostle.Quadtree(zeros[:2000], 1.0)
@@ -171,6 +171,7 @@ refused(space.pairs)
 refused(space.update)
 refused(space.query_circle, zeros, 1.0)
 refused(space.add, large, 1.0)
+lift_limit()
 assert len(tree) == len(space) == 4000
 space.move(ids[2:], np.arange(2.0, len(ids))[:, None] * (10, 0))
 assert space.update().entered.tolist() == [[0, 1]]

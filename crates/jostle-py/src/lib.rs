@@ -1,6 +1,7 @@
 //! The Python face of jostle: docstrings, signatures and calls. What is computed
 //! is computed in the core; `arrays` is the only place that converts.
 
+mod allocator;
 mod error;
 mod interrupt;
 mod lock;

@@ -90,6 +90,11 @@ impl Error {
             other => other,
         }
     }
+
+    /// The bytes that could not be allocated; 0 for other errors.
+    pub(crate) fn bytes(&self) -> usize {
+        if let Self::NoMemory { bytes } = self { *bytes } else { 0 }
+    }
 }
 
 impl fmt::Display for Error {

@@ -120,10 +120,15 @@ fn search_in_order<T: Scalar>(
         let (order, pulse) = (parts[part], Pulse::of(&stop));
         T::with_widest(Search { tree, regions, plain, order, mask, count: &count, pulse })
     });
-    if count.into_inner() > MOST_IDS {
+    let count = count.into_inner();
+    if count > MOST_IDS {
         return Err(Error::TooManyIds { most: MOST_IDS });
     }
-    together(&parts, found.into_iter().collect::<Result<Vec<_>>>()?)
+    // The first part that failed may have needed little, while others held much.
+    let sizes = found.iter().filter_map(|hits| hits.as_ref().err().map(Error::bytes));
+    let bytes = sizes.max().unwrap_or(0).max(count * size_of::<u32>());
+    let found = found.into_iter().collect::<Result<Vec<_>>>();
+    together(&parts, found.map_err(|error| error.in_all(bytes))?)
 }
 
 /// Puts answers to questions in some order into the order of their numbers.
