@@ -81,6 +81,8 @@ pub struct Flight<'a> {
     pub thermostat: Option<Thermostat>,
     /// Whether discs bounce off each other.
     pub pairs: bool,
+    /// The candidate pairs, a list for each image.
+    pub candidates: &'a [([f32; 2], Vec<[u32; 2]>)],
     /// Whether it is known that all discs without events stay in their bounds.
     pub bounded: bool,
     /// Threads to use.
@@ -249,7 +251,7 @@ impl Window<'_> {
         reach: f64,
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
-        let size = position[0].abs() + position[1].abs() + reach;
+        let size = size(position, reach);
         let rounding = ROUNDING * size;
         let at_most = |share: f64| {
             if reach > 0.0 { rounding.min((share * reach).max(PRECISION * size)) } else { rounding }
@@ -319,13 +321,29 @@ impl Window<'_> {
     /// The next impact of a disc on a wall.
     pub fn wall_event(&self, index: u32, segment: &Segment, count: u32) -> Option<Event> {
         let (start, container) = (&self.starts[index as usize], &self.flight.container);
-        if !container.has_walls() || !start.is_movable {
+        let radius = f64::from(start.radius);
+        let span = self.end - segment.time;
+        let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
+        if !start.is_movable || self.is_far_from_walls(segment.position, radius, [far(0), far(1)]) {
             return None;
         }
-        let radius = f64::from(start.radius);
         let limits = self.wall_limits(segment.position, index);
         let hit = wall_impact(segment, radius, container, self.flight.gravity, &limits);
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
+    }
+
+    /// Whether a disc that moves by at most `far` along each axis certainly touches no wall.
+    #[inline(always)]
+    fn is_far_from_walls(&self, position: Vector, radius: f64, far: Vector) -> bool {
+        let Container::Box { min, max } = &self.flight.container else {
+            return !self.flight.container.has_walls();
+        };
+        let far = far.map(|v| radius + v + ROUNDING * size(position, radius));
+        let is_between = |k: usize| {
+            let [min, max] = [min[k], max[k]].map(f64::from);
+            position[k] - min > far[k] && max - position[k] > far[k]
+        };
+        is_between(0) && is_between(1)
     }
 
     /// Whether two discs that begin segments now touch and approach.
@@ -353,10 +371,10 @@ impl Window<'_> {
     pub fn touched_walls(&self, index: u32, now: &Segment) -> [Option<u8>; MAX_WALLS] {
         let container = &self.flight.container;
         let mut touched = [None; MAX_WALLS];
-        if !container.has_walls() {
+        let radius = f64::from(self.starts[index as usize].radius);
+        if self.is_far_from_walls(now.position, radius, [0.0; 2]) {
             return touched;
         }
-        let radius = f64::from(self.starts[index as usize].radius);
         let limits = self.wall_limits(now.position, index);
         let gaps = container.gaps(now.position, radius);
         for (wall, gap) in gaps.into_iter().enumerate() {
@@ -390,4 +408,10 @@ impl Window<'_> {
         let distance = square.sqrt() + 0.125 * dot(gravity, gravity).sqrt() * t * t;
         distance * distance
     }
+}
+
+/// The largest number in the computation of a surface that is `reach` from a centre at `position`.
+#[inline(always)]
+fn size(position: Vector, reach: f64) -> f64 {
+    position[0].abs() + position[1].abs() + reach
 }

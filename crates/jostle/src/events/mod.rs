@@ -7,6 +7,7 @@
 //! it can reach, so the histories together are correct. It does not depend on blocks or
 //! threads, nor on how pairs were found.
 
+mod first;
 mod flight;
 mod history;
 mod impulses;
@@ -18,11 +19,12 @@ mod two;
 use std::ops::Range;
 use std::sync::Mutex;
 
-use crate::container::MOST_TOURS;
+use crate::container::{Container, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt::{self, Pulse, Stop};
 use crate::parallel::{self, locked};
 use crate::trajectory::{Segment, Vector};
+use first::Batch;
 pub use flight::Flight;
 use flight::{Start, Window};
 use history::{Course, History, NONE, Trajectory};
@@ -97,6 +99,7 @@ pub struct Events {
     pub exhausted: Vec<u32>,
     starts: Vec<Start>,
     blocks: Vec<Block>,
+    batches: Vec<Batch>,
     /// Discs of each block but the last.
     size: usize,
     /// The number of the course of each disc: in the history of its block, or in that of the discs
@@ -177,9 +180,10 @@ impl Events {
             find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
+        self.find_first_impacts(&window);
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
         self.each_block(&window, reaches, |block, arguments| {
-            block.find_first_impacts(&window, arguments.neighbors, arguments.scratch);
+            block.find_first_wall_impacts(&window);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
             if block.impacts_until(window.end) as u64 <= share {
@@ -514,42 +518,13 @@ impl Block {
         }
     }
 
-    /// Finds the impacts along the first segments.
-    fn find_first_impacts(
-        &mut self,
-        window: &Window<'_>,
-        neighbors: &Neighbors,
-        scratch: &mut Scratch,
-    ) {
+    /// Finds the impacts on walls along the first segments.
+    fn find_first_wall_impacts(&mut self, window: &Window<'_>) {
         let start = |index: u32| &window.starts[index as usize];
         if window.flight.container.has_walls() {
             for index in self.range.clone().filter(|&index| window.may_hit_walls(start(index))) {
                 self.first.extend(window.wall_event(index, &window.segment(index), 0));
             }
-        }
-        if !window.flight.pairs {
-            return;
-        }
-        let near = &mut scratch.near;
-        near.resize(neighbors.count(&self.range), Default::default());
-        let mut count = 0;
-        for index in self.range.clone().filter(|&index| start(index).is_movable) {
-            let own = start(index);
-            neighbors.of(index, |neighbor| {
-                let other = start(neighbor.index);
-                let image = neighbors.image(neighbor).map(|v| v as f32);
-                let is_first = (neighbor.index > index) | !other.is_movable;
-                // Without branches, because they would often be predicted wrongly.
-                near[count] = (index, *neighbor);
-                count += usize::from(is_first & window.may_meet(own, other, image));
-            });
-        }
-        for &(a, Neighbor { index: b, image: code }) in &near[..count] {
-            let [p, q] = [a, b].map(|disc| window.segment(disc));
-            let impact = window.impact((a, &p), (b, &q), neighbors.image_of(code), window.end);
-            let is_inside = self.range.contains(&b) || !start(b).is_movable;
-            let events = if is_inside { &mut self.first } else { &mut self.crossing };
-            events.extend(impact.map(|impact| Event::of_discs(impact, [a, b], code, [0; 2])));
         }
     }
 
@@ -597,6 +572,9 @@ fn find_outside_at_start(window: &Window<'_>, reaches: &[f32], outside: &mut Vec
 /// but not less than `shortest`. Refuses a sub-step in which forces make one too fast.
 fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
     let container = &window.flight.container;
+    if !matches!(container, Container::Torus { .. }) {
+        return Ok(window.end);
+    }
     let speed = |start: &Start| start.velocity.map(f32::abs).into_iter().sum::<f32>();
     let fastest = window.starts.iter().map(speed).fold(0.0, f32::max);
     let tours = |seconds: f64| container.tours(fastest * seconds as f32);

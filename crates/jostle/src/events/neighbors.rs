@@ -37,6 +37,8 @@ pub struct Neighbors {
     lasting: Vec<(u32, Neighbor)>,
     /// Whether a disc has any of these.
     has_later: Vec<bool>,
+    /// The number of the image of each list of candidate pairs.
+    codes: Vec<u32>,
     images: Images,
 }
 
@@ -79,7 +81,8 @@ impl Neighbors {
     /// Takes the candidate pairs, a list for each image: the first of a pair, moved by minus the
     /// image, is near the second.
     pub fn fill(&mut self, len: usize, lists: &[([f32; 2], Vec<[u32; 2]>)]) {
-        let Self { starts, all, later, lasting, has_later, images } = self;
+        let Self { starts, all, later, lasting, has_later, codes, images } = self;
+        codes.clear();
         later.clear();
         lasting.clear();
         has_later.clear();
@@ -96,6 +99,7 @@ impl Neighbors {
         all.resize(starts[len + 1] as usize, Neighbor::default());
         for (image, pairs) in lists {
             let code = images.number(image.map(f64::from));
+            codes.push(code);
             for &[a, b] in pairs {
                 let mut put = |at: u32, index, image| {
                     let next = &mut starts[at as usize + 1];
@@ -127,10 +131,14 @@ impl Neighbors {
         first..first + len
     }
 
-    /// The number of neighbours of a range of discs, or more.
-    pub fn count(&self, range: &Range<u32>) -> usize {
-        let [first, end] = [range.start, range.end].map(|index| self.starts[index as usize]);
-        (end - first) as usize + self.later.len() + 1
+    /// The neighbours of all discs that were found after discs have left their bounds.
+    pub fn later(&self) -> &[(u32, Neighbor)] {
+        &self.later
+    }
+
+    /// The number of the image of each list of candidate pairs.
+    pub fn codes(&self) -> &[u32] {
+        &self.codes
     }
 
     /// The offset that is added to the position of a neighbour.

@@ -58,8 +58,6 @@ struct Nearby {
 #[derive(Debug, Default)]
 pub struct Scratch {
     pub(super) queue: Queue,
-    /// Pairs that may meet along their first segments.
-    pub(super) near: Vec<(u32, Neighbor)>,
     pub(super) predicted: Vec<Event>,
     pub(super) impulses: Vec<[f64; 2]>,
     group: Vec<InGroup>,

@@ -103,11 +103,8 @@ impl World {
 
     /// The speed that bounds allow for.
     pub(super) fn usual_speed(&self) -> f32 {
-        let square = |place: usize| {
-            let v = self.particles.velocities[place].map(f64::from);
-            dot(v, v)
-        };
-        USUAL * mean((0..self.len()).map(|place| square(place).sqrt())) as f32
+        let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
+        USUAL * mean(self.particles.velocities.iter().map(speed)) as f32
     }
 
     /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
@@ -118,7 +115,7 @@ impl World {
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let (dt, fall) = (f64::from(dt), (gx * gx + gy * gy).sqrt());
         let displacement = f64::from(self.memory.usual_speed) * dt + 0.5 * fall * dt * dt;
-        let radius = mean(radii.iter().map(|&radius| f64::from(radius)));
+        let radius = mean(radii.iter().copied());
         let area = self.settings.container.area().unwrap_or_else(|| extent(positions));
         let density = positions.len() as f64 / area;
         let least = TAU * density * radius * radius;
@@ -137,7 +134,7 @@ impl World {
         let Particles { velocities, radii, .. } = &self.particles;
         let Container::Torus { size } = self.settings.container else { return 1.0 };
         let [width, height] = size.map(f64::from);
-        let mean_radius = mean(radii.iter().map(|&radius| f64::from(radius)));
+        let mean_radius = mean(radii.iter().copied());
         let share = 2.0 * dt * radii.len() as f64 / (width * height);
         let collisions = |(velocity, &radius): (&[f32; 2], &f32)| {
             let velocity = velocity.map(f64::from);
@@ -149,16 +146,23 @@ impl World {
 }
 
 /// The mean of some numbers, none negative; the same whatever their order.
-fn mean(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = numbers.clone().fold(0.0, f64::max);
+fn mean(numbers: impl Iterator<Item = f32> + Clone) -> f64 {
+    let largest = f64::from(largest(numbers.clone()));
     if largest == 0.0 {
         return 0.0;
     }
     // Whole numbers have sums without rounding.
-    let scale = f64::from(u32::MAX) / largest;
-    let add = |(sum, count), number| (sum + (number * scale) as u64, count + 1);
+    let scale = f64::from(i32::MAX) / largest;
+    let add =
+        |(sum, count), number| (sum + i64::from((f64::from(number) * scale) as i32), count + 1);
     let (sum, count) = numbers.fold((0, 0u32), add);
     sum as f64 / scale / f64::from(count)
+}
+
+/// The largest of some numbers, none negative, which have the order of their bits; 0 if there are
+/// none.
+pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
+    f32::from_bits(numbers.map(f32::to_bits).fold(0, u32::max))
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side.

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 
+use super::bounds::largest;
 use super::feel::{find_places, springs};
 use super::undo::Ordered;
 use super::{Memory, OnTouch, Stage, Stats, World, search};
@@ -99,7 +100,7 @@ impl World {
 
     /// The largest of these displacements.
     fn longest_displacement(&self, dt: f32) -> f32 {
-        (0..self.len()).map(|place| self.displacement(place, dt)).fold(0.0, f32::max)
+        largest((0..self.len()).map(|place| self.displacement(place, dt)))
     }
 
     /// Refuses a step in which a particle would move too far.

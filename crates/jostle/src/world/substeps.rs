@@ -160,6 +160,7 @@ impl World {
                 is_elastic,
                 thermostat: forces::thermostat(&self.forces),
                 pairs: settings.on_touch == OnTouch::Bounce,
+                candidates: &memory.pairs,
                 threads,
             };
             memory.events.fly(&flight, &mut bounds)?;
