@@ -26,7 +26,7 @@ SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup run test arcade lint bench docs web wheel clean
+.PHONY: help setup run test search arcade lint bench docs web wheel clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -41,6 +41,9 @@ test: setup  ## run every test: Rust, Python and the examples in the documents
 	$(need_rust)
 	cargo test --package jostle
 	$(BIN)/python -m pytest $(or $(ARGS),--numprocesses auto --dist worksteal)
+
+search: setup  ## search 1,000 random scenes for discs that hang in the air; ARGS=10000 for more
+	$(BIN)/python tests/random_scenes.py $(ARGS)
 
 arcade: $(VENV)/wheel  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
 	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \

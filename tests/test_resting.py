@@ -7,6 +7,7 @@ import math
 import event_driven
 import numpy as np
 import pytest
+import random_scenes
 from numpy.typing import NDArray
 
 import jostle
@@ -180,6 +181,13 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     # Overlap is corrected without velocity.
     assert moved.max() < 0.1 * 2
     assert np.hypot(*world.velocities.T).max() < 3 * 980 / 60
+
+
+def test_no_disc_hangs_in_random_scenes() -> None:
+    """`make search` looks at more of them."""
+    for seed in range(24):
+        faults, _ = random_scenes.find_faults(seed)
+        assert not faults
 
 
 def rms_speed(world: jostle.World) -> float:
