@@ -1969,15 +1969,25 @@ class World:
         array has one for each particle. The coefficient of a contact is the product of
         the world's and those of both particles; at a wall, of the world's and that of the
         particle.
+    friction : array_like, a number or shape (n,), default 0.0
+        Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
+        root of the product of both; at a wall, that of the particle. Without friction particles
+        do not begin to turn.
+    angles : array_like, a number or shape (n,), optional
+        In radians, positive from +x to +y; 0 if omitted.
+    angular_velocities : array_like, a number or shape (n,), optional
+        In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
+        movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
+        does not change angular velocities.
     container : Box, Circle, Torus or None, optional
         The walls. The first step moves particles that are outside to the inside.
     forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
         Forces beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
-        step, at their centre of mass: area, mass and momentum are summed, restitution is
-        the mean weighted by mass, and the id is the smallest; the following ids
-        decrease, see `renumbered`. If one of the particles is not movable, the merged
+        step, at their centre of mass: area, mass and momentum are summed, restitution and
+        friction are the means weighted by mass, and the id is the smallest; the following ids
+        decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
         particle is not movable either, and momentum is lost. Particles do not merge if the
         result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
@@ -2024,6 +2034,9 @@ class World:
         gravity: _Vectors = (0.0, 0.0),
         drag: _Number = 0.0,
         restitution: ArrayLike = 1.0,
+        friction: ArrayLike = 0.0,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
         container: _Container | None = None,
         forces: Iterable[_Force] = (),
         on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
@@ -2074,6 +2087,9 @@ class World:
         densities: ArrayLike = 1.0,
         restitutions: ArrayLike = 1.0,
         movable: ArrayLike | None = None,
+        friction: ArrayLike = 0.0,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
     ) -> _Ids:
         """Add particles after the others.
 
@@ -2086,6 +2102,9 @@ class World:
         densities : array_like, a number or shape (k,), default 1.0
         restitutions : array_like, a number or shape (k,), default 1.0
         movable : array_like of bool, one or shape (k,), optional
+        friction : array_like, a number or shape (k,), default 0.0
+        angles, angular_velocities : array_like, a number or shape (k,), optional
+            0 if omitted.
 
         Returns
         -------
@@ -2143,6 +2162,9 @@ class World:
         masses: ArrayLike | None = None,
         restitutions: ArrayLike | None = None,
         movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -2154,6 +2176,7 @@ class World:
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
+        friction, angles, angular_velocities : array_like, a number or shape (k,), optional
             Omitted columns stay the same.
 
         Raises
@@ -2225,6 +2248,32 @@ class World:
         """
     @movable.setter
     def movable(self, value: ArrayLike) -> None: ...
+    @property
+    def friction(self) -> NDArray[np.float32]:
+        """Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
+
+        To change all, assign an array or one number; to change some, use `set`.
+        """
+    @friction.setter
+    def friction(self, value: ArrayLike) -> None: ...
+    @property
+    def angles(self) -> NDArray[np.float32]:
+        """Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
+
+        Positive angles turn from +x to +y. To change all, assign an array or one number; to
+        change some, use `set`. Numbers outside the range are wrapped into it.
+        """
+    @angles.setter
+    def angles(self, value: ArrayLike) -> None: ...
+    @property
+    def angular_velocities(self) -> NDArray[np.float32]:
+        """Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
+
+        Those of particles that are not movable or have radius 0 are 0. To change all, assign an
+        array or one number; to change some, use `set`.
+        """
+    @angular_velocities.setter
+    def angular_velocities(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> tuple[float, float]:
         """Acceleration of all movable particles, (x, y), units of length per second squared."""
@@ -2310,7 +2359,7 @@ class World:
         """Sum of mass times velocity, (x, y)."""
     @property
     def kinetic_energy(self) -> float:
-        """Sum of ½ m v²."""
+        """Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2."""
     @property
     def potential_energy(self) -> float:
         """Energy of all movable particles in the fields of gravity (0 at the origin) and of

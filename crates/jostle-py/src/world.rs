@@ -61,15 +61,25 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     array has one for each particle. The coefficient of a contact is the product of
 ///     the world's and those of both particles; at a wall, of the world's and that of the
 ///     particle.
+/// friction : array_like, a number or shape (n,), default 0.0
+///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
+///     root of the product of both; at a wall, that of the particle. Without friction particles
+///     do not begin to turn.
+/// angles : array_like, a number or shape (n,), optional
+///     In radians, positive from +x to +y; 0 if omitted.
+/// angular_velocities : array_like, a number or shape (n,), optional
+///     In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
+///     movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
+///     does not change angular velocities.
 /// container : Box, Circle, Torus or None, optional
 ///     The walls. The first step moves particles that are outside to the inside.
 /// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
 ///     Forces beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
-///     step, at their centre of mass: area, mass and momentum are summed, restitution is
-///     the mean weighted by mass, and the id is the smallest; the following ids
-///     decrease, see `renumbered`. If one of the particles is not movable, the merged
+///     step, at their centre of mass: area, mass and momentum are summed, restitution and
+///     friction are the means weighted by mass, and the id is the smallest; the following ids
+///     decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
 ///     particle is not movable either, and momentum is lost. Particles do not merge if the
 ///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
@@ -120,12 +130,13 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
+            friction=Given::NOTHING, angles=None, angular_velocities=None,
             container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, forces=(), on_touch='bounce', method='quadtree', \
+                          friction=0.0, angles=None, angular_velocities=None, container=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
@@ -140,6 +151,9 @@ impl PyWorld {
         gravity: Given<'py>,
         drag: Given<'py>,
         restitution: Given<'py>,
+        friction: Given<'py>,
+        angles: Option<&Bound<'py, PyAny>>,
+        angular_velocities: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
         forces: Given<'py>,
         on_touch: Given<'py>,
@@ -153,6 +167,9 @@ impl PyWorld {
         draft.masses = reals("masses", masses, len)?;
         draft.densities = reals("densities", densities.value(), len)?;
         draft.movable = truths("movable", movable, len)?;
+        draft.friction = reals("friction", friction.value(), len)?;
+        draft.angles = reals("angles", angles, len)?;
+        draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
@@ -233,6 +250,9 @@ impl PyWorld {
     /// densities : array_like, a number or shape (k,), default 1.0
     /// restitutions : array_like, a number or shape (k,), default 1.0
     /// movable : array_like of bool, one or shape (k,), optional
+    /// friction : array_like, a number or shape (k,), default 0.0
+    /// angles, angular_velocities : array_like, a number or shape (k,), optional
+    ///     0 if omitted.
     ///
     /// Returns
     /// -------
@@ -253,10 +273,12 @@ impl PyWorld {
     #[pyo3(
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
-            restitutions=Given::NOTHING, movable=None,
+            restitutions=Given::NOTHING, movable=None, friction=Given::NOTHING, angles=None,
+            angular_velocities=None,
         ),
         text_signature = "($self, positions, velocities, radii, *, masses=None, densities=1.0, \
-                          restitutions=1.0, movable=None)"
+                          restitutions=1.0, movable=None, friction=0.0, angles=None, \
+                          angular_velocities=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -269,12 +291,18 @@ impl PyWorld {
         densities: Given<'py>,
         restitutions: Given<'py>,
         movable: Option<&Bound<'py, PyAny>>,
+        friction: Given<'py>,
+        angles: Option<&Bound<'py, PyAny>>,
+        angular_velocities: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
         draft.densities = reals("densities", densities.value(), len)?;
         draft.restitutions = reals("restitutions", restitutions.value(), len)?;
         draft.movable = truths("movable", movable, len)?;
+        draft.friction = reals("friction", friction.value(), len)?;
+        draft.angles = reals("angles", angles, len)?;
+        draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
         Ok(column(py, ids.map_err(refused)?.map(i64::from).collect()))
     }
@@ -321,6 +349,7 @@ impl PyWorld {
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
+    /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
     ///     Omitted columns stay the same.
     ///
     /// Raises
@@ -339,7 +368,7 @@ impl PyWorld {
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
-        movable=None,
+        movable=None, friction=None, angles=None, angular_velocities=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -352,6 +381,9 @@ impl PyWorld {
         masses: Option<&Bound<'_, PyAny>>,
         restitutions: Option<&Bound<'_, PyAny>>,
         movable: Option<&Bound<'_, PyAny>>,
+        friction: Option<&Bound<'_, PyAny>>,
+        angles: Option<&Bound<'_, PyAny>>,
+        angular_velocities: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let rows = Rows::read(ids)?;
         let len = rows.all.len();
@@ -363,6 +395,9 @@ impl PyWorld {
             restitutions: reals("restitutions", restitutions, len)?,
             movable: truths("movable", movable, len)?,
             densities: None,
+            friction: reals("friction", friction, len)?,
+            angles: reals("angles", angles, len)?,
+            angular_velocities: reals("angular_velocities", angular_velocities, len)?,
         };
         rows.told(self.long(py, |state| state.write_some(draft, &rows.all))?)
     }
@@ -472,6 +507,59 @@ impl PyWorld {
         self.write_all(py, |len| {
             let movable = truths("movable", Some(value), len)?;
             Ok(Draft { movable, ..Draft::default() })
+        })
+    }
+
+    /// Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    #[getter]
+    fn friction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let friction = self.long(py, |state| state.world.friction())?;
+        Ok(read_only(column(py, friction)))
+    }
+
+    #[setter]
+    fn set_friction(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let friction = reals("friction", Some(value), len)?;
+            Ok(Draft { friction, ..Draft::default() })
+        })
+    }
+
+    /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
+    ///
+    /// Positive angles turn from +x to +y. To change all, assign an array or one number; to
+    /// change some, use `set`. Numbers outside the range are wrapped into it.
+    #[getter]
+    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let angles = self.long(py, |state| state.world.angles())?;
+        Ok(read_only(column(py, angles)))
+    }
+
+    #[setter]
+    fn set_angles(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let angles = reals("angles", Some(value), len)?;
+            Ok(Draft { angles, ..Draft::default() })
+        })
+    }
+
+    /// Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
+    ///
+    /// Those of particles that are not movable or have radius 0 are 0. To change all, assign an
+    /// array or one number; to change some, use `set`.
+    #[getter]
+    fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let angular_velocities = self.long(py, |state| state.world.angular_velocities())?;
+        Ok(read_only(column(py, angular_velocities)))
+    }
+
+    #[setter]
+    fn set_angular_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let angular_velocities = reals("angular_velocities", Some(value), len)?;
+            Ok(Draft { angular_velocities, ..Draft::default() })
         })
     }
 
@@ -651,7 +739,7 @@ impl PyWorld {
         Ok(self.long(py, |state| state.world.momentum())?.into())
     }
 
-    /// Sum of ½ m v².
+    /// Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2.
     #[getter]
     fn kinetic_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.kinetic_energy())

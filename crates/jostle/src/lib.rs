@@ -38,7 +38,7 @@ pub use container::Container;
 pub use error::{Error, Result};
 pub use forces::Force;
 pub use geometry::{Cover, Scalar, Shape};
-pub use particles::Particles;
+pub use particles::{Particles, Spin};
 pub use quadtree::{Node, Quadtree};
 pub use settings::{Method, Settings};
 pub use shapes::{Each, Shapes};

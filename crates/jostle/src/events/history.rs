@@ -1,6 +1,7 @@
 //! What the events of a window lead to: trajectories and bounces.
 
 use super::Outside;
+use super::friction::Turning;
 use crate::trajectory::{Segment, Vector};
 
 /// Stands for no course and for no segment.
@@ -44,6 +45,8 @@ pub struct Bounce {
 pub struct History {
     /// One for each disc that had an event.
     pub courses: Vec<Course>,
+    /// The rotation of each of them; empty if no disc has friction.
+    pub turnings: Vec<Turning>,
     /// Segments that ended with an event, and the segments before them.
     pub ended: Vec<(Segment, u32)>,
     /// The pairs that bounced.
@@ -58,6 +61,7 @@ impl History {
     /// Forgets all courses.
     pub fn clear(&mut self) {
         self.courses.clear();
+        self.turnings.clear();
         self.ended.clear();
         self.bounces.clear();
         self.outside.clear();

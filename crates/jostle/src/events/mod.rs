@@ -8,6 +8,7 @@
 //! threads, nor on how pairs were found.
 
 mod flight;
+mod friction;
 mod history;
 mod impulses;
 mod neighbors;
@@ -462,6 +463,7 @@ impl Events {
     fn finish(&mut self, window: &Window<'_>) {
         let (motions, gravity) = (window.flight.motions, window.gravity());
         let (course_of, again) = (&self.course_of, &self.again);
+        let turns = !window.flight.spins.is_empty();
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
             for index in block.range.clone() {
                 let (last, stopped) = match course_of[index as usize] {
@@ -477,6 +479,13 @@ impl Events {
                 let [position, velocity] = last.at(window.end, gravity);
                 let end = stopped.unwrap_or_else(|| window.after(index, last.falls, velocity));
                 motions.advance(index, position, end);
+                if turns {
+                    let number = course_of[index as usize];
+                    let history = if number & AGAIN != 0 { again } else { &block.history };
+                    let found = history.turnings.get((number & !AGAIN) as usize);
+                    let turning = found.copied().unwrap_or_else(|| window.turning(index));
+                    window.turn(index, &turning);
+                }
             }
             block.history.retain(0, course_of);
         });

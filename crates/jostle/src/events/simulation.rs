@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::Outside;
 use super::flight::Window;
+use super::friction::Rubbing;
 use super::history::{Bounce, Course, History, NONE};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
@@ -31,10 +32,10 @@ const POLL_EVERY: usize = 256;
 
 /// A disc that gets a new velocity at this moment.
 #[derive(Clone, Debug)]
-struct InGroup {
+pub(super) struct InGroup {
     index: u32,
     /// The number of its course.
-    number: u32,
+    pub(super) number: u32,
     /// The segment that begins now, with the velocity before the impacts.
     now: Segment,
     /// Which of the list of nearby discs are near it.
@@ -62,10 +63,11 @@ pub struct Scratch {
     pub(super) near: Vec<(u32, Neighbor)>,
     pub(super) predicted: Vec<Event>,
     pub(super) impulses: Vec<[f64; 2]>,
-    group: Vec<InGroup>,
+    pub(super) rubbing: Rubbing,
+    pub(super) group: Vec<InGroup>,
     nearby: Vec<Nearby>,
-    touches: Vec<Touch>,
-    velocities: Vec<Vector>,
+    pub(super) touches: Vec<Touch>,
+    pub(super) velocities: Vec<Vector>,
 }
 
 /// The simulation of the discs of a range.
@@ -165,6 +167,9 @@ impl Simulation<'_> {
             next: number,
             stopped: None,
         });
+        if self.window.flight.has_friction {
+            self.history.turnings.push(self.window.turning(index));
+        }
         number
     }
 
@@ -308,6 +313,7 @@ impl Simulation<'_> {
             normal: normal.map(|v| -v),
             inverse_masses: [course.inverse_mass, 0.0],
             restitution: self.window.wall_restitution(index),
+            friction: self.window.wall_friction(index),
         };
         self.add(touch);
     }
@@ -339,6 +345,7 @@ impl Simulation<'_> {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
             restitution: self.pair_restitution(pair, counts),
+            friction: window.pair_friction(pair),
             ..Touch::of_discs(pair, code, offset)
         };
         let [a, b] = found.map(|found| found.map(|(_, own, _)| own.number));
@@ -366,6 +373,10 @@ impl Simulation<'_> {
         velocities.clear();
         velocities.extend(group.iter().map(|own| own.now.velocity));
         impulses::apply(touches, velocities, impulses);
+        if window.flight.has_friction {
+            self.rub_group(time);
+        }
+        let Scratch { touches, velocities, .. } = &mut *self.scratch;
         if let Some(thermostat) = window.flight.thermostat {
             for touch in touches.iter().filter(|touch| touch.key[1] == WALL) {
                 let body = touch.bodies[0].expect("a disc touches the wall");
@@ -380,8 +391,14 @@ impl Simulation<'_> {
             }
             let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
             if kind == Kind::Hold {
-                let normal = self.scratch.touches[0].normal;
-                hold(&mut new, normal, window.gravity(), window.end - time);
+                let touch = self.scratch.touches[0];
+                let left = window.end - time;
+                let pressing = hold(&mut new, touch.normal, window.gravity(), left);
+                if window.flight.has_friction {
+                    let is_second = touch.bodies[1] == Some(position);
+                    let pressing = if is_second { -pressing } else { pressing };
+                    self.brake(number, &mut new, &touch, is_second, pressing.max(0.0));
+                }
             }
             self.turn(number, new);
         }
@@ -423,12 +440,14 @@ impl Simulation<'_> {
 }
 
 /// Lets a disc that touches a surface slide for `left` seconds: gravity along the surface acts at
-/// once; that against the surface is balanced.
-fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) {
+/// once; that along the normal is balanced. Returns the speed along the normal that it would give.
+fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) -> f64 {
     if segment.falls {
         let g = gravity.map(|g| g * left);
         let pressing = dot(g, normal);
         segment.velocity = vector(|k| segment.velocity[k] + (g[k] - pressing * normal[k]));
         segment.falls = false;
+        return pressing;
     }
+    0.0
 }

@@ -26,8 +26,8 @@ use crate::error::{Error, Result};
 use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{self, Force};
-use crate::motion::Motions;
-use crate::particles::Particles;
+use crate::motion::{Motions, Spins};
+use crate::particles::{Particles, Spin};
 use crate::quadtree::Quadtree;
 use crate::resting::Resting;
 use crate::shapes::{MOST_ROWS, Shapes};
@@ -155,6 +155,7 @@ struct Memory {
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
+    spins: Spins,
     resting: Resting,
     correction: Correction,
     listing: search::ListScratch,
@@ -223,7 +224,7 @@ impl World {
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
-        rest_the_immovable(&mut particles);
+        particles.simplify();
         let (old, new) = (self.len(), self.len() + particles.len());
         if new > MOST_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
@@ -258,6 +259,7 @@ impl World {
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
         self.particles.retain(|place| keep[place]);
+        self.particles.simplify();
         let mut place = 0;
         self.wall_pushes.retain(|_| {
             place += 1;
@@ -317,6 +319,29 @@ impl World {
         self.column(&self.particles.movable)
     }
 
+    /// Coefficients of friction in the order of adding.
+    pub fn friction(&self) -> Vec<f32> {
+        self.spins(|spin| spin.friction)
+    }
+
+    /// Angles in radians, −π to π without π, in the order of adding.
+    pub fn angles(&self) -> Vec<f32> {
+        // Rounded to float32 an angle below π may be π.
+        let last = std::f32::consts::PI;
+        let rounded = |angle: f32| if angle >= last { -last } else { angle };
+        self.spins(|spin| rounded(spin.angle as f32))
+    }
+
+    /// Angular velocities in the order of adding.
+    pub fn angular_velocities(&self) -> Vec<f32> {
+        self.spins(|spin| spin.velocity)
+    }
+
+    fn spins(&self, of: impl Fn(Spin) -> f32) -> Vec<f32> {
+        let values: Vec<f32> = (0..self.len()).map(|at| of(self.particles.spin(at))).collect();
+        self.column(&values)
+    }
+
     fn column<V: Copy + Default>(&self, values: &[V]) -> Vec<V> {
         let mut column = vec![V::default(); values.len()];
         for (&row, &value) in self.rows.iter().zip(values) {
@@ -337,7 +362,7 @@ impl World {
         }
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
-        rest_the_immovable(&mut copy);
+        copy.simplify();
         let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before));
         let moved = rows.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
@@ -394,14 +419,5 @@ impl World {
     /// Numbers of the last step.
     pub fn stats(&self) -> Stats {
         self.stats
-    }
-}
-
-/// Particles that are not movable have velocity 0.
-fn rest_the_immovable(particles: &mut Particles) {
-    for (velocity, &movable) in particles.velocities.iter_mut().zip(&particles.movable) {
-        if !movable {
-            *velocity = [0.0; 2];
-        }
     }
 }

@@ -10,14 +10,14 @@ use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
-use crate::particles::Particles;
+use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
 
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Version of the format of the other bytes. Version 2 had no residuals.
-const VERSION: u32 = 3;
+/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction.
+const VERSION: u32 = 4;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -148,6 +148,11 @@ fn put_particles(to: &mut Writer, all: &Particles) {
     }
     let movable: Vec<u8> = all.movable.iter().map(|&movable| u8::from(movable)).collect();
     to.put_all(&movable);
+    to.put(u8::from(!all.spins.is_empty()));
+    for Spin { friction, velocity, angle } in &all.spins {
+        to.put([*friction, *velocity]);
+        to.put(*angle);
+    }
 }
 
 fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
@@ -159,7 +164,17 @@ fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Part
         masses: get_column(from, len)?,
         restitutions: get_column(from, len)?,
         movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
+        spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
     })
+}
+
+fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {
+    // As many bytes are there as the columns before need, so `len` is not too large.
+    let spin = |_| {
+        let ([friction, velocity], angle) = (from.get()?, from.get()?);
+        Ok(Spin { friction, velocity, angle })
+    };
+    (0..len).map(spin).collect()
 }
 
 fn get_column(from: &mut Reader<'_>, len: usize) -> Result<Vec<f32>> {

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
-use crate::particles::{FARTHEST, Particles};
+use crate::particles::{FARTHEST, Particles, Spin, wrap_angle};
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.
@@ -241,7 +241,7 @@ impl World {
                 "inf",
             ));
         }
-        let Particles { positions, residuals, velocities, .. } = &mut self.particles;
+        let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
         let any = AtomicBool::new(false);
         let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
@@ -268,17 +268,34 @@ impl World {
                 *velocity = allowed(motions.velocity(place));
             }
         });
+        parallel::for_chunks(threads, spins, |first, spins| {
+            for (spin, place) in spins.iter_mut().zip(first as u32..) {
+                let (velocity, angle) = (memory.spins.velocity(place), memory.spins.angle(place));
+                if !velocity.is_finite() {
+                    any.store(true, Atomic::Relaxed);
+                }
+                spin.velocity = velocity.clamp(-FARTHEST, FARTHEST);
+                spin.angle = wrap_angle(angle);
+            }
+        });
         if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
     }
 
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |place: usize| self.memory.motions.get(place as u32);
-        let bad = |&place: &usize| !is_finite(&motion(place), &self.wall_pushes[place]);
+        let spins = &self.memory.spins;
+        let spin = |place: usize| {
+            if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
+        };
+        let bad = |&place: &usize| {
+            !is_finite(&motion(place), &self.wall_pushes[place]) || !spin(place).is_finite()
+        };
         let place = (0..self.len()).filter(bad).min_by_key(|&place| self.rows[place]);
         let place = place.expect("only called if there is one");
         let Motion { position, velocity, .. } = motion(place);
-        let columns: [(&str, &[f32]); 3] = [
+        let columns: [(&str, &[f32]); 4] = [
+            ("angular_velocities", &[spin(place)]),
             ("velocities", &velocity),
             ("positions", &position),
             ("wall_impulses", &self.wall_pushes[place]),
@@ -322,7 +339,14 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
         let [a, b] = all.residuals[place];
         [x, y, a, b, u, v, all.radii[place], all.masses[place], all.restitutions[place]]
     };
+    let turning = |place: usize| {
+        let Spin { friction, velocity, angle } = all.spin(place);
+        [f64::from(friction), f64::from(velocity), angle]
+    };
     let pairs = numbers(a).into_iter().zip(numbers(b));
     let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
-    by_numbers.unwrap_or(Ordering::Equal).then_with(|| all.movable[a].cmp(&all.movable[b]))
+    let pairs = turning(a).into_iter().zip(turning(b));
+    let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+    let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
+    order.then_with(|| all.movable[a].cmp(&all.movable[b]))
 }

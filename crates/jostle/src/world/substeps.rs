@@ -97,6 +97,8 @@ impl World {
             let residual = particles.residuals[place];
             motions.set(place as u32, Motion { position, residual, velocity, travel: [0.0; 2] });
         });
+        memory.spins.fill(&particles.spins);
+        let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
         let mut bounds = StepBounds::new(
             &memory.tree,
             particles,
@@ -149,6 +151,8 @@ impl World {
                 particles,
                 movable: &memory.moving,
                 motions,
+                spins: &memory.spins,
+                has_friction,
                 gravity: flow.gravity,
                 end: flow.duration,
                 flow,
