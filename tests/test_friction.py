@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from event_driven import Floats, simulate
 from gases import lattice, random_velocities
 
 import jostle
+
+G = 9.8
 
 
 def wrapped(angles: Floats) -> Floats:
@@ -120,3 +123,56 @@ def test_a_ball_thrown_along_a_floor_begins_to_roll(steps: int) -> None:
     np.testing.assert_allclose(world.velocities[0, 0], 2, rtol=1e-5)
     np.testing.assert_allclose(world.angular_velocities, -2, rtol=1e-5)
     assert world.positions[0, 1] > 1
+
+
+# ---- resting contacts ----------------------------------------------------------------------------
+
+
+def on_an_incline(angle: float, friction: float, speed: float = 0.0) -> jostle.World:
+    """Return a disc of radius 1 on a floor that falls towards +x."""
+    return jostle.World(
+        [(0, 1)],
+        [(speed, 0)],
+        radii=1,
+        gravity=(G * math.sin(angle), -G * math.cos(angle)),
+        restitution=0.5,
+        friction=friction,
+        container=jostle.Box(-1000, 0, 1000, 100),
+    )
+
+
+@pytest.mark.parametrize("degrees", [5, 20, 40])
+@pytest.mark.parametrize("friction", [0.05, 0.2, 0.5])
+def test_acceleration_down_an_incline(degrees: float, friction: float) -> None:
+    """A disc slides if tan a > 3 μ, and otherwise rolls: m r²/2 takes a third of the pull."""
+    angle = math.radians(degrees)
+    world = on_an_incline(angle, friction)
+    world.step(1 / 60, steps=300)
+    pull, pressure = G * math.sin(angle), G * math.cos(angle)
+    slides = math.tan(angle) > 3 * friction
+    expected = pull - friction * pressure if slides else 2 / 3 * pull
+    assert world.velocities[0, 0] / world.time == pytest.approx(expected, rel=1e-3)
+    assert 2 * world.positions[0, 0] / world.time**2 == pytest.approx(expected, rel=0.01)
+    turning = 2 * friction * pressure if slides else expected
+    assert world.angular_velocities[0] / world.time == pytest.approx(-turning, rel=1e-3)
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.5])
+def test_a_sliding_disc_begins_to_roll_at_two_thirds_of_its_speed(friction: float) -> None:
+    world = on_an_incline(0, friction, speed=9)
+    world.step(1 / 60, steps=400)
+    assert world.velocities[0, 0] == pytest.approx(6, rel=1e-4)
+    assert world.angular_velocities[0] == pytest.approx(-6, rel=1e-4)
+
+
+@pytest.mark.parametrize("friction", [0.3, 1.0])
+def test_a_pile_with_friction_comes_to_rest(friction: float) -> None:
+    world = jostle.scenes.create("pile", n=1000)
+    world.friction = friction
+    world.step(1 / 60, steps=300)
+    speeds = np.hypot(*world.velocities.T)
+    assert math.sqrt((speeds**2).mean()) < 0.2  # px/s; at most 1 without friction
+    assert np.abs(world.angular_velocities * world.radii).max() < 5
+    contacts = world.contacts
+    smaller = world.radii[contacts.pairs].min(axis=1)
+    assert (contacts.depths / smaller).max() <= 0.01

@@ -232,3 +232,30 @@ impl Spins {
         self.0[place as usize].1.store(angle.to_bits(), Ordering::Relaxed);
     }
 }
+
+/// A number for each particle.
+#[derive(Debug, Default)]
+pub struct Scalars(Vec<AtomicU32>);
+
+impl Scalars {
+    /// Makes room for `len` numbers; new ones are 0.
+    pub fn resize(&mut self, len: usize) {
+        self.0.resize_with(len, Default::default);
+    }
+
+    /// The number of the particle at `place`; 0 if there is none.
+    #[inline(always)]
+    pub fn get(&self, place: u32) -> f32 {
+        self.0
+            .get(place as usize)
+            .map_or(0.0, |number| f32::from_bits(number.load(Ordering::Relaxed)))
+    }
+
+    /// Replaces the number of the particle at `place`, if there is one.
+    #[inline(always)]
+    pub fn set(&self, place: u32, number: f32) {
+        if let Some(to) = self.0.get(place as usize) {
+            to.store(number.to_bits(), Ordering::Relaxed);
+        }
+    }
+}

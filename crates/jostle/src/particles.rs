@@ -101,6 +101,16 @@ impl Particles {
         self.spins.get(row).copied().unwrap_or_default()
     }
 
+    /// Coefficient of friction of two discs.
+    #[inline(always)]
+    pub fn pair_friction(&self, a: usize, b: usize) -> f32 {
+        if self.spins.is_empty() {
+            return 0.0;
+        }
+        let [a, b] = [a, b].map(|row| f64::from(self.spins[row].friction));
+        (a * b).sqrt() as f32
+    }
+
     /// Friction and rotation of all discs, to be changed.
     pub fn spins_mut(&mut self) -> &mut [Spin] {
         self.spins.resize(self.positions.len(), Spin::default());

@@ -38,9 +38,9 @@ const PINNED_STARS: (u64, usize) = (0xdac9_604a_877e_5dfa, 1177);
 /// State of some scenes whose particles have friction and spin, in the same way.
 const PINNED_WITH_FRICTION: [(u64, &str); 4] = [
     (0x3d34_203f_909a_e463, "gas"),
-    (0x4a6f_54ad_0a5a_02f4, "pile"),
+    (0x6b0f_342c_6d9b_ea06, "pile"),
     (0x5117_b759_bc3b_cc75, "mixed"),
-    (0xdb1d_6639_6de9_8f19, "sand"),
+    (0xd832_c4c8_23a0_be95, "sand"),
 ];
 
 /// A scene whose particles have friction and spin.

@@ -293,3 +293,112 @@ fn merged_discs_keep_angular_momentum() {
     };
     assert!((keep(&merged, 0) - keep(&all, 0)).abs() < 1e-5);
 }
+
+/// A disc of radius 1 on the floor of a box, under a gravity that is tilted by `angle`.
+fn on_an_incline(angle: f32, friction: f32, speed: f32) -> World {
+    let mut all = Particles::new(vec![[0.0, 1.0]], vec![[speed, 0.0]], vec![1.0], 1.0);
+    all.spins = vec![spin(friction, 0.0)];
+    let settings = WorldSettings {
+        gravity: [10.0 * angle.sin(), -10.0 * angle.cos()],
+        restitution: 0.5,
+        container: Container::Box { min: [-5000.0, 0.0], max: [5000.0, 50.0] },
+        ..Default::default()
+    };
+    world(all, settings)
+}
+
+#[test]
+fn a_disc_slides_or_rolls_down_an_incline() {
+    for angle in [0.1f32, 0.5, 1.0] {
+        for friction in [0.0, 0.1, 0.3, 0.8] {
+            let mut world = on_an_incline(angle, friction, 0.0);
+            run(&mut world, STEP, 300);
+            let (sin, cos) = (10.0 * angle.sin(), 10.0 * angle.cos());
+            let slides = angle.tan() > 3.0 * friction;
+            let expected = if slides { sin - friction * cos } else { 2.0 / 3.0 * sin };
+            let turning = if slides { 2.0 * friction * cos } else { expected };
+            let Particles { positions, velocities, spins, .. } = world.particles();
+            let time = 300.0 * STEP as f32;
+            let close = |found: f32, expected: f32| {
+                let error = (found - expected).abs();
+                assert!(error <= 0.01 * expected.abs(), "{angle} {friction}: {found} {expected}");
+            };
+            close(velocities[0][0], expected * time);
+            close(positions[0][0], 0.5 * expected * time * time);
+            if friction > 0.0 {
+                close(spins[0].velocity, -turning * time);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sliding_disc_begins_to_roll_at_two_thirds_of_its_speed() {
+    for friction in [0.1, 0.5] {
+        let mut world = on_an_incline(0.0, friction, 9.0);
+        run(&mut world, STEP, 10);
+        // Until then it is braked by μ g.
+        let braked = 9.0 - 10.0 * friction * 10.0 * STEP as f32;
+        assert!((world.velocities()[0][0] - braked).abs() < 0.01 * braked);
+        run(&mut world, STEP, 240);
+        assert!((world.velocities()[0][0] - 6.0).abs() < 1e-4, "{:?}", world.velocities());
+        assert!((world.angular_velocities()[0] + 6.0).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn results_scale_with_the_units() {
+    // Powers of 2, so that rounding is the same.
+    let scale = [1.0 / 1024.0, 1.0 / 128.0, 8.0];
+    let worlds = [[1.0f32; 3], scale].map(|[length, time, mass]| {
+        let mut all = rough_cloud(40, 3);
+        all.positions.iter_mut().for_each(|p| *p = p.map(|x| (x + 1.0) * length));
+        all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * length / time));
+        all.radii.iter_mut().for_each(|r| *r *= length);
+        all.masses.iter_mut().for_each(|m| *m *= mass);
+        all.spins.iter_mut().for_each(|spin| spin.velocity /= time);
+        let settings = WorldSettings {
+            gravity: [0.0, -10.0 * length / (time * time)],
+            container: Container::Box { min: [0.0; 2], max: [9.0 * length; 2] },
+            ..Default::default()
+        };
+        let mut world = world(all, settings);
+        run(&mut world, 0.5 * STEP * f64::from(time), 60);
+        world
+    });
+    let [one, other] = worlds.map(|world| world.particles());
+    for row in 0..one.len() {
+        let [p, q] = [&one, &other].map(|all| all.positions[row]);
+        assert_eq!(p, q.map(|x| x / scale[0]), "{row}");
+        let [v, w] = [&one, &other].map(|all| all.spin(row).velocity);
+        assert_eq!(v, w * scale[1], "{row}");
+    }
+}
+
+#[test]
+fn two_logs_hold_a_third_if_friction_is_large_enough() {
+    // The force between two logs passes through the point where the lower one touches the floor.
+    let least = (15.0f32).to_radians().tan();
+    let moved = |friction: f32| {
+        let positions = vec![[0.0, 0.5], [1.0, 0.5], [0.5, 0.5 + 0.75f32.sqrt()]];
+        let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![0.5; 3], 1.0);
+        all.spins = vec![spin(friction, 0.0); 3];
+        let settings = WorldSettings {
+            gravity: [0.0, -10.0],
+            restitution: 0.3,
+            container: Container::Box { min: [-20.0, 0.0], max: [24.0, 50.0] },
+            ..Default::default()
+        };
+        let mut world = world(all, settings);
+        let before = world.positions();
+        run(&mut world, STEP, 300);
+        let moved = before.iter().zip(world.positions());
+        moved.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f32::max)
+    };
+    for share in [0.0, 0.5, 0.97] {
+        assert!(moved(share * least) > 1.0, "{share}: they roll apart");
+    }
+    for share in [1.03, 2.0, 5.0] {
+        assert!(moved(share * least) < 1e-3, "{share}: they hold");
+    }
+}

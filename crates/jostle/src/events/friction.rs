@@ -74,7 +74,7 @@ impl Touch {
         }
         let most = self.friction * *normal;
         let wanted = *friction - self.sliding_speed(velocities, rotors) / softness;
-        let change = wanted.clamp(-most, most) - *friction;
+        let change = wanted.max(-most).min(most) - *friction;
         *friction += change;
         self.push(self.tangent(), change, velocities);
         for body in self.bodies.into_iter().flatten() {
@@ -245,7 +245,7 @@ impl Simulation<'_> {
         let tangent = touch.tangent();
         let sliding = dot(tangent, segment.velocity) - side * rotor.surface_speed;
         let most = touch.friction * pressing;
-        let change = (-sliding / softness).clamp(-most, most);
+        let change = (-sliding / softness).max(-most).min(most);
         segment.velocity = vector(|k| segment.velocity[k] + tangent[k] * change);
         rotor.surface_speed -= side * change * (softness - 1.0);
         self.set_rotor(number, &rotor, segment.time);

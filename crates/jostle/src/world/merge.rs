@@ -105,6 +105,9 @@ impl World {
             any = true;
             self.particles.put(places[0], &one);
             self.wall_pushes[places[0]] = Default::default();
+            if !self.wall_frictions.is_empty() {
+                self.wall_frictions[places[0]] = Default::default();
+            }
             let rows = places.iter().map(|&place| self.rows[place]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);

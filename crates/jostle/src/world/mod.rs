@@ -122,6 +122,8 @@ pub struct World {
     rows: Vec<u32>,
     /// Impulse over mass that each wall gave in the last sub-step, at rest.
     wall_pushes: Vec<[f32; MAX_WALLS]>,
+    /// The same of friction; empty if no particle has friction.
+    wall_frictions: Vec<[f32; MAX_WALLS]>,
     contacts: Contacts,
     time: f64,
     stats: Stats,
@@ -202,6 +204,7 @@ impl World {
         settings.container.check_fit(&self.radii())?;
         if settings.container != self.settings.container {
             self.wall_pushes.fill([0.0; MAX_WALLS]);
+            self.wall_frictions.clear();
         }
         self.settings = settings;
         Ok(())
@@ -232,6 +235,9 @@ impl World {
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
         self.wall_pushes.resize(new, [0.0; MAX_WALLS]);
+        if !self.wall_frictions.is_empty() {
+            self.wall_frictions.resize(new, [0.0; MAX_WALLS]);
+        }
         Ok(old as u32..new as u32)
     }
 
@@ -260,11 +266,13 @@ impl World {
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
         self.particles.retain(|place| keep[place]);
         self.particles.simplify();
-        let mut place = 0;
-        self.wall_pushes.retain(|_| {
-            place += 1;
-            keep[place - 1]
-        });
+        for pushes in [&mut self.wall_pushes, &mut self.wall_frictions] {
+            let mut place = 0;
+            pushes.retain(|_| {
+                place += 1;
+                keep[place - 1]
+            });
+        }
         self.contacts.retain(&keep);
         self.rows.retain(|&row| !gone[row as usize]);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);

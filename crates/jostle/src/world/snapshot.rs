@@ -44,6 +44,7 @@ impl World {
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
         put_wall_pushes(&mut to, &self.wall_pushes);
+        put_wall_pushes(&mut to, &self.wall_frictions);
         put_contacts(&mut to, self.contacts.lasting().collect());
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
@@ -72,8 +73,12 @@ impl World {
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.check_rows(&rows).map_err(valid)?;
         world.rows = rows;
-        get_wall_pushes(&mut from, &mut world.wall_pushes)?;
-        world.contacts.recall(get_contacts(&mut from, len)?, len);
+        get_wall_pushes(&mut from, &mut world.wall_pushes, 0.0)?;
+        if version > 3 {
+            world.wall_frictions.resize(len, [0.0; MAX_WALLS]);
+            get_wall_pushes(&mut from, &mut world.wall_frictions, f32::MIN)?;
+        }
+        world.contacts.recall(get_contacts(&mut from, len, version)?, len);
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
@@ -194,11 +199,11 @@ fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
     }
 }
 
-fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]]) -> Result<()> {
+fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {
     for _ in 0..from.get_count()? {
         let (place, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
         let to = all.get_mut(place as usize).ok_or_else(|| damaged("a wall pushes nothing"))?;
-        if !pushes.iter().all(|&push| push >= 0.0 && push.is_finite()) {
+        if !pushes.iter().all(|&push| push >= least && push.is_finite()) {
             return Err(damaged("a wall pushes in no way that a wall can"));
         }
         *to = pushes;
@@ -211,26 +216,27 @@ fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
     for contact in contacts {
         to.put(contact.places);
         let [[x, y], [u, v]] = [contact.image, contact.normal];
-        to.put([x, y, u, v, contact.gap, contact.impulse]);
+        to.put([x, y, u, v, contact.gap, contact.impulse, contact.friction_impulse]);
         to.put(u8::from(contact.touched));
     }
 }
 
-fn get_contacts(from: &mut Reader<'_>, len: usize) -> Result<Vec<Contact>> {
+fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Contact>> {
     let mut contacts = Vec::new();
     for _ in 0..from.get_count()? {
         let places: [u32; 2] = from.get()?;
         let numbers: [f32; 6] = from.get()?;
+        let friction_impulse = if version > 3 { from.get()? } else { 0.0f32 };
         let touched = from.get::<u8>()? > 0;
         let [x, y, u, v, gap, impulse] = numbers;
         let known = places.iter().all(|&place| (place as usize) < len) && places[0] != places[1];
-        if !known || numbers.iter().any(|number| number.is_nan()) || impulse < 0.0 {
+        let is_valid = |number: &f32| !number.is_nan();
+        if !known || !numbers.iter().chain([&friction_impulse]).all(is_valid) || impulse < 0.0 {
             return Err(damaged("a contact is between no particles"));
         }
         let (image, normal) = ([x, y], [u, v]);
-        let contact =
-            Contact { places, image, normal, gap, impulse, touched, ..Contact::default() };
-        contacts.push(contact);
+        let base = Contact { places, image, normal, gap, touched, ..Contact::default() };
+        contacts.push(Contact { impulse, friction_impulse, ..base });
     }
     Ok(contacts)
 }

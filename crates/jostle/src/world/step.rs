@@ -181,11 +181,17 @@ impl World {
         let order = memory.tree.rows();
         let spare =
             if memory.before.arranged { &mut memory.spare } else { &mut memory.before.ordered };
-        let Ordered { particles, rows, wall_pushes } = spare;
+        let Ordered { particles, rows, wall_pushes, wall_frictions } = spare;
         particles.gather(&self.particles, order, threads);
         std::mem::swap(particles, &mut self.particles);
         gather(rows, &mut self.rows, order, threads);
         gather(wall_pushes, &mut self.wall_pushes, order, threads);
+        wall_frictions.clear();
+        if self.wall_frictions.is_empty() {
+            std::mem::swap(wall_frictions, &mut self.wall_frictions);
+        } else {
+            gather(wall_frictions, &mut self.wall_frictions, order, threads);
+        }
         memory.touched_before.clear();
         if memory.before.arranged {
             let indices = &mut memory.indices;

@@ -11,7 +11,7 @@ use crate::forces;
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
-use crate::resting::Support;
+use crate::resting::{Support, WallPushes};
 
 use super::bounds::StepBounds;
 
@@ -109,6 +109,8 @@ impl World {
         if !may_rest {
             self.wall_pushes.fill(Default::default());
         }
+        let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
+        self.wall_frictions.resize(with_friction, Default::default());
         memory.events.bounced.clear();
         memory.events.exhausted.clear();
         let is_bounded = memory.bounded && !may_rest && springs(&self.forces).next().is_none();
@@ -137,13 +139,17 @@ impl World {
                     particles,
                     moving: &memory.moving,
                     motions,
+                    spins: &memory.spins,
+                    has_friction,
                     flow: &flow,
                     container: settings.container,
                     restitution: settings.restitution,
                     threads,
                 };
                 self.contacts.each(threads, |contact| contact.measure(motions));
-                let (contacts, pushes) = (&mut self.contacts, &mut self.wall_pushes);
+                let contacts = &mut self.contacts;
+                let (normal, friction) = (&mut self.wall_pushes[..], &mut self.wall_frictions[..]);
+                let pushes = WallPushes { normal, friction };
                 memory.resting.support(&support, contacts, pushes, kicks)?;
                 watch(Stage::Resting);
             }

@@ -12,6 +12,7 @@ pub(super) struct Ordered {
     pub(super) particles: Particles,
     pub(super) rows: Vec<u32>,
     pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
+    pub(super) wall_frictions: Vec<[f32; MAX_WALLS]>,
 }
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
@@ -53,10 +54,11 @@ impl World {
     pub(super) fn undo(&mut self) {
         let before = &mut self.memory.before;
         if before.arranged {
-            let Ordered { particles, rows, wall_pushes } = &mut before.ordered;
+            let Ordered { particles, rows, wall_pushes, wall_frictions } = &mut before.ordered;
             std::mem::swap(&mut self.particles, particles);
             std::mem::swap(&mut self.rows, rows);
             std::mem::swap(&mut self.wall_pushes, wall_pushes);
+            std::mem::swap(&mut self.wall_frictions, wall_frictions);
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
         }
