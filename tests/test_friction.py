@@ -176,3 +176,60 @@ def test_a_pile_with_friction_comes_to_rest(friction: float) -> None:
     contacts = world.contacts
     smaller = world.radii[contacts.pairs].min(axis=1)
     assert (contacts.depths / smaller).max() <= 0.01
+
+
+# ---- impulses ------------------------------------------------------------------------------------
+
+
+def test_impulses_of_a_bounce() -> None:
+    """Masses 1 and 3, restitution 0.5: the textbook formula."""
+    world = jostle.World([(0, 0), (3, 0)], [(4, 0), (0, 0)], 1, masses=[1, 3], restitution=0.5)
+    world.step(1)
+    contacts = world.contacts
+    assert isinstance(contacts, jostle.WorldContacts)
+    assert contacts.pairs.tolist() == [[0, 1]]
+    np.testing.assert_allclose(contacts.normal_impulses, 1.5 * 4 / (1 / 1 + 1 / 3), rtol=1e-6)
+    assert contacts.friction_impulses.tolist() == [0]
+    world.step(1)
+    assert len(world.contacts.pairs) == 0
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_the_floor_carries_the_weight(friction: float) -> None:
+    world = jostle.scenes.create("pile", n=500)
+    world.friction = friction
+    world.step(1 / 60, steps=480)
+    contacts = world.wall_contacts
+    assert isinstance(contacts, jostle.WallContacts)
+    assert (contacts.normal_impulses > 0).all()
+    floor = contacts.walls == 3  # y grows downwards in scenes
+    force = contacts.normal_impulses[floor].sum() * 60
+    assert force == pytest.approx(world.masses.sum() * world.gravity[1], rel=2e-3)
+    assert (contacts.normals[floor] == (0, -1)).all()
+    assert (np.diff(contacts.ids) >= 0).all()
+    assert (contacts.friction_impulses != 0).any() == (friction > 0)
+
+
+@pytest.mark.parametrize("degrees", [10, 50])
+def test_the_force_of_an_incline(degrees: float) -> None:
+    """Rolling, friction is a third of the pull; sliding, it is μ times the pressure."""
+    angle = math.radians(degrees)
+    world = on_an_incline(angle, 0.2)
+    world.step(1 / 60, steps=60)
+    normal = world.wall_contacts.normal_impulses * 60
+    friction = world.wall_contacts.friction_impulses * 60
+    pull, pressure = G * math.sin(angle), G * math.cos(angle)
+    assert normal == pytest.approx(pressure, rel=1e-4)
+    # The normal is +y, so the tangent is -x.
+    assert friction == pytest.approx(pull / 3 if degrees == 10 else 0.2 * pressure, rel=1e-3)
+
+
+def test_a_round_wall() -> None:
+    world = jostle.World(
+        [(0, -4)], [(0, 0)], 1, gravity=(0, -G), restitution=0, container=jostle.Circle((0, 0), 5)
+    )
+    world.step(1 / 60)
+    contacts = world.wall_contacts
+    assert (contacts.ids.tolist(), contacts.walls.tolist()) == ([0], [0])
+    assert contacts.normals.tolist() == [[0, 1]]
+    assert contacts.normal_impulses * 60 == pytest.approx(G, rel=1e-4)

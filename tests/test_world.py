@@ -147,7 +147,8 @@ def test_an_empty_world(nothing: Any) -> None:
     assert {name: column.shape for name, column in columns(world).items()} == {
         name: (0, 2) if name in ("positions", "velocities") else (0,) for name in COLUMNS
     }
-    assert [part.shape for part in world.contacts] == [(0, 2), (0, 2), (0,)]
+    assert [part.shape for part in world.contacts] == [(0, 2), (0, 2), (0,), (0,), (0,)]
+    assert [part.shape for part in world.wall_contacts] == [(0,), (0,), (0, 2), (0,), (0,), (0,)]
     assert (world.momentum, world.kinetic_energy, world.potential_energy) == ((0, 0), 0, 0)
     assert world.add([(1, 1)], [(0, 0)], 1).tolist() == [0]
 
@@ -432,9 +433,9 @@ def test_what_a_step_leaves_behind(method: Any) -> None:
     assert world.profile == dict.fromkeys(STAGES, 0.0)
     world.step(1 / 60, steps=2)
     contacts, stats = world.contacts, world.stats
-    assert isinstance(contacts, jostle.Contacts)
+    assert isinstance(contacts, jostle.WorldContacts)
     assert isinstance(stats, jostle.WorldStats)
-    pairs, normals, depths = contacts
+    pairs, normals, depths, *_ = contacts
     assert len(pairs) > 0
     assert (pairs.dtype, normals.dtype, depths.dtype) == (np.int64, np.float32, np.float32)
     assert (pairs[:, 0] < pairs[:, 1]).all()
@@ -538,7 +539,7 @@ def test_ids_are_followed_through_long_calls() -> None:
 def test_what_touches_may_be_ignored() -> None:
     world = jostle.World([(0, 0), (3, 0)], [(1, 0), (-1, 0)], 1.0, on_touch="ignore")
     world.step(0.1, steps=10)
-    pairs, normals, depths = world.contacts
+    pairs, normals, depths, *_ = world.contacts
     assert (pairs.tolist(), normals.tolist()) == ([[0, 1]], [[1, 0]])
     np.testing.assert_allclose(depths, [1], rtol=1e-5)
     world.step(0.1, steps=10)

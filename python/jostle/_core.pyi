@@ -29,6 +29,8 @@ from jostle.results import (
     RayHit,
     RayHits,
     Stats,
+    WallContacts,
+    WorldContacts,
     WorldStats,
 )
 
@@ -2348,11 +2350,19 @@ class World:
     @substeps.setter
     def substeps(self, value: SupportsIndex | None) -> None: ...
     @property
-    def contacts(self) -> Contacts:
-        """The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
-        ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), the penetration at
-        its end, negative for pairs that had separated. If `on_touch` is not "bounce", the
-        pairs that overlap now.
+    def contacts(self) -> WorldContacts:
+        """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+        ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
+        its end, negative for pairs that had separated, and the sums of the impulses of the step
+        along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
+        `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+        """
+    @property
+    def wall_contacts(self) -> WallContacts:
+        """The particles to which walls of the container gave an impulse during the last step: a
+        `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
+        to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
+        particle. Divided by the length of the step, impulses are mean forces.
         """
     @property
     def momentum(self) -> tuple[float, float]:

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::pairs::Overlaps;
 use jostle::{Each, Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -715,22 +714,24 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.substeps = substeps)
     }
 
-    /// The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
-    /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), the penetration at
-    /// its end, negative for pairs that had separated. If `on_touch` is not "bounce", the
-    /// pairs that overlap now.
+    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+    /// ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
+    /// its end, negative for pairs that had separated, and the sums of the impulses of the step
+    /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
+    /// `on_touch` is not "bounce", the pairs that overlap now, without impulses.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let touching = self.long(py, |state| {
-            let touches = state.world.contacts()?;
-            Ok(Overlaps {
-                pairs: touches.iter().map(|touch| touch.pair).collect(),
-                normals: touches.iter().map(|touch| touch.normal).collect(),
-                depths: touches.iter().map(|touch| touch.depth).collect(),
-                ..Overlaps::default()
-            })
-        });
-        results::contacts(py, touching?.map_err(refused)?)
+        let touches = self.long(py, |state| state.world.contacts())?;
+        results::world_contacts(py, touches.map_err(refused)?)
+    }
+
+    /// The particles to which walls of the container gave an impulse during the last step: a
+    /// `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
+    /// to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
+    /// particle. Divided by the length of the step, impulses are mean forces.
+    #[getter]
+    fn wall_contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        results::wall_contacts(py, self.long(py, |state| state.world.wall_contacts())?)
     }
 
     /// Sum of mass times velocity, (x, y).

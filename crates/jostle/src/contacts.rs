@@ -37,6 +37,8 @@ pub struct Contact {
     /// Impulse of friction at rest on the second along the normal after a quarter turn, in the
     /// same way.
     pub friction_impulse: f32,
+    /// Sums of the impulses of this step along the normal and of friction.
+    pub totals: [f32; 2],
     /// Whether the two touched or pushed each other during this step.
     pub touched: bool,
 }
@@ -75,12 +77,19 @@ impl Default for Contact {
             gap: 0.0,
             impulse: 0.0,
             friction_impulse: 0.0,
+            totals: [0.0; 2],
             touched: false,
         }
     }
 }
 
 impl Contact {
+    /// Adds impulses to the sums of this step.
+    #[inline(always)]
+    pub fn count(&mut self, impulses: [f32; 2]) {
+        self.totals = [0, 1].map(|k| self.totals[k] + impulses[k]);
+    }
+
     /// Updates normal and gap to the positions.
     pub fn measure(&mut self, motions: &Motions) {
         let [a, b] = self.places.map(|place| motions.position(place));
@@ -273,10 +282,10 @@ impl Contacts {
     }
 
     /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that
-    /// bounced, with the offset of the second.
+    /// bounced, with the offset of the second and the impulses.
     pub fn keep_lasting(
         &mut self,
-        bounced: impl Iterator<Item = ([u32; 2], [f32; 2])>,
+        bounced: impl Iterator<Item = ([u32; 2], [f32; 2], [f32; 2])>,
         particles: &Particles,
         places: usize,
     ) {
@@ -284,13 +293,14 @@ impl Contacts {
         both.clear();
         both.extend(self.lasting().copied().map(Contact::ascending));
         let len = both.len();
-        both.extend(bounced.map(|(pair, image)| {
+        both.extend(bounced.map(|(pair, image, totals)| {
             let [i, j] = pair.map(|place| place as usize);
             Contact {
                 places: pair,
                 image,
                 reach: particles.radii[i] + particles.radii[j],
                 inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
+                totals,
                 touched: true,
                 ..Contact::default()
             }
@@ -358,7 +368,7 @@ impl Contacts {
 }
 
 /// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
-/// kept.
+/// kept, with the sums of the impulses of both.
 fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
     let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
     let sort = |list: &mut [Contact]| {
@@ -378,7 +388,10 @@ fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
         };
         let Some(next) = next else { return };
         match to.last_mut() {
-            Some(last) if key(last) == key(next) => last.touched |= next.touched,
+            Some(last) if key(last) == key(next) => {
+                last.touched |= next.touched;
+                last.count(next.totals);
+            }
             _ => to.push(*next),
         }
     }

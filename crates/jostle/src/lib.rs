@@ -43,4 +43,4 @@ pub use quadtree::{Node, Quadtree};
 pub use settings::{Method, Settings};
 pub use shapes::{Each, Shapes};
 pub use space::Space;
-pub use world::{OnTouch, Stage, Stats, Touch, World, WorldSettings};
+pub use world::{OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};

@@ -402,3 +402,137 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
         assert!(moved(share * least) < 1e-3, "{share}: they hold");
     }
 }
+
+/// The forces of contacts and walls on each disc in a step.
+fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
+    let mut forces = vec![[0.0; 2]; world.len()];
+    let mut add = |row: u32, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
+        let [x, y] = [x, y].map(f64::from);
+        let [normal, friction] = [normal, friction].map(f64::from);
+        let force = &mut forces[row as usize];
+        force[0] += sign * (normal * x - friction * y) / dt;
+        force[1] += sign * (normal * y + friction * x) / dt;
+    };
+    for touch in world.contacts().unwrap() {
+        let impulses = [touch.normal_impulse, touch.friction_impulse];
+        add(touch.pair[0], -1.0, touch.normal, impulses);
+        add(touch.pair[1], 1.0, touch.normal, impulses);
+    }
+    for touch in world.wall_contacts() {
+        add(touch.row, 1.0, touch.normal, [touch.normal_impulse, touch.friction_impulse]);
+    }
+    forces
+}
+
+#[test]
+fn contacts_carry_the_weight_of_discs_at_rest() {
+    let positions = vec![[0.0, 0.5], [1.0, 0.5], [0.5, 0.5 + 0.75f32.sqrt()]];
+    let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![0.5; 3], 1.0);
+    all.spins = vec![spin(0.6, 0.0); 3];
+    let settings = WorldSettings {
+        gravity: [0.0, -10.0],
+        restitution: 0.3,
+        container: Container::Box { min: [-20.0, 0.0], max: [24.0, 50.0] },
+        ..Default::default()
+    };
+    let mut world = world(all, settings);
+    run(&mut world, STEP, 120);
+    let weight = 10.0 * 0.25;
+    for [x, y] in forces(&world, STEP) {
+        assert!(x.abs() < 2e-3 * weight && (y - weight).abs() < 2e-3 * weight, "{x} {y}");
+    }
+    let floor: f32 = world.wall_contacts().iter().map(|touch| touch.normal_impulse).sum();
+    assert!((f64::from(floor) / STEP / (3.0 * weight) - 1.0).abs() < 1e-4, "{floor}");
+    assert_eq!(world.wall_contacts().iter().map(|touch| touch.wall).collect::<Vec<_>>(), [2, 2]);
+    // The two below push the third up and are pushed apart, which friction balances.
+    assert!(world.wall_contacts()[0].friction_impulse < -1e-4);
+    assert!(world.wall_contacts()[1].friction_impulse > 1e-4);
+}
+
+#[test]
+fn the_floor_carries_the_weight_of_a_pile() {
+    for friction in [0.0, 0.5] {
+        let mut world = jostle::scenes::find("pile").unwrap().create(Some(500), 0).unwrap();
+        let roughen = |all: &mut Particles| {
+            all.spins_mut().iter_mut().for_each(|spin| spin.friction = friction);
+            Ok(())
+        };
+        world.edit(roughen).expect("valid");
+        run(&mut world, STEP, 480);
+        let masses: f64 = world.masses().iter().map(|&mass| f64::from(mass)).sum();
+        let weight = masses * f64::from(world.settings().gravity[1]);
+        let floor = |touch: &&jostle::WallTouch| touch.wall == 3;
+        let touches = world.wall_contacts();
+        let sum: f32 = touches.iter().filter(floor).map(|touch| touch.normal_impulse).sum();
+        let share = f64::from(sum) / STEP / weight;
+        assert!((share - 1.0).abs() < 2e-3, "{friction}: {share}");
+    }
+}
+
+#[test]
+fn impulses_are_those_of_impacts() {
+    let two = Two {
+        velocities: [[1.0, 0.5], [-1.0, 0.0]],
+        radii: [0.5, 1.0],
+        masses: [2.0, 3.0],
+        spins: [spin(0.2, 1.0), spin(0.2, -0.5)],
+        restitution: 0.5,
+    };
+    let (world, [expected, _]) = (two.simulated(), two.analytic());
+    let touches = world.contacts().unwrap();
+    let found = [touches[0].normal_impulse, touches[0].friction_impulse];
+    let expected = [0, 1].map(|k| -2.0 * (expected[k] as f32 - two.velocities[0][k]));
+    assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-5), "{found:?} {expected:?}");
+    assert!(world.wall_contacts().is_empty());
+}
+
+#[test]
+fn impulses_of_walls_change_the_momentum() {
+    for dt in [0.1, 0.5, 3.0] {
+        let container = Container::Box { min: [-0.5; 2], max: [8.5; 2] };
+        let settings = WorldSettings { container, ..Default::default() };
+        let mut world = world(rough_cloud(60, 1), settings);
+        let mut pushed = 0;
+        for _ in 0..10 {
+            let before = world.momentum();
+            run(&mut world, dt, 1);
+            let after = world.momentum();
+            let mut sum = [0.0; 2];
+            for touch in world.wall_contacts() {
+                let ([x, y], normal, friction) =
+                    (touch.normal, touch.normal_impulse, touch.friction_impulse);
+                sum[0] += f64::from(normal * x - friction * y);
+                sum[1] += f64::from(normal * y + friction * x);
+                pushed += 1;
+            }
+            let error = |k: usize| (after[k] - before[k] - sum[k]).abs();
+            assert!(error(0).max(error(1)) < 1e-4, "{dt}: {before:?} {after:?} {sum:?}");
+        }
+        assert!(pushed > 5, "{dt}: {pushed}");
+    }
+}
+
+#[test]
+fn impulses_of_walls_follow_their_particles() {
+    let positions = vec![[2.0, 1.0], [5.0, 1.0], [8.0, 1.0]];
+    let all = Particles::new(positions, vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
+    let settings = WorldSettings {
+        gravity: [0.0, -10.0],
+        restitution: 0.3,
+        container: Container::Box { min: [0.0; 2], max: [10.0; 2] },
+        ..Default::default()
+    };
+    let mut world = world(all, settings);
+    run(&mut world, STEP, 3);
+    let rows = |world: &World| world.wall_contacts().iter().map(|of| of.row).collect::<Vec<_>>();
+    assert_eq!(rows(&world), [0, 1, 2]);
+    let again = World::restore(&world.snapshot()).unwrap();
+    assert_eq!(again.wall_contacts(), world.wall_contacts());
+    assert!(world.step(1e30, 1, &mut |_| ()).is_err());
+    assert_eq!(again.wall_contacts(), world.wall_contacts());
+    world.remove(&[1]).unwrap();
+    assert_eq!(rows(&world), [0, 1]);
+    let container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
+    world.configure(WorldSettings { container, ..*world.settings() }).unwrap();
+    assert!(world.wall_contacts().is_empty());
+}

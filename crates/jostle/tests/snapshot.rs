@@ -22,6 +22,7 @@ fn assert_same(a: &World, b: &World, of: &str) {
     assert_eq!(a.settings(), b.settings(), "{of}");
     assert_eq!(a.forces(), b.forces(), "{of}");
     assert_eq!(a.contacts().unwrap(), b.contacts().unwrap(), "{of}");
+    assert_eq!(a.wall_contacts(), b.wall_contacts(), "{of}");
     assert_eq!((a.time(), a.stats()), (b.time(), b.stats()), "{of}");
     assert_eq!(a.momentum(), b.momentum(), "{of}: the order within");
     assert_eq!(a.snapshot(), b.snapshot(), "{of}");

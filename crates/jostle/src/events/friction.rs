@@ -231,6 +231,7 @@ impl Simulation<'_> {
 
     /// Friction of a disc that slides along a surface until the end of the window, where gravity
     /// presses it against the surface with the speed `pressing`. The other surface counts as fixed.
+    /// Returns the change of the speed of the second surface along the first.
     pub(super) fn brake(
         &mut self,
         number: u32,
@@ -238,7 +239,7 @@ impl Simulation<'_> {
         touch: &Touch,
         is_second: bool,
         pressing: f64,
-    ) {
+    ) -> f64 {
         let mut rotor = self.rotor(number);
         let softness = 1.0 + if rotor.softness > 0.0 { 2.0 } else { 0.0 };
         let side = if is_second { 1.0 } else { -1.0 };
@@ -249,5 +250,6 @@ impl Simulation<'_> {
         segment.velocity = vector(|k| segment.velocity[k] + tangent[k] * change);
         rotor.surface_speed -= side * change * (softness - 1.0);
         self.set_rotor(number, &rotor, segment.time);
+        side * change
     }
 }

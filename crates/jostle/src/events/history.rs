@@ -31,12 +31,16 @@ pub struct Course {
     pub stopped: Option<Vector>,
 }
 
-/// Two discs that bounced.
+/// Two discs that bounced, or a disc and a wall.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounce {
-    /// Their indices, the smaller first.
+    /// Their indices, the smaller first; [`WALL`](super::WALL) for a wall.
     pub pair: [u32; 2],
-    /// The course of one of them.
+    /// The number of the wall, or of the image of the second disc.
+    pub code: u32,
+    /// The impulses along the normal and of friction.
+    pub impulses: [f32; 2],
+    /// The course of one of the discs.
     pub course: u32,
 }
 

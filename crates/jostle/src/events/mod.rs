@@ -26,10 +26,12 @@ use crate::parallel::{self, locked};
 use crate::trajectory::{Segment, Vector};
 pub use flight::Flight;
 use flight::{Start, Window};
+pub use history::Bounce;
 use history::{Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
 pub use neighbors::{NearPair, Neighbors};
-use queue::{Event, WALL};
+use queue::Event;
+pub use queue::WALL;
 use simulation::{Scratch, Simulation};
 
 /// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
@@ -92,8 +94,8 @@ pub struct Outside {
 pub struct Events {
     /// The discs that each disc may meet.
     pub neighbors: Neighbors,
-    /// Pairs that bounced during the step.
-    pub bounced: Vec<[u32; 2]>,
+    /// Bounces during the step, in any order.
+    pub bounced: Vec<Bounce>,
     /// Discs that had too many events in a window and stand still for the rest of the step.
     pub exhausted: Vec<u32>,
     starts: Vec<Start>,
@@ -491,7 +493,7 @@ impl Events {
         });
         self.again.retain(AGAIN, &self.course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
-            self.bounced.extend(history.bounces.iter().map(|bounce| bounce.pair));
+            self.bounced.extend(&history.bounces);
             self.exhausted.extend(&history.exhausted);
         }
     }

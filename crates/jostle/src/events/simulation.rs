@@ -348,21 +348,31 @@ impl Simulation<'_> {
             friction: window.pair_friction(pair),
             ..Touch::of_discs(pair, code, offset)
         };
-        let [a, b] = found.map(|found| found.map(|(_, own, _)| own.number));
-        let number = a.or(b).expect("one of them is in the group");
-        if self.add(touch) {
-            self.history.bounces.push(Bounce { pair, course: number });
-        }
+        self.add(touch);
     }
 
     /// Adds a contact of this moment, unless it is the one whose event it is.
-    fn add(&mut self, touch: Touch) -> bool {
+    fn add(&mut self, touch: Touch) {
         let touches = &mut self.scratch.touches;
-        let new = touches.first().is_none_or(|first| first.key != touch.key);
-        if new {
+        if touches.first().is_none_or(|first| first.key != touch.key) {
             touches.push(touch);
         }
-        new
+    }
+
+    /// The impulses of a contact of this moment along its normal and of friction.
+    pub(super) fn impulses_of(&self, touch: usize) -> [f32; 2] {
+        let [normal, friction] = self.scratch.impulses[touch].map(|impulse| impulse as f32);
+        [normal, if self.window.flight.has_friction { friction } else { 0.0 }]
+    }
+
+    /// Appends all contacts of this moment to the history.
+    fn record_bounces(&mut self) {
+        for (at, touch) in self.scratch.touches.iter().enumerate() {
+            let [a, b] = touch.bodies.map(|body| body.map(|body| &self.scratch.group[body]));
+            let course = a.or(b).expect("one of them is in the group").number;
+            let ([first, second, code], impulses) = (touch.key, self.impulses_of(at));
+            self.history.bounces.push(Bounce { pair: [first, second], code, impulses, course });
+        }
     }
 
     /// Gives the discs of the group their velocities after the impacts, and makes one island of
@@ -391,16 +401,24 @@ impl Simulation<'_> {
             }
             let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
             if kind == Kind::Hold {
-                let touch = self.scratch.touches[0];
-                let left = window.end - time;
-                let pressing = hold(&mut new, touch.normal, window.gravity(), left);
-                if window.flight.has_friction {
-                    let is_second = touch.bodies[1] == Some(position);
-                    let pressing = if is_second { -pressing } else { pressing };
-                    self.brake(number, &mut new, &touch, is_second, pressing.max(0.0));
-                }
+                self.hold(position, &mut new, window.end - time);
             }
             self.turn(number, new);
+        }
+        self.record_bounces();
+    }
+
+    /// Lets a disc of the group slide along the surface that it touches for `left` seconds.
+    fn hold(&mut self, position: usize, segment: &mut Segment, left: f64) {
+        let (number, touch) = (self.scratch.group[position].number, self.scratch.touches[0]);
+        let is_second = touch.bodies[1] == Some(position);
+        let normal = touch.normal.map(|v| if is_second { v } else { -v });
+        let pressing = -hold(segment, normal, self.window.gravity(), left);
+        let inverse_mass = self.history.courses[number as usize].inverse_mass;
+        self.scratch.impulses[0][0] += pressing.max(0.0) / inverse_mass;
+        if self.window.flight.has_friction {
+            let change = self.brake(number, segment, &touch, is_second, pressing.max(0.0));
+            self.scratch.impulses[0][1] += change / inverse_mass;
         }
     }
 

@@ -55,7 +55,8 @@ impl Simulation<'_> {
             self.set_rotors(numbers.into_iter(), time);
         }
         (0..2).for_each(|k| self.turn(numbers[k], new[k]));
-        self.history.bounces.push(Bounce { pair, course: numbers[a] });
+        let impulses = self.impulses_of(0);
+        self.history.bounces.push(Bounce { pair, code, impulses, course: numbers[a] });
         true
     }
 

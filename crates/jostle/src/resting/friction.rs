@@ -50,7 +50,10 @@ impl Block {
     /// Stores the impulses in the contacts.
     pub fn store(&self, pairs: &pairs::Block, contacts: &mut [Contact]) {
         for (lane, &at) in pairs.contacts().iter().enumerate() {
-            contacts[at as usize].friction_impulse = self.impulses[Phase::Rest as usize][lane];
+            let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
+            let contact = &mut contacts[at as usize];
+            contact.friction_impulse = rest;
+            contact.count([0.0, impact + rest]);
         }
     }
 

@@ -85,6 +85,8 @@ pub struct WallPushes<'a> {
     pub normal: &'a mut [[f32; MAX_WALLS]],
     /// Of friction; empty if there is none.
     pub friction: &'a mut [[f32; MAX_WALLS]],
+    /// The impulses of the step: the place of the particle, the wall, along the normal, of friction.
+    pub impulses: &'a mut Vec<(u32, u8, [f32; 2])>,
 }
 
 impl Support<'_> {
@@ -237,7 +239,12 @@ impl Resting {
         for (friction, block) in frictions.iter().zip(&*blocks) {
             friction.store(block, &mut contacts.list);
         }
-        walls.iter().for_each(|walls| walls.store(wall_pushes.normal, wall_pushes.friction));
+        for walls in &*walls {
+            walls.store(wall_pushes.normal, wall_pushes.friction);
+            let mass = scene.particles.masses[walls.place as usize];
+            let impulses = walls.impulses(mass);
+            wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.place, wall, of)));
+        }
         self.end(scene, kicks);
         Ok(())
     }
@@ -306,7 +313,7 @@ impl Resting {
         wall_pushes: &mut WallPushes<'_>,
         kicks: &[Kick],
     ) {
-        let WallPushes { normal, friction } = wall_pushes;
+        let WallPushes { normal, friction, .. } = wall_pushes;
         self.walls.clear();
         if scene.container.has_walls() {
             let walls = |place: usize| {

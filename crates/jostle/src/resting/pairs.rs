@@ -143,6 +143,7 @@ impl Block {
             let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
             let contact = &mut contacts[self.contacts[lane] as usize];
             contact.impulse = rest;
+            contact.count([impact + rest, 0.0]);
             contact.touched |= rest > 0.0 || impact > 0.0;
         }
     }

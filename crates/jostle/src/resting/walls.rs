@@ -9,7 +9,7 @@ use crate::motion::{Scalars, Vectors};
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Walls {
-    place: u32,
+    pub place: u32,
     /// Coefficient of friction.
     friction: f32,
     /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for points.
@@ -109,6 +109,16 @@ impl Walls {
         }
         velocities.set(self.place, velocity);
         surface_speeds.set(self.place, surface_speed);
+    }
+
+    /// The walls that push the particle, and the sums of the impulses of both phases.
+    pub fn impulses(&self, mass: f32) -> impl Iterator<Item = (u8, [f32; 2])> {
+        let contacts = (0..).zip(&self.contacts);
+        let found = contacts.filter_map(|(wall, contact)| Some((wall, contact.as_ref()?.pushes)));
+        let sums = found.map(move |(wall, [impact, rest])| {
+            (wall, [0, 1].map(|k| mass * (impact[k] + rest[k])))
+        });
+        sums.filter(|(_, [normal, _])| *normal > 0.0)
     }
 
     /// Stores the impulses.

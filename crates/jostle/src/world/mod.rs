@@ -15,6 +15,7 @@ mod snapshot;
 mod step;
 mod substeps;
 mod sums;
+mod touches;
 mod undo;
 
 use std::ops::Range;
@@ -34,6 +35,8 @@ use crate::shapes::{MOST_ROWS, Shapes};
 use feel::ForceMemory;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
+use touches::WallImpulse;
+pub use touches::{Touch, WallTouch};
 use undo::{Before, Ordered};
 
 /// The stages of a step, in the order of the data.
@@ -90,17 +93,6 @@ pub struct Stats {
     pub unresolved: u64,
 }
 
-/// Two particles that touched during the last step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// Their rows, the smaller first.
-    pub pair: [u32; 2],
-    /// Unit vector from the first to the second.
-    pub normal: [f32; 2],
-    /// Penetration at the end of the step; negative if they had separated.
-    pub depth: f32,
-}
-
 /// Particles, their settings and forces.
 ///
 /// ```
@@ -125,6 +117,8 @@ pub struct World {
     /// The same of friction; empty if no particle has friction.
     wall_frictions: Vec<[f32; MAX_WALLS]>,
     contacts: Contacts,
+    /// The impulses that walls gave in the last step, sorted by row.
+    wall_impulses: Vec<WallImpulse>,
     time: f64,
     stats: Stats,
     /// The new row of each old one, if the last call removed or merged any.
@@ -150,10 +144,12 @@ struct Memory {
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
     events: Events,
-    /// Pairs that touched in earlier parts of the step.
-    touched_before: Vec<[u32; 2]>,
+    /// Pairs that touched in earlier parts of the step, and their impulses.
+    touched_before: Vec<([u32; 2], [f32; 2])>,
     /// The new place of each particle, while these are renamed.
     indices: Vec<u32>,
+    /// The impulses of resting contacts with walls in a part of the step: place, wall, impulses.
+    wall_impulses: Vec<(u32, u8, [f32; 2])>,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
@@ -205,6 +201,7 @@ impl World {
         if settings.container != self.settings.container {
             self.wall_pushes.fill([0.0; MAX_WALLS]);
             self.wall_frictions.clear();
+            self.wall_impulses.clear();
         }
         self.settings = settings;
         Ok(())
@@ -274,6 +271,8 @@ impl World {
             });
         }
         self.contacts.retain(&keep);
+        self.wall_impulses.retain(|of| !gone[of.row as usize]);
+        self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
         self.rows.retain(|&row| !gone[row as usize]);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         shifted
@@ -401,22 +400,6 @@ impl World {
             places[row as usize] = place as u32;
         }
         places
-    }
-
-    /// The pairs that touched during the last step, in canonical order. If nothing
-    /// bounces, those that overlap now; an error if there are too many.
-    pub fn contacts(&self) -> Result<Vec<Touch>> {
-        if self.settings.on_touch != OnTouch::Bounce {
-            return self.overlaps();
-        }
-        let row = |place: u32| self.rows[place as usize];
-        let touch = |contact: &crate::contacts::Contact| {
-            let [i, j] = contact.places.map(row);
-            let sign = if i < j { 1.0 } else { -1.0 };
-            let normal = contact.normal.map(|v| v * sign);
-            Touch { pair: [i.min(j), i.max(j)], normal, depth: -contact.gap }
-        };
-        Ok(self.contacts.touching().map(touch).collect())
     }
 
     /// Simulated seconds.

@@ -4,6 +4,7 @@
 //! their canonical order, and the impulses of resting contacts with walls and particles. A
 //! column with the same value for all particles is stored as one value.
 
+use super::touches::WallImpulse;
 use super::{OnTouch, Stats, World, WorldSettings};
 use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
@@ -46,6 +47,12 @@ impl World {
         put_wall_pushes(&mut to, &self.wall_pushes);
         put_wall_pushes(&mut to, &self.wall_frictions);
         put_contacts(&mut to, self.contacts.lasting().collect());
+        to.put_count(self.wall_impulses.len());
+        for WallImpulse { row, wall, impulses } in &self.wall_impulses {
+            to.put(*row);
+            to.put(*wall);
+            to.put(*impulses);
+        }
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
         to.finish(MAGIC, VERSION)
@@ -79,6 +86,9 @@ impl World {
             get_wall_pushes(&mut from, &mut world.wall_frictions, f32::MIN)?;
         }
         world.contacts.recall(get_contacts(&mut from, len, version)?, len);
+        if version > 3 {
+            world.wall_impulses = get_wall_impulses(&mut from, len)?;
+        }
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
@@ -217,6 +227,7 @@ fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
         to.put(contact.places);
         let [[x, y], [u, v]] = [contact.image, contact.normal];
         to.put([x, y, u, v, contact.gap, contact.impulse, contact.friction_impulse]);
+        to.put(contact.totals);
         to.put(u8::from(contact.touched));
     }
 }
@@ -226,19 +237,37 @@ fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<C
     for _ in 0..from.get_count()? {
         let places: [u32; 2] = from.get()?;
         let numbers: [f32; 6] = from.get()?;
-        let friction_impulse = if version > 3 { from.get()? } else { 0.0f32 };
+        let [friction_impulse, total, total_friction] =
+            if version > 3 { from.get()? } else { [0.0f32; 3] };
         let touched = from.get::<u8>()? > 0;
         let [x, y, u, v, gap, impulse] = numbers;
         let known = places.iter().all(|&place| (place as usize) < len) && places[0] != places[1];
         let is_valid = |number: &f32| !number.is_nan();
-        if !known || !numbers.iter().chain([&friction_impulse]).all(is_valid) || impulse < 0.0 {
+        if !known
+            || !numbers.iter().chain(&[friction_impulse, total, total_friction]).all(is_valid)
+            || impulse < 0.0
+        {
             return Err(damaged("a contact is between no particles"));
         }
         let (image, normal) = ([x, y], [u, v]);
         let base = Contact { places, image, normal, gap, touched, ..Contact::default() };
-        contacts.push(Contact { impulse, friction_impulse, ..base });
+        let totals = [total, total_friction];
+        contacts.push(Contact { impulse, friction_impulse, totals, ..base });
     }
     Ok(contacts)
+}
+
+fn get_wall_impulses(from: &mut Reader<'_>, len: usize) -> Result<Vec<WallImpulse>> {
+    let mut all = Vec::new();
+    for _ in 0..from.get_count()? {
+        let (row, wall, impulses) = (from.get()?, from.get()?, from.get::<[f32; 2]>()?);
+        let is_known = row < len as u32 && usize::from(wall) < MAX_WALLS;
+        if !is_known || impulses.iter().any(|impulse| impulse.is_nan()) {
+            return Err(damaged("a wall pushes nothing"));
+        }
+        all.push(WallImpulse { row, wall, impulses });
+    }
+    Ok(all)
 }
 
 fn put_force(to: &mut Writer, force: &Force) {

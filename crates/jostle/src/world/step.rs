@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 
 use super::feel::{find_places, springs};
 use super::undo::Ordered;
-use super::{Memory, OnTouch, Stage, Stats, World, search};
+use super::{Memory, OnTouch, Stage, Stats, World, search, touches};
 use crate::container::{Container, MAX_WALLS, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -57,6 +57,7 @@ impl World {
                 self.undo();
                 return Err(error);
             }
+            touches::add_up(&mut self.wall_impulses);
             self.time += dt;
         }
         Ok(())
@@ -197,8 +198,10 @@ impl World {
             let indices = &mut memory.indices;
             indices.resize(order.len(), 0);
             (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
-            let touched = self.contacts.touching().map(|contact| contact.places);
-            let moved = touched.map(|pair| pair.map(|place| indices[place as usize]));
+            let touched = self.contacts.touching();
+            let moved = touched.map(|contact| {
+                (contact.places.map(|place| indices[place as usize]), contact.totals)
+            });
             memory.touched_before.extend(moved);
         } else {
             self.contacts.exchange(&mut memory.before.contacts);

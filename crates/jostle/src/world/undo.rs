@@ -1,5 +1,6 @@
 //! Restores the state before a step that is refused or interrupted.
 
+use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
 use crate::container::MAX_WALLS;
@@ -26,6 +27,7 @@ pub(super) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
+    wall_impulses: Vec<WallImpulse>,
     stats: Stats,
     renumbered: Option<Vec<Option<u32>>>,
 }
@@ -36,6 +38,8 @@ impl World {
         let before = &mut self.memory.before;
         before.arranged = false;
         before.forces.clone_from(&self.forces);
+        std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
+        self.wall_impulses.clear();
         before.stats = self.stats;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
@@ -66,6 +70,7 @@ impl World {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
         std::mem::swap(&mut self.forces, &mut before.forces);
+        std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
         self.renumbered = before.renumbered.take();
     }
