@@ -2014,6 +2014,18 @@ class World:
         If a shape is wrong, a value is out of range, or a particle does not fit
         into the container; the message says which.
 
+    See Also
+    --------
+    jostle.scenes.create : A world of a ready-made scene.
+    WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
+
+    References
+    ----------
+    O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
+    in: Particulate Two-Phase Flow (1993), for friction in bounces.
+    E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
+    resting contacts.
+
     Examples
     --------
     >>> import jostle
@@ -2022,6 +2034,16 @@ class World:
     >>> world.velocities
     array([[0., 0.],
            [1., 0.]], dtype=float32)
+
+    A disc that slides on a floor with friction begins to roll, at two thirds of its speed:
+
+    >>> world = jostle.World(
+    ...     [(0, 9)], [(3, 0)], radii=1.0, gravity=(0, 9.8), restitution=0.5, friction=0.4,
+    ...     container=jostle.Box(-99, -50, 99, 10),
+    ... )
+    >>> world.step(1 / 60, steps=120)
+    >>> world.velocities.round(3), world.angular_velocities.round(3)
+    (array([[2., 0.]], dtype=float32), array([2.], dtype=float32))
     """
 
     def __new__(
@@ -2255,6 +2277,20 @@ class World:
         """Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
 
         To change all, assign an array or one number; to change some, use `set`.
+
+        Raises
+        ------
+        ValueError
+            If an assigned coefficient is not finite or below 0, or the shape is wrong.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=1.0)
+        >>> world.friction = 0.5
+        >>> world.set(1, friction=0.8)
+        >>> world.friction
+        array([0.5, 0.8], dtype=float32)
         """
     @friction.setter
     def friction(self, value: ArrayLike) -> None: ...
@@ -2264,6 +2300,19 @@ class World:
 
         Positive angles turn from +x to +y. To change all, assign an array or one number; to
         change some, use `set`. Numbers outside the range are wrapped into it.
+
+        Raises
+        ------
+        ValueError
+            If an assigned angle is not finite, or the shape is wrong.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0, angular_velocities=0.5)
+        >>> world.step(0.25, steps=8)
+        >>> world.angles
+        array([1.], dtype=float32)
         """
     @angles.setter
     def angles(self, value: ArrayLike) -> None: ...
@@ -2273,6 +2322,15 @@ class World:
 
         Those of particles that are not movable or have radius 0 are 0. To change all, assign an
         array or one number; to change some, use `set`.
+
+        Raises
+        ------
+        ValueError
+            If an assigned angular velocity is not finite or above 1e18, or the shape is wrong.
+
+        See Also
+        --------
+        angles : The angles that follow from them.
         """
     @angular_velocities.setter
     def angular_velocities(self, value: ArrayLike) -> None: ...
@@ -2363,6 +2421,21 @@ class World:
         `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
         to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
         particle. Divided by the length of the step, impulses are mean forces.
+
+        See Also
+        --------
+        contacts : The pairs of particles.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> box = jostle.Box(-9, 0, 9, 9)
+        >>> world = jostle.World(
+        ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
+        ... )
+        >>> world.step(0.01)
+        >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
+        (array([2]), array([10.], dtype=float32))
         """
     @property
     def momentum(self) -> tuple[float, float]:

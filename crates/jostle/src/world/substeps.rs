@@ -187,8 +187,11 @@ impl World {
         memory.exhausted.sort_unstable();
         self.stats.unresolved = memory.exhausted.len() as u64;
         // Sums of impulses depend on their order, so equal numbers decide the rest.
-        let key = |of: &Bounce| (of.pair, of.code, of.impulses.map(f32::to_bits));
-        memory.events.bounced.sort_unstable_by_key(key);
+        let pair = |of: &Bounce| u64::from(of.pair[0]) << 32 | u64::from(of.pair[1]);
+        let rest = |of: &Bounce| (of.code, of.impulses.map(f32::to_bits));
+        let order =
+            |a: &Bounce, b: &Bounce| pair(a).cmp(&pair(b)).then_with(|| rest(a).cmp(&rest(b)));
+        memory.events.bounced.sort_unstable_by(order);
         let bounced = &memory.events.bounced;
         let off_walls = bounced.iter().filter(|of| of.pair[1] == WALL);
         let off_walls = off_walls.map(|of| (of.pair[0], of.code as u8, of.impulses));
