@@ -13,7 +13,7 @@ use jostle::{
 
 /// State of each scene after 240 steps of 1/60 s, with at most 1,000 particles
 /// and seed 0. A change of the physics changes them: see CONTRIBUTING.
-const PINNED: [(&str, u64); 16] = [
+const PINNED: [(&str, u64); 17] = [
     ("article", 0x22af_8202_f246_382a),
     ("gas", 0x5dee_8c46_e453_36cc),
     ("pile", 0xb97b_57c5_b23f_b381),
@@ -30,6 +30,7 @@ const PINNED: [(&str, u64); 16] = [
     ("galton", 0xa29e_5117_3915_731c),
     ("brownian", 0xbcc3_c6cc_cba1_d983),
     ("emitters", 0x9dbb_74ab_3b03_e89a),
+    ("heap", 0x0c54_6155_29e5_34bb),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.

@@ -99,7 +99,8 @@ class WorldSimulation:
     @property
     def rules(self) -> Settings:
         """Return the settings with the world's own rules."""
-        return replace(self.settings, **{name: getattr(self.world, name) for name in RULES})
+        rules = {name: getattr(self.world, name) for name in RULES}
+        return replace(self.settings, **rules, friction=self._columns.friction)
 
     def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
         """Return the present state."""
@@ -121,7 +122,7 @@ class WorldSimulation:
 
     def _emit(self, emitters: Emitters) -> None:
         """Let drops come out; the oldest go where there are too many."""
-        gone = emitters.step(self.world, self.time_step, self.settings.friction or 0.0)
+        gone = emitters.step(self.world, self.time_step, self._columns.friction)
         if gone is not None:
             self._columns.remove(self.world, gone)
         elif len(self.world) > len(self._columns.tags):
@@ -208,7 +209,7 @@ class WorldSimulation:
             radii,
             densities=densities,
             movable=np.asarray(movable),
-            friction=self.settings.friction or 0.0,
+            friction=self._columns.friction,
         )
         return self._columns.add(self.world)
 
