@@ -9,6 +9,9 @@ computes the next collision, moves on to it, and computes the next ones of the d
   the numbers of collisions that its discs had when it was computed; if they differ later, it is
   out of date. If only the partner has collided, the disc is predicted again. The partner's own
   prediction covers the new path of the pair.
+- Friction acts at the moment of impact: the tangential impulse makes the surfaces stick, if that
+  takes at most the coefficient of friction times the normal impulse. Otherwise it is that large,
+  against the sliding. The moment of inertia is m r²/2.
 - On a torus a prediction uses minimum images. It holds until a pair has moved half a period
   relative to each other; then the disc is predicted again.
 
@@ -47,6 +50,8 @@ class Result(NamedTuple):
     velocities: Floats  # (n, 2)
     displacements: Floats  # (n, 2): end minus start, not wrapped
     collisions: NDArray[np.int64]  # (n,): collisions of each disc with discs and walls
+    angular_velocities: Floats  # (n,)
+    angles: Floats  # (n,): by which each disc has turned, not wrapped
 
 
 def simulate(
@@ -60,6 +65,8 @@ def simulate(
     gravity: tuple[float, float] = (0.0, 0.0),
     container: Box | Circle | Torus | None = None,
     movable: ArrayLike = True,
+    friction: ArrayLike = 0.0,
+    angular_velocities: ArrayLike = 0.0,
     max_collisions: int = 10_000_000,
 ) -> Result:
     """Return the state of discs after `time`; the arguments are those of `jostle.World`.
@@ -73,6 +80,7 @@ def simulate(
     """
     arguments = (positions, velocities, radii, masses, restitution, gravity, container, movable)
     simulation = _Simulation(*arguments)
+    simulation.spin(friction, angular_velocities)
     simulation.run(float(time), max_collisions)
     return simulation.result(float(time))
 
@@ -117,6 +125,12 @@ class _Simulation:
         self.collisions = np.zeros(n, int)
         # Entries: time, disc, partner (a disc, n + k for wall k, NOTHING), collisions of both.
         self.heap: list[tuple[float, int, int, int, int]] = []
+
+    def spin(self, friction: ArrayLike, angular_velocities: ArrayLike) -> None:
+        """Set the coefficients of friction and the angular velocities."""
+        self.friction = np.broadcast_to(np.asarray(friction, float), self.n)
+        self.turning = np.where(self.movable, np.asarray(angular_velocities, float), 0.0)
+        self.angles = np.zeros(self.n)  # as if the present angular velocities began at time 0
 
     # ---- paths -------------------------------------------------------------------------------
 
@@ -214,20 +228,39 @@ class _Simulation:
 
     def collide(self, i: int, partner: int, t: float) -> None:
         """Change the velocities of disc i and of its partner, if they approach each other."""
+        v, w = self.velocity(i, t), np.zeros(2)
         if partner >= self.n:
-            normal = self.wall_normal(i, partner - self.n, t)
-            approach = float(self.velocity(i, t) @ normal)
-            self.deflect(i, t, -(1 + self.restitution) * min(approach, 0.0) * normal)
-            return
-        apart = self.position(i, t) - self.position(partner, t)
-        if self.period is not None:
-            apart -= self.period[:, 0] * np.rint(apart / self.period[:, 0])
-        normal = apart / math.hypot(*apart)
-        approach = float((self.velocity(i, t) - self.velocity(partner, t)) @ normal)
-        inverse = self.inverse_masses[i] + self.inverse_masses[partner]
-        impulse = -(1 + self.restitution) * min(approach, 0.0) / inverse
-        self.deflect(i, t, impulse * self.inverse_masses[i] * normal)
-        self.deflect(partner, t, -impulse * self.inverse_masses[partner] * normal)
+            normal, other = self.wall_normal(i, partner - self.n, t), None
+            inverse, friction = self.inverse_masses[i], self.friction[i]
+        else:
+            apart = self.position(i, t) - self.position(partner, t)
+            if self.period is not None:
+                apart -= self.period[:, 0] * np.rint(apart / self.period[:, 0])
+            normal, other, w = apart / math.hypot(*apart), partner, self.velocity(partner, t)
+            inverse = self.inverse_masses[i] + self.inverse_masses[partner]
+            friction = math.sqrt(self.friction[i] * self.friction[partner])
+        tangent = np.array([-normal[1], normal[0]])
+        impulse = -(1 + self.restitution) * min(float((v - w) @ normal), 0.0) / inverse
+        # Each disc touches the other with the side that faces it.
+        turning = self.turning[i] * self.radii[i]
+        if other is not None:
+            turning += self.turning[other] * self.radii[other]
+        sliding = float((v - w) @ tangent) - turning
+        most = friction * impulse
+        along = min(max(-sliding / (3 * inverse), -most), most)
+        total = impulse * normal + along * tangent
+        self.deflect(i, t, total * self.inverse_masses[i])
+        self.twist(i, t, along)
+        if other is not None:
+            self.deflect(other, t, -total * self.inverse_masses[other])
+            self.twist(other, t, along)
+
+    def twist(self, i: int, t: float, along: float) -> None:
+        """Change the angular velocity of disc i by an impulse along its surface."""
+        if self.radii[i] > 0:
+            change = -2 * along * self.inverse_masses[i] / self.radii[i]
+            self.angles[i] -= change * t
+            self.turning[i] += change
 
     def wall_normal(self, i: int, wall: int, t: float) -> Floats:
         """Return the unit vector that points from a wall to disc i."""
@@ -264,7 +297,8 @@ class _Simulation:
         at = np.array([self.position(i, t) for i in range(self.n)]).reshape(-1, 2)
         velocities = np.array([self.velocity(i, t) for i in range(self.n)]).reshape(-1, 2)
         wrapped = at if self.period is None else at % self.period[:, 0]
-        return Result(wrapped, velocities, at - self.start, self.collisions)
+        angles = self.angles + self.turning * t
+        return Result(wrapped, velocities, at - self.start, self.collisions, self.turning, angles)
 
 
 # ---- formulas ------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import jostle
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.start import start
+from jostle.app.simulate.start import resume, start
 from jostle.app.simulate.walls import Home, bounds, brought_in
 from jostle.app.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
 
@@ -205,6 +205,22 @@ def test_the_camera_shows_the_world_that_has_grown() -> None:
 
 
 # ---- rules ---------------------------------------------------------------------------------------
+
+
+def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
+    simulation = gas(50)
+    assert simulation.frame().angles is None
+    assert simulation.adjust("friction", 0.5) is None
+    simulation.add([(1.0, 1.0)], (0.0, 0.0), 0.5)
+    assert (simulation.world.friction == 0.5).all()
+    for _ in range(60):
+        simulation.step()
+    assert (simulation.world.angular_velocities != 0).any()
+    again = resume(simulation.settings, simulation.save())
+    assert again.settings.friction == 0.5
+    np.testing.assert_array_equal(again.frame().angles, simulation.frame().angles)
+    assert "friction" in str(simulation.adjust("friction", -1.0))
+    assert gas(20, friction=0.25).world.friction.tolist() == [0.25] * 20
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -90,11 +90,13 @@ def test_every_setting_arrives(tmp_path: Path) -> None:
         threads = 1
         on_touch = "merge"
         time_scale = 0.5
+        friction = 0.75
         """,
     )
-    assert config.settings == Settings(
+    expected = Settings(
         "pile", 10, 3, "brute", 5, 4, 2, "circle", (0.0, -1.0), 0.25, 1, 2, 1, "merge", 0.5
     )
+    assert config.settings == replace(expected, friction=0.75)
 
 
 def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:

@@ -114,6 +114,18 @@ def test_too_many_contacts_are_drawn_in_part_and_it_is_said() -> None:
     assert said is not None and f"{marks.MOST_CONTACTS:,} of" in said
 
 
+def test_radius_lines_show_the_angles_of_large_discs() -> None:
+    notes = Notes()
+    angles = np.array([0, np.pi / 2, 1, 1], np.float32)
+    places = [(50, 50), (150, 100), (250, 50), (200, 200)]
+    frame = frame_of(places, [10, 20, 1, 10], angles=angles, movable=[True, True, True, False])
+    marks.draw_spins(notes, frame, camera_of_pixels())
+    ends = notes.lines_drawn()
+    np.testing.assert_allclose(ends[:, 2:] - ends[:, :2], [(10, 0), (0, 20)], atol=1e-5)
+    marks.draw_spins(still := Notes(), frame_of(places, 10.0), camera_of_pixels())
+    assert len(still.lines_drawn()) == 0
+
+
 def test_arrows_point_where_particles_go_and_faster_ones_are_longer() -> None:
     notes = Notes()
     frame = frame_of([(50, 50), (200, 200)], 10.0, velocities=[(60, 0), (0, -120)])

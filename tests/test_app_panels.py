@@ -146,6 +146,16 @@ def test_each_slider_changes_its_rule_of_the_world(desk, mark, attribute) -> Non
     assert getattr(here.session.settings, attribute) == pytest.approx(values[1])
 
 
+def test_the_slider_of_friction_changes_all_particles(desk) -> None:
+    here = desk("pile")
+    here.press("friction", 0.25)
+    here.let_go("friction", 0.25)
+    friction = here.session.settings.friction
+    assert 0.3 < friction < 0.6
+    assert (here.world.friction == np.float32(friction)).all()
+    assert here.session.frame.angles is not None
+
+
 def test_the_number_of_particles_waits_until_the_hand_lets_go(desk) -> None:
     here = desk()
     here.press("particles", 0.3, 0.6)
@@ -420,7 +430,7 @@ def test_a_still_session_has_still_panels(desk) -> None:
 
 
 def test_the_slider_goes_through_the_last_half_minute(desk) -> None:
-    desk = desk("gas", 100)
+    desk = desk("gas", 100, (1600, 1600))
     desk.frame(60)
     time = desk.session.frame.facts.time
     desk.press("moment", 0.3, 0.5)

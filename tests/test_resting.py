@@ -203,16 +203,20 @@ def test_a_pile_comes_to_rest_in_five_seconds() -> None:
     assert (contacts.depths / smaller).max() <= 0.01
 
 
-def measure_piles(count: int = 64) -> None:
+def measure_piles(friction: float, count: int) -> None:
     """Print the rms speeds of piles of 1,000 discs, from as many seeds."""
     worlds = [scenes.create("pile", n=1000, seed=seed) for seed in range(count)]
+    for world in worlds:
+        world.friction = friction
     for seconds, steps in (5, 300), (6, 60):
         for world in worlds:
             world.step(1 / 60, steps=steps)
         speeds = np.array([rms_speed(world) for world in worlds])
         mean = np.exp(np.log(speeds).mean())
-        print(f"{seconds} s: {mean:.2f} px/s (geometric mean), {(speeds > 1).sum()} above 1")
+        above = (speeds > 1).sum()
+        print(f"μ = {friction}, {seconds} s: {mean:.2f} px/s (geometric mean), {above} above 1")
 
 
 if __name__ == "__main__":
-    measure_piles()
+    for friction in (0, 0.3, 0.6, 1):
+        measure_piles(friction, 64)

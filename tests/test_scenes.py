@@ -13,9 +13,9 @@ from jostle import scenes
 
 NAMES = [
     *("article", "gas", "pile", "rain", "mixed", "clusters", "shots", "billiards", "orbit"),
-    *("springs", "stars", "thermostat", "sand", "galton", "brownian", "emitters"),
+    *("springs", "stars", "thermostat", "sand", "galton", "brownian", "emitters", "heap"),
 ]
-STRUNG = {"sand", "galton", "emitters"}  # with beads that do not count
+STRUNG = {"sand", "galton", "emitters", "heap"}  # with beads that do not count
 
 
 def test_the_names() -> None:
@@ -193,7 +193,7 @@ def test_a_wall_of_beads() -> None:
 
 NO_SCENE = (
     "name is 'chess'; the scenes are article, gas, pile, rain, mixed, clusters, shots, "
-    "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters"
+    "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters, heap"
 )
 
 

@@ -21,6 +21,7 @@ from signals import reaction_to_ctrl_c
 import jostle
 
 COLUMNS = ["positions", "velocities", "radii", "masses", "restitutions", "movable"]
+COLUMNS += ["friction", "angles", "angular_velocities"]
 
 
 def three(**settings: Any) -> jostle.World:
@@ -61,6 +62,9 @@ def test_columns_are_float32_in_the_order_of_adding() -> None:
         "masses": (np.float32, (3,)),
         "restitutions": (np.float32, (3,)),
         "movable": (np.bool_, (3,)),
+        "friction": (np.float32, (3,)),
+        "angles": (np.float32, (3,)),
+        "angular_velocities": (np.float32, (3,)),
     }
     assert all(getattr(world, name).flags.c_contiguous for name in COLUMNS)
     assert world.positions.tolist() == [[0, 0], [10, 0], [20, 5]]
@@ -68,6 +72,7 @@ def test_columns_are_float32_in_the_order_of_adding() -> None:
     assert world.radii.tolist() == [1, 2, 3]
     assert world.masses.tolist() == [1, 4, 9]  # density 1 times radius squared
     assert world.restitutions.tolist() == [1, 1, 1]
+    assert world.friction.tolist() == world.angles.tolist() == [0, 0, 0]
     assert world.movable.tolist() == [True, True, False]
 
 
@@ -142,7 +147,8 @@ def test_an_empty_world(nothing: Any) -> None:
     assert {name: column.shape for name, column in columns(world).items()} == {
         name: (0, 2) if name in ("positions", "velocities") else (0,) for name in COLUMNS
     }
-    assert [part.shape for part in world.contacts] == [(0, 2), (0, 2), (0,)]
+    assert [part.shape for part in world.contacts] == [(0, 2), (0, 2), (0,), (0,), (0,)]
+    assert [part.shape for part in world.wall_contacts] == [(0,), (0,), (0, 2), (0,), (0,), (0,)]
     assert (world.momentum, world.kinetic_energy, world.potential_energy) == ((0, 0), 0, 0)
     assert world.add([(1, 1)], [(0, 0)], 1).tolist() == [0]
 
@@ -156,6 +162,9 @@ NEW = {
     "masses": [3, 2, 1],
     "restitutions": [0, 0.5, 1],
     "movable": [True, False, False],
+    "friction": [0.5, 0, 2],
+    "angles": [1, -2, 3],
+    "angular_velocities": [-1, 7, 0],
 }
 
 
@@ -171,7 +180,8 @@ def test_a_whole_column_may_be_assigned(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("radii", 2), ("masses", 5.5), ("restitutions", 0), ("movable", True)]
+    ("name", "value"),
+    [("radii", 2), ("masses", 5.5), ("restitutions", 0), ("movable", True), ("friction", 3)],
 )
 def test_one_number_may_be_assigned_to_a_column(name: str, value: Any) -> None:
     world = three()
@@ -423,9 +433,9 @@ def test_what_a_step_leaves_behind(method: Any) -> None:
     assert world.profile == dict.fromkeys(STAGES, 0.0)
     world.step(1 / 60, steps=2)
     contacts, stats = world.contacts, world.stats
-    assert isinstance(contacts, jostle.Contacts)
+    assert isinstance(contacts, jostle.WorldContacts)
     assert isinstance(stats, jostle.WorldStats)
-    pairs, normals, depths = contacts
+    pairs, normals, depths, *_ = contacts
     assert len(pairs) > 0
     assert (pairs.dtype, normals.dtype, depths.dtype) == (np.int64, np.float32, np.float32)
     assert (pairs[:, 0] < pairs[:, 1]).all()
@@ -529,7 +539,7 @@ def test_ids_are_followed_through_long_calls() -> None:
 def test_what_touches_may_be_ignored() -> None:
     world = jostle.World([(0, 0), (3, 0)], [(1, 0), (-1, 0)], 1.0, on_touch="ignore")
     world.step(0.1, steps=10)
-    pairs, normals, depths = world.contacts
+    pairs, normals, depths, *_ = world.contacts
     assert (pairs.tolist(), normals.tolist()) == ([[0, 1]], [[1, 0]])
     np.testing.assert_allclose(depths, [1], rtol=1e-5)
     world.step(0.1, steps=10)
@@ -623,6 +633,18 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
         ValueError,
         "restitutions is 2; a restitution must lie between 0 and 1",
     ),
+    (lambda w: w.set(1, friction=-1), ValueError, "friction is -1; a coefficient of friction must"),
+    (
+        lambda w: w.set([1, 0], friction=[1, np.inf]),
+        ValueError,
+        "friction[1] is inf; a coefficient of friction must be finite and at least 0",
+    ),
+    (lambda w: setattr(w, "angles", np.nan), ValueError, "angles is NaN; an angle must be finite"),
+    (
+        lambda w: setattr(w, "angular_velocities", [0, 1e30, 0]),
+        ValueError,
+        "angular_velocities[1] is 1e30; an angular velocity must be finite and lie within ±1e18",
+    ),
     (lambda w: w.add([(1, 1)], [(0, 0)], -1), ValueError, "radii is -1; a radius must be finite"),
     (
         lambda w: w.add([(1, 1)], [(0, 0)], 0),
@@ -706,6 +728,10 @@ def test_refused_and_nothing_changed(
         ({"movable": [True]}, ValueError, "movable has shape (1,); it must be True or False or"),
         ({"restitution": [1]}, ValueError, "restitution has shape (1,); it must be a number or"),
         ({"restitution": [1, 1, -1]}, ValueError, "restitutions[2] is -1; a restitution must"),
+        ({"friction": [1]}, ValueError, "friction has shape (1,); it must be a number or (3,)"),
+        ({"friction": [1, 1, -1]}, ValueError, "friction[2] is -1; a coefficient of friction"),
+        ({"friction": "much"}, TypeError, "friction must hold real numbers, not str"),
+        ({"angular_velocities": [0, np.inf, 0]}, ValueError, "angular_velocities[1] is inf; an"),
         ({"restitution": -1}, ValueError, "restitution is -1; it must lie between 0 and 1"),
         ({"positions": [(0, 0), (np.inf, 0), (1, 1)]}, ValueError, "positions[1] is (inf, 0)"),
         ({"velocities": [(0, 0), (0, 0), (1, np.nan)]}, ValueError, "velocities[2] is (1, NaN)"),

@@ -10,8 +10,10 @@
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs` and
     `Thermostat` are its forces.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`, `WorldStats`
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
+`WorldContacts`, `WallContacts`, `WorldStats`
+    What a world says about its last step.
 `article`
     The two programs of the article of 2015, in plain Python, with their faults.
 """
@@ -32,7 +34,18 @@ from jostle._core import (
     __version__,
     find_pairs,
 )
-from jostle.results import Contacts, Hits, Neighbors, Nodes, RayHit, RayHits, Stats, WorldStats
+from jostle.results import (
+    Contacts,
+    Hits,
+    Neighbors,
+    Nodes,
+    RayHit,
+    RayHits,
+    Stats,
+    WallContacts,
+    WorldContacts,
+    WorldStats,
+)
 
 __all__ = [
     "Attractor",
@@ -52,7 +65,9 @@ __all__ = [
     "Stats",
     "Thermostat",
     "Torus",
+    "WallContacts",
     "World",
+    "WorldContacts",
     "WorldStats",
     "__version__",
     "article",

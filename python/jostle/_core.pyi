@@ -29,6 +29,8 @@ from jostle.results import (
     RayHit,
     RayHits,
     Stats,
+    WallContacts,
+    WorldContacts,
     WorldStats,
 )
 
@@ -1969,15 +1971,25 @@ class World:
         array has one for each particle. The coefficient of a contact is the product of
         the world's and those of both particles; at a wall, of the world's and that of the
         particle.
+    friction : array_like, a number or shape (n,), default 0.0
+        Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
+        root of the product of both; at a wall, that of the particle. Without friction particles
+        do not begin to turn.
+    angles : array_like, a number or shape (n,), optional
+        In radians, positive from +x to +y; 0 if omitted.
+    angular_velocities : array_like, a number or shape (n,), optional
+        In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
+        movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
+        does not change angular velocities.
     container : Box, Circle, Torus or None, optional
         The walls. The first step moves particles that are outside to the inside.
     forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
         Forces beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
-        step, at their centre of mass: area, mass and momentum are summed, restitution is
-        the mean weighted by mass, and the id is the smallest; the following ids
-        decrease, see `renumbered`. If one of the particles is not movable, the merged
+        step, at their centre of mass: area, mass and momentum are summed, restitution and
+        friction are the means weighted by mass, and the id is the smallest; the following ids
+        decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
         particle is not movable either, and momentum is lost. Particles do not merge if the
         result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
@@ -2002,6 +2014,18 @@ class World:
         If a shape is wrong, a value is out of range, or a particle does not fit
         into the container; the message says which.
 
+    See Also
+    --------
+    jostle.scenes.create : A world of a ready-made scene.
+    WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
+
+    References
+    ----------
+    O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
+    in: Particulate Two-Phase Flow (1993), for friction in bounces.
+    E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
+    resting contacts.
+
     Examples
     --------
     >>> import jostle
@@ -2010,6 +2034,16 @@ class World:
     >>> world.velocities
     array([[0., 0.],
            [1., 0.]], dtype=float32)
+
+    A disc that slides on a floor with friction begins to roll, at two thirds of its speed:
+
+    >>> world = jostle.World(
+    ...     [(0, 9)], [(3, 0)], radii=1.0, gravity=(0, 9.8), restitution=0.5, friction=0.4,
+    ...     container=jostle.Box(-99, -50, 99, 10),
+    ... )
+    >>> world.step(1 / 60, steps=120)
+    >>> world.velocities.round(3), world.angular_velocities.round(3)
+    (array([[2., 0.]], dtype=float32), array([2.], dtype=float32))
     """
 
     def __new__(
@@ -2024,6 +2058,9 @@ class World:
         gravity: _Vectors = (0.0, 0.0),
         drag: _Number = 0.0,
         restitution: ArrayLike = 1.0,
+        friction: ArrayLike = 0.0,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
         container: _Container | None = None,
         forces: Iterable[_Force] = (),
         on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
@@ -2074,6 +2111,9 @@ class World:
         densities: ArrayLike = 1.0,
         restitutions: ArrayLike = 1.0,
         movable: ArrayLike | None = None,
+        friction: ArrayLike = 0.0,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
     ) -> _Ids:
         """Add particles after the others.
 
@@ -2086,6 +2126,9 @@ class World:
         densities : array_like, a number or shape (k,), default 1.0
         restitutions : array_like, a number or shape (k,), default 1.0
         movable : array_like of bool, one or shape (k,), optional
+        friction : array_like, a number or shape (k,), default 0.0
+        angles, angular_velocities : array_like, a number or shape (k,), optional
+            0 if omitted.
 
         Returns
         -------
@@ -2143,6 +2186,9 @@ class World:
         masses: ArrayLike | None = None,
         restitutions: ArrayLike | None = None,
         movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -2154,6 +2200,7 @@ class World:
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
+        friction, angles, angular_velocities : array_like, a number or shape (k,), optional
             Omitted columns stay the same.
 
         Raises
@@ -2225,6 +2272,68 @@ class World:
         """
     @movable.setter
     def movable(self, value: ArrayLike) -> None: ...
+    @property
+    def friction(self) -> NDArray[np.float32]:
+        """Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
+
+        To change all, assign an array or one number; to change some, use `set`.
+
+        Raises
+        ------
+        ValueError
+            If an assigned coefficient is not finite or below 0, or the shape is wrong.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=1.0)
+        >>> world.friction = 0.5
+        >>> world.set(1, friction=0.8)
+        >>> world.friction
+        array([0.5, 0.8], dtype=float32)
+        """
+    @friction.setter
+    def friction(self, value: ArrayLike) -> None: ...
+    @property
+    def angles(self) -> NDArray[np.float32]:
+        """Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
+
+        Positive angles turn from +x to +y. To change all, assign an array or one number; to
+        change some, use `set`. Numbers outside the range are wrapped into it.
+
+        Raises
+        ------
+        ValueError
+            If an assigned angle is not finite, or the shape is wrong.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0, angular_velocities=0.5)
+        >>> world.step(0.25, steps=8)
+        >>> world.angles
+        array([1.], dtype=float32)
+        """
+    @angles.setter
+    def angles(self, value: ArrayLike) -> None: ...
+    @property
+    def angular_velocities(self) -> NDArray[np.float32]:
+        """Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
+
+        Those of particles that are not movable or have radius 0 are 0. To change all, assign an
+        array or one number; to change some, use `set`.
+
+        Raises
+        ------
+        ValueError
+            If an assigned angular velocity is not finite or above 1e18, or the shape is wrong.
+
+        See Also
+        --------
+        angles : The angles that follow from them.
+        """
+    @angular_velocities.setter
+    def angular_velocities(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> tuple[float, float]:
         """Acceleration of all movable particles, (x, y), units of length per second squared."""
@@ -2299,18 +2408,41 @@ class World:
     @substeps.setter
     def substeps(self, value: SupportsIndex | None) -> None: ...
     @property
-    def contacts(self) -> Contacts:
-        """The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
-        ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), the penetration at
-        its end, negative for pairs that had separated. If `on_touch` is not "bounce", the
-        pairs that overlap now.
+    def contacts(self) -> WorldContacts:
+        """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+        ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
+        its end, negative for pairs that had separated, and the sums of the impulses of the step
+        along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
+        `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+        """
+    @property
+    def wall_contacts(self) -> WallContacts:
+        """The particles to which walls of the container gave an impulse during the last step: a
+        `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
+        to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
+        particle. Divided by the length of the step, impulses are mean forces.
+
+        See Also
+        --------
+        contacts : The pairs of particles.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> box = jostle.Box(-9, 0, 9, 9)
+        >>> world = jostle.World(
+        ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
+        ... )
+        >>> world.step(0.01)
+        >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
+        (array([2]), array([10.], dtype=float32))
         """
     @property
     def momentum(self) -> tuple[float, float]:
         """Sum of mass times velocity, (x, y)."""
     @property
     def kinetic_energy(self) -> float:
-        """Sum of ½ m v²."""
+        """Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2."""
     @property
     def potential_energy(self) -> float:
         """Energy of all movable particles in the fields of gravity (0 at the origin) and of

@@ -17,6 +17,8 @@ __all__ = [
     "RayHit",
     "RayHits",
     "Stats",
+    "WallContacts",
+    "WorldContacts",
 ]
 
 
@@ -166,6 +168,92 @@ class Stats(NamedTuple):
     leaves: int
     depth: int
     tests: int
+
+
+class WorldContacts(NamedTuple):
+    """Pairs of particles that touched during the last step of a `World`.
+
+    Attributes
+    ----------
+    pairs : ndarray of int64, shape (m, 2)
+        Ids i < j.
+    normals : ndarray of float32, shape (m, 2)
+        Unit vectors from i to j, at the end of the step.
+    depths : ndarray of float32, shape (m,)
+        Penetration along the normal at the end of the step, in units of length; negative for
+        pairs that had separated.
+    normal_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of the step on j along the normal, at least 0; on i they have the
+        opposite sign.
+    friction_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of friction on j along the tangent (-normal_y, normal_x).
+
+    See Also
+    --------
+    jostle.World.contacts
+    WallContacts
+
+    Examples
+    --------
+    >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+    >>> world.step(2.0)  # the left disc stops and the right one takes its velocity
+    >>> world.contacts.pairs, world.contacts.normal_impulses
+    (array([[0, 1]]), array([1.], dtype=float32))
+    """
+
+    pairs: NDArray[np.int64]
+    normals: NDArray[np.float32]
+    depths: NDArray[np.float32]
+    normal_impulses: NDArray[np.float32]
+    friction_impulses: NDArray[np.float32]
+
+
+class WallContacts(NamedTuple):
+    """Particles to which walls gave an impulse during the last step of a `World`.
+
+    The impulses leave out what a `Thermostat` adds.
+
+    Attributes
+    ----------
+    ids : ndarray of int64, shape (m,)
+        Ids of the particles, ascending.
+    walls : ndarray of int64, shape (m,)
+        0 to 3: the walls of a `Box` at min_x, max_x, min_y and max_y; 0 for a `Circle`.
+    normals : ndarray of float32, shape (m, 2)
+        Unit vectors from the wall to the particle, at the end of the step.
+    depths : ndarray of float32, shape (m,)
+        Penetration at the end of the step, in units of length; negative for particles that
+        have left the wall.
+    normal_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of the step on the particle along the normal, above 0.
+    friction_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of friction on the particle along the tangent
+        (-normal_y, normal_x).
+
+    See Also
+    --------
+    jostle.World.wall_contacts
+    WorldContacts
+
+    Examples
+    --------
+    A disc of mass 1 that lies on the floor, y = 0:
+
+    >>> box = jostle.Box(-9, 0, 9, 9)
+    >>> world = jostle.World(
+    ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
+    ... )
+    >>> world.step(0.01)
+    >>> float((world.wall_contacts.normal_impulses / 0.01).round(3)[0])  # the mean force
+    10.0
+    """
+
+    ids: NDArray[np.int64]
+    walls: NDArray[np.int64]
+    normals: NDArray[np.float32]
+    depths: NDArray[np.float32]
+    normal_impulses: NDArray[np.float32]
+    friction_impulses: NDArray[np.float32]
 
 
 class WorldStats(NamedTuple):

@@ -1,7 +1,10 @@
 //! Columns of particles on their way into a world.
 
-use jostle::particles::{MASS_RANGE, check_masses, check_radii, check_restitutions, check_vectors};
-use jostle::{Each, Error, Particles};
+use jostle::particles::{
+    MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
+    check_restitutions, check_vectors,
+};
+use jostle::{Each, Error, Particles, Spin};
 use pyo3::prelude::*;
 
 use crate::arrays::Argument;
@@ -19,6 +22,9 @@ pub struct Draft {
     pub densities: Option<Each<f32>>,
     pub restitutions: Option<Each<f32>>,
     pub movable: Option<Each<bool>>,
+    pub friction: Option<Each<f32>>,
+    pub angles: Option<Each<f32>>,
+    pub angular_velocities: Option<Each<f32>>,
 }
 
 impl Draft {
@@ -61,7 +67,10 @@ impl Draft {
         check_column(self.radii.as_ref(), check_radii)?;
         check_column(self.densities.as_ref(), check_densities)?;
         check_column(self.masses.as_ref(), check_masses)?;
-        check_column(self.restitutions.as_ref(), check_restitutions)
+        check_column(self.restitutions.as_ref(), check_restitutions)?;
+        check_column(self.friction.as_ref(), check_friction)?;
+        check_column(self.angles.as_ref(), check_angles)?;
+        check_column(self.angular_velocities.as_ref(), check_angular_velocities)
     }
 
     /// Writes the columns over those of the particles `ids`, or of all.
@@ -75,6 +84,9 @@ impl Draft {
         put(self.masses, &mut particles.masses, ids);
         put(self.restitutions, &mut particles.restitutions, ids);
         put(self.movable, &mut particles.movable, ids);
+        put_spins(self.friction, particles, ids, |spin, friction| spin.friction = friction);
+        put_spins(self.angles, particles, ids, |spin, angle| spin.angle = f64::from(angle));
+        put_spins(self.angular_velocities, particles, ids, |spin, speed| spin.velocity = speed);
     }
 }
 
@@ -137,15 +149,39 @@ fn check_densities(densities: &[f32]) -> jostle::Result<()> {
 }
 
 fn put<V: Copy>(values: Option<Each<V>>, column: &mut [V], ids: Option<&[u32]>) {
+    if let Some(values) = values {
+        put_each(values, column, ids, |to, value| *to = value);
+    }
+}
+
+/// As [`put`] for friction and rotation, of which there is no column while all of it is 0.
+fn put_spins(
+    values: Option<Each<f32>>,
+    particles: &mut Particles,
+    ids: Option<&[u32]>,
+    set: impl Fn(&mut Spin, f32),
+) {
+    if let Some(values) = values {
+        put_each(values, particles.spins_mut(), ids, set);
+    }
+}
+
+fn put_each<V: Copy, C>(
+    values: Each<V>,
+    column: &mut [C],
+    ids: Option<&[u32]>,
+    set: impl Fn(&mut C, V),
+) {
     match (values, ids) {
-        (None, _) => {}
-        (Some(Each::One(value)), None) => column.fill(value),
-        (Some(Each::Rows(values)), None) => column.copy_from_slice(&values),
-        (Some(Each::One(value)), Some(ids)) => {
-            ids.iter().for_each(|&id| column[id as usize] = value);
+        (Each::One(value), None) => column.iter_mut().for_each(|to| set(to, value)),
+        (Each::Rows(values), None) => {
+            column.iter_mut().zip(values).for_each(|(to, value)| set(to, value));
         }
-        (Some(Each::Rows(values)), Some(ids)) => {
-            ids.iter().zip(values).for_each(|(&id, value)| column[id as usize] = value);
+        (Each::One(value), Some(ids)) => {
+            ids.iter().for_each(|&id| set(&mut column[id as usize], value));
+        }
+        (Each::Rows(values), Some(ids)) => {
+            ids.iter().zip(values).for_each(|(&id, value)| set(&mut column[id as usize], value));
         }
     }
 }

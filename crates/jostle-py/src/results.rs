@@ -4,7 +4,7 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{GaltonBoard, Nozzle};
-use jostle::{Scalar, memory};
+use jostle::{Scalar, Touch, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -19,6 +19,37 @@ pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<
     let pairs = detached(py, || long(&all.pairs))?.map_err(refused)?;
     let fields = (table(py, pairs)?, table(py, all.normals)?, column(py, all.depths));
     CONTACTS.import(py, "jostle.results", "Contacts")?.call1(fields)
+}
+
+/// `jostle.WorldContacts`.
+pub fn world_contacts(py: Python<'_>, all: Vec<Touch>) -> PyResult<Bound<'_, PyAny>> {
+    static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let pairs = detached(py, || {
+        let pairs: Vec<[u32; 2]> = all.iter().map(|touch| touch.pair).collect();
+        long(&pairs)
+    })?;
+    let fields = (
+        table(py, pairs.map_err(refused)?)?,
+        table(py, all.iter().map(|touch| touch.normal).collect())?,
+        column(py, all.iter().map(|touch| touch.depth).collect()),
+        column(py, all.iter().map(|touch| touch.normal_impulse).collect()),
+        column(py, all.iter().map(|touch| touch.friction_impulse).collect()),
+    );
+    CONTACTS.import(py, "jostle.results", "WorldContacts")?.call1(fields)
+}
+
+/// `jostle.WallContacts`.
+pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, PyAny>> {
+    static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (
+        column(py, all.iter().map(|touch| i64::from(touch.row)).collect()),
+        column(py, all.iter().map(|touch| i64::from(touch.wall)).collect()),
+        table(py, all.iter().map(|touch| touch.normal).collect())?,
+        column(py, all.iter().map(|touch| touch.depth).collect()),
+        column(py, all.iter().map(|touch| touch.normal_impulse).collect()),
+        column(py, all.iter().map(|touch| touch.friction_impulse).collect()),
+    );
+    CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
 }
 
 /// `jostle.Nodes`.

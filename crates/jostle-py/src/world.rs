@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::pairs::Overlaps;
 use jostle::{Each, Error, Stage, World, WorldSettings};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -61,15 +60,25 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     array has one for each particle. The coefficient of a contact is the product of
 ///     the world's and those of both particles; at a wall, of the world's and that of the
 ///     particle.
+/// friction : array_like, a number or shape (n,), default 0.0
+///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
+///     root of the product of both; at a wall, that of the particle. Without friction particles
+///     do not begin to turn.
+/// angles : array_like, a number or shape (n,), optional
+///     In radians, positive from +x to +y; 0 if omitted.
+/// angular_velocities : array_like, a number or shape (n,), optional
+///     In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
+///     movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
+///     does not change angular velocities.
 /// container : Box, Circle, Torus or None, optional
 ///     The walls. The first step moves particles that are outside to the inside.
 /// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
 ///     Forces beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
-///     step, at their centre of mass: area, mass and momentum are summed, restitution is
-///     the mean weighted by mass, and the id is the smallest; the following ids
-///     decrease, see `renumbered`. If one of the particles is not movable, the merged
+///     step, at their centre of mass: area, mass and momentum are summed, restitution and
+///     friction are the means weighted by mass, and the id is the smallest; the following ids
+///     decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
 ///     particle is not movable either, and momentum is lost. Particles do not merge if the
 ///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
@@ -94,6 +103,18 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     If a shape is wrong, a value is out of range, or a particle does not fit
 ///     into the container; the message says which.
 ///
+/// See Also
+/// --------
+/// jostle.scenes.create : A world of a ready-made scene.
+/// WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
+///
+/// References
+/// ----------
+/// O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
+/// in: Particulate Two-Phase Flow (1993), for friction in bounces.
+/// E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
+/// resting contacts.
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -102,6 +123,16 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// >>> world.velocities
 /// array([[0., 0.],
 ///        [1., 0.]], dtype=float32)
+///
+/// A disc that slides on a floor with friction begins to roll, at two thirds of its speed:
+///
+/// >>> world = jostle.World(
+/// ...     [(0, 9)], [(3, 0)], radii=1.0, gravity=(0, 9.8), restitution=0.5, friction=0.4,
+/// ...     container=jostle.Box(-99, -50, 99, 10),
+/// ... )
+/// >>> world.step(1 / 60, steps=120)
+/// >>> world.velocities.round(3), world.angular_velocities.round(3)
+/// (array([[2., 0.]], dtype=float32), array([2.], dtype=float32))
 #[pyclass(module = "jostle", name = "World", frozen)]
 pub struct PyWorld {
     state: Shared<State>,
@@ -120,12 +151,13 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
+            friction=Given::NOTHING, angles=None, angular_velocities=None,
             container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          container=None, forces=(), on_touch='bounce', method='quadtree', \
+                          friction=0.0, angles=None, angular_velocities=None, container=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
@@ -140,6 +172,9 @@ impl PyWorld {
         gravity: Given<'py>,
         drag: Given<'py>,
         restitution: Given<'py>,
+        friction: Given<'py>,
+        angles: Option<&Bound<'py, PyAny>>,
+        angular_velocities: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
         forces: Given<'py>,
         on_touch: Given<'py>,
@@ -153,6 +188,9 @@ impl PyWorld {
         draft.masses = reals("masses", masses, len)?;
         draft.densities = reals("densities", densities.value(), len)?;
         draft.movable = truths("movable", movable, len)?;
+        draft.friction = reals("friction", friction.value(), len)?;
+        draft.angles = reals("angles", angles, len)?;
+        draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
@@ -233,6 +271,9 @@ impl PyWorld {
     /// densities : array_like, a number or shape (k,), default 1.0
     /// restitutions : array_like, a number or shape (k,), default 1.0
     /// movable : array_like of bool, one or shape (k,), optional
+    /// friction : array_like, a number or shape (k,), default 0.0
+    /// angles, angular_velocities : array_like, a number or shape (k,), optional
+    ///     0 if omitted.
     ///
     /// Returns
     /// -------
@@ -253,10 +294,12 @@ impl PyWorld {
     #[pyo3(
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
-            restitutions=Given::NOTHING, movable=None,
+            restitutions=Given::NOTHING, movable=None, friction=Given::NOTHING, angles=None,
+            angular_velocities=None,
         ),
         text_signature = "($self, positions, velocities, radii, *, masses=None, densities=1.0, \
-                          restitutions=1.0, movable=None)"
+                          restitutions=1.0, movable=None, friction=0.0, angles=None, \
+                          angular_velocities=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -269,12 +312,18 @@ impl PyWorld {
         densities: Given<'py>,
         restitutions: Given<'py>,
         movable: Option<&Bound<'py, PyAny>>,
+        friction: Given<'py>,
+        angles: Option<&Bound<'py, PyAny>>,
+        angular_velocities: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
         draft.densities = reals("densities", densities.value(), len)?;
         draft.restitutions = reals("restitutions", restitutions.value(), len)?;
         draft.movable = truths("movable", movable, len)?;
+        draft.friction = reals("friction", friction.value(), len)?;
+        draft.angles = reals("angles", angles, len)?;
+        draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
         Ok(column(py, ids.map_err(refused)?.map(i64::from).collect()))
     }
@@ -321,6 +370,7 @@ impl PyWorld {
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
+    /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
     ///     Omitted columns stay the same.
     ///
     /// Raises
@@ -339,7 +389,7 @@ impl PyWorld {
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
-        movable=None,
+        movable=None, friction=None, angles=None, angular_velocities=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -352,6 +402,9 @@ impl PyWorld {
         masses: Option<&Bound<'_, PyAny>>,
         restitutions: Option<&Bound<'_, PyAny>>,
         movable: Option<&Bound<'_, PyAny>>,
+        friction: Option<&Bound<'_, PyAny>>,
+        angles: Option<&Bound<'_, PyAny>>,
+        angular_velocities: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let rows = Rows::read(ids)?;
         let len = rows.all.len();
@@ -363,6 +416,9 @@ impl PyWorld {
             restitutions: reals("restitutions", restitutions, len)?,
             movable: truths("movable", movable, len)?,
             densities: None,
+            friction: reals("friction", friction, len)?,
+            angles: reals("angles", angles, len)?,
+            angular_velocities: reals("angular_velocities", angular_velocities, len)?,
         };
         rows.told(self.long(py, |state| state.write_some(draft, &rows.all))?)
     }
@@ -472,6 +528,95 @@ impl PyWorld {
         self.write_all(py, |len| {
             let movable = truths("movable", Some(value), len)?;
             Ok(Draft { movable, ..Draft::default() })
+        })
+    }
+
+    /// Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an assigned coefficient is not finite or below 0, or the shape is wrong.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=1.0)
+    /// >>> world.friction = 0.5
+    /// >>> world.set(1, friction=0.8)
+    /// >>> world.friction
+    /// array([0.5, 0.8], dtype=float32)
+    #[getter]
+    fn friction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let friction = self.long(py, |state| state.world.friction())?;
+        Ok(read_only(column(py, friction)))
+    }
+
+    #[setter]
+    fn set_friction(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let friction = reals("friction", Some(value), len)?;
+            Ok(Draft { friction, ..Draft::default() })
+        })
+    }
+
+    /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
+    ///
+    /// Positive angles turn from +x to +y. To change all, assign an array or one number; to
+    /// change some, use `set`. Numbers outside the range are wrapped into it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an assigned angle is not finite, or the shape is wrong.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0, angular_velocities=0.5)
+    /// >>> world.step(0.25, steps=8)
+    /// >>> world.angles
+    /// array([1.], dtype=float32)
+    #[getter]
+    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let angles = self.long(py, |state| state.world.angles())?;
+        Ok(read_only(column(py, angles)))
+    }
+
+    #[setter]
+    fn set_angles(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let angles = reals("angles", Some(value), len)?;
+            Ok(Draft { angles, ..Draft::default() })
+        })
+    }
+
+    /// Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
+    ///
+    /// Those of particles that are not movable or have radius 0 are 0. To change all, assign an
+    /// array or one number; to change some, use `set`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an assigned angular velocity is not finite or above 1e18, or the shape is wrong.
+    ///
+    /// See Also
+    /// --------
+    /// angles : The angles that follow from them.
+    #[getter]
+    fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let angular_velocities = self.long(py, |state| state.world.angular_velocities())?;
+        Ok(read_only(column(py, angular_velocities)))
+    }
+
+    #[setter]
+    fn set_angular_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let angular_velocities = reals("angular_velocities", Some(value), len)?;
+            Ok(Draft { angular_velocities, ..Draft::default() })
         })
     }
 
@@ -627,22 +772,39 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.substeps = substeps)
     }
 
-    /// The pairs that touched during the last step: a `Contacts` of `pairs` (m, 2),
-    /// ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,), the penetration at
-    /// its end, negative for pairs that had separated. If `on_touch` is not "bounce", the
-    /// pairs that overlap now.
+    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+    /// ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
+    /// its end, negative for pairs that had separated, and the sums of the impulses of the step
+    /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
+    /// `on_touch` is not "bounce", the pairs that overlap now, without impulses.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let touching = self.long(py, |state| {
-            let touches = state.world.contacts()?;
-            Ok(Overlaps {
-                pairs: touches.iter().map(|touch| touch.pair).collect(),
-                normals: touches.iter().map(|touch| touch.normal).collect(),
-                depths: touches.iter().map(|touch| touch.depth).collect(),
-                ..Overlaps::default()
-            })
-        });
-        results::contacts(py, touching?.map_err(refused)?)
+        let touches = self.long(py, |state| state.world.contacts())?;
+        results::world_contacts(py, touches.map_err(refused)?)
+    }
+
+    /// The particles to which walls of the container gave an impulse during the last step: a
+    /// `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
+    /// to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
+    /// particle. Divided by the length of the step, impulses are mean forces.
+    ///
+    /// See Also
+    /// --------
+    /// contacts : The pairs of particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> box = jostle.Box(-9, 0, 9, 9)
+    /// >>> world = jostle.World(
+    /// ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
+    /// ... )
+    /// >>> world.step(0.01)
+    /// >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
+    /// (array([2]), array([10.], dtype=float32))
+    #[getter]
+    fn wall_contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        results::wall_contacts(py, self.long(py, |state| state.world.wall_contacts())?)
     }
 
     /// Sum of mass times velocity, (x, y).
@@ -651,7 +813,7 @@ impl PyWorld {
         Ok(self.long(py, |state| state.world.momentum())?.into())
     }
 
-    /// Sum of ½ m v².
+    /// Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2.
     #[getter]
     fn kinetic_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.kinetic_energy())

@@ -24,6 +24,8 @@ pub struct Contact {
     pub reach: f32,
     /// Coefficient of restitution.
     pub restitution: f32,
+    /// Coefficient of friction.
+    pub friction: f32,
     /// One over the masses; 0 for particles that do not move in the step.
     pub inverse_masses: [f32; 2],
     /// Unit vector from the first to the second.
@@ -32,6 +34,11 @@ pub struct Contact {
     pub gap: f32,
     /// Impulse at rest, carried from sub-step to sub-step.
     pub impulse: f32,
+    /// Impulse of friction at rest on the second along the normal after a quarter turn, in the
+    /// same way.
+    pub friction_impulse: f32,
+    /// Sums of the impulses of this step along the normal and of friction.
+    pub totals: [f32; 2],
     /// Whether the two touched or pushed each other during this step.
     pub touched: bool,
 }
@@ -64,16 +71,25 @@ impl Default for Contact {
             image: [0.0; 2],
             reach: 0.0,
             restitution: 0.0,
+            friction: 0.0,
             inverse_masses: [0.0; 2],
             normal: [1.0, 0.0],
             gap: 0.0,
             impulse: 0.0,
+            friction_impulse: 0.0,
+            totals: [0.0; 2],
             touched: false,
         }
     }
 }
 
 impl Contact {
+    /// Adds impulses to the sums of this step.
+    #[inline(always)]
+    pub fn count(&mut self, impulses: [f32; 2]) {
+        self.totals = [0, 1].map(|k| self.totals[k] + impulses[k]);
+    }
+
     /// Updates normal and gap to the positions.
     pub fn measure(&mut self, motions: &Motions) {
         let [a, b] = self.places.map(|place| motions.position(place));
@@ -85,7 +101,8 @@ impl Contact {
         self.gap = length - self.reach;
     }
 
-    /// The same contact with the smaller place first.
+    /// The same contact with the smaller place first. The impulse of friction stays the same, because
+    /// the normal changes its sign.
     fn ascending(self) -> Self {
         let Self { places: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
         if a < b {
@@ -119,20 +136,21 @@ struct Previous {
     /// `starts[place]..starts[place + 1]` are the contacts whose first is `place`.
     starts: Vec<u32>,
     seconds: Vec<u32>,
-    impulses: Vec<f32>,
+    /// Along the normal, and of friction.
+    impulses: Vec<[f32; 2]>,
 }
 
 impl Previous {
-    /// The impulse between two places of the previous order.
-    fn impulse(&self, a: u32, b: u32) -> f32 {
+    /// The impulses between two places of the previous order.
+    fn impulses(&self, a: u32, b: u32) -> [f32; 2] {
         let (first, second) = (a.min(b) as usize, a.max(b));
         if first + 1 >= self.starts.len() {
-            return 0.0;
+            return [0.0; 2];
         }
         let range = self.starts[first] as usize..self.starts[first + 1] as usize;
         // In canonical order, so ascending: one large particle may rest on very many.
         let found = self.seconds[range.clone()].binary_search(&second);
-        found.map_or(0.0, |at| self.impulses[range.start + at])
+        found.map_or([0.0; 2], |at| self.impulses[range.start + at])
     }
 }
 
@@ -176,13 +194,17 @@ impl Contacts {
                 let [i, j] = places.map(|place| place as usize);
                 let own = particles.restitutions[i] * particles.restitutions[j];
                 let here = *image == [0.0; 2];
+                let previous =
+                    if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
                 *contact = Contact {
                     places,
                     image: *image,
                     reach: particles.radii[i] + particles.radii[j],
                     restitution: restitution * own,
                     inverse_masses: [inverse_mass(i), inverse_mass(j)],
-                    impulse: if here { previous.impulse(before[i], before[j]) } else { 0.0 },
+                    friction: particles.pair_friction(i, j),
+                    impulse: previous[0],
+                    friction_impulse: previous[1],
                     ..Contact::default()
                 };
             }
@@ -260,10 +282,10 @@ impl Contacts {
     }
 
     /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that
-    /// bounced, with the offset of the second.
+    /// bounced, with the offset of the second and the impulses.
     pub fn keep_lasting(
         &mut self,
-        bounced: impl Iterator<Item = ([u32; 2], [f32; 2])>,
+        bounced: impl Iterator<Item = ([u32; 2], [f32; 2], [f32; 2])>,
         particles: &Particles,
         places: usize,
     ) {
@@ -271,13 +293,14 @@ impl Contacts {
         both.clear();
         both.extend(self.lasting().copied().map(Contact::ascending));
         let len = both.len();
-        both.extend(bounced.map(|(pair, image)| {
+        both.extend(bounced.map(|(pair, image, totals)| {
             let [i, j] = pair.map(|place| place as usize);
             Contact {
                 places: pair,
                 image,
                 reach: particles.radii[i] + particles.radii[j],
                 inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
+                totals,
                 touched: true,
                 ..Contact::default()
             }
@@ -321,7 +344,7 @@ impl Contacts {
             if contact.impulse > 0.0 && contact.image == [0.0; 2] {
                 starts[contact.places[0] as usize + 1] += 1;
                 seconds.push(contact.places[1]);
-                impulses.push(contact.impulse);
+                impulses.push([contact.impulse, contact.friction_impulse]);
             }
         }
         if seconds.is_empty() {
@@ -345,7 +368,7 @@ impl Contacts {
 }
 
 /// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
-/// kept.
+/// kept, with the sums of the impulses of both.
 fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
     let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
     let sort = |list: &mut [Contact]| {
@@ -365,7 +388,10 @@ fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
         };
         let Some(next) = next else { return };
         match to.last_mut() {
-            Some(last) if key(last) == key(next) => last.touched |= next.touched,
+            Some(last) if key(last) == key(next) => {
+                last.touched |= next.touched;
+                last.count(next.totals);
+            }
             _ => to.push(*next),
         }
     }

@@ -10,6 +10,8 @@
 /// A sub-step as free flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flow {
+    /// Seconds of the sub-step.
+    pub seconds: f64,
     /// Seconds of free flight.
     pub duration: f64,
     /// Acceleration during the flight.
@@ -44,7 +46,7 @@ impl Flow {
         let x = f64::from(drag) * h;
         if x == 0.0 {
             let (decay, correction, kicks) = (1.0, [0.0; 2], [0.5 * h; 2]);
-            return Self { duration: h, gravity, decay, correction, kicks };
+            return Self { seconds: h, duration: h, gravity, decay, correction, kicks };
         }
         let lost = lost_share(x);
         // τ/h and (h − τ)/(γ h²).
@@ -54,7 +56,7 @@ impl Flow {
         let correction = [0, 1].map(|k| (gravity[k] - acceleration[k] * decay) * duration);
         let before = h * fall / share;
         let kicks = [before, duration - before * decay];
-        Self { duration, gravity: acceleration, decay, correction, kicks }
+        Self { seconds: h, duration, gravity: acceleration, decay, correction, kicks }
     }
 }
 

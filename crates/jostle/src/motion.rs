@@ -1,6 +1,8 @@
 //! Positions and velocities during a step, which all threads may read and write.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use crate::particles::Spin;
 
 /// The state of a particle during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -178,5 +180,82 @@ impl Vectors {
     #[inline(always)]
     pub fn set(&self, place: u32, vector: [f32; 2]) {
         self.0[place as usize].set_vector(vector);
+    }
+}
+
+/// The rotation of a disc in memory: angular velocity, and angle.
+#[derive(Debug, Default)]
+struct Turning(AtomicU32, AtomicU64);
+
+/// The angular velocities and the angles of all discs during a step; empty if no disc turns or has
+/// friction.
+#[derive(Debug, Default)]
+pub struct Spins(Vec<Turning>);
+
+impl Spins {
+    /// Replaces all of them.
+    pub fn fill(&mut self, spins: &[Spin]) {
+        self.0.resize_with(spins.len(), Default::default);
+        for (turning, spin) in self.0.iter_mut().zip(spins) {
+            (*turning.0.get_mut(), *turning.1.get_mut()) =
+                (spin.velocity.to_bits(), spin.angle.to_bits());
+        }
+    }
+
+    /// Whether no disc turns or has friction.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The angular velocity of the disc at `place`.
+    #[inline(always)]
+    pub fn velocity(&self, place: u32) -> f32 {
+        f32::from_bits(self.0[place as usize].0.load(Ordering::Relaxed))
+    }
+
+    /// The angle of the disc at `place`, not wrapped.
+    #[inline(always)]
+    pub fn angle(&self, place: u32) -> f64 {
+        f64::from_bits(self.0[place as usize].1.load(Ordering::Relaxed))
+    }
+
+    /// Replaces the angular velocity of the disc at `place`.
+    #[inline(always)]
+    pub fn set_velocity(&self, place: u32, velocity: f32) {
+        self.0[place as usize].0.store(velocity.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Turns the disc at `place` by an angle.
+    #[inline(always)]
+    pub fn turn(&self, place: u32, by: f64) {
+        let angle = self.angle(place) + by;
+        self.0[place as usize].1.store(angle.to_bits(), Ordering::Relaxed);
+    }
+}
+
+/// A number for each particle.
+#[derive(Debug, Default)]
+pub struct Scalars(Vec<AtomicU32>);
+
+impl Scalars {
+    /// Makes room for `len` numbers; new ones are 0.
+    pub fn resize(&mut self, len: usize) {
+        self.0.resize_with(len, Default::default);
+    }
+
+    /// The number of the particle at `place`; 0 if there is none.
+    #[inline(always)]
+    pub fn get(&self, place: u32) -> f32 {
+        self.0
+            .get(place as usize)
+            .map_or(0.0, |number| f32::from_bits(number.load(Ordering::Relaxed)))
+    }
+
+    /// Replaces the number of the particle at `place`, if there is one.
+    #[inline(always)]
+    pub fn set(&self, place: u32, number: f32) {
+        if let Some(to) = self.0.get(place as usize) {
+            to.store(number.to_bits(), Ordering::Relaxed);
+        }
     }
 }

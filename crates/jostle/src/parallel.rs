@@ -96,23 +96,24 @@ pub fn for_chunks<T: Send>(
     act(0, items);
 }
 
-/// Calls `act` with parts of `len` items, on `threads` threads; with all of them at once if they
-/// are few.
+/// Calls `act` with the index of the first item and the items of parts of `len` items, on `threads`
+/// threads; with all of them at once if they are few.
 pub fn for_parts<T: Send>(
     threads: Option<usize>,
     items: &mut [T],
     len: usize,
-    act: impl Fn(&mut [T]) + Sync + Send,
+    act: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
     if items.len() > 2 * len
         && let Some(team) = Team::of(threads)
     {
         let parts: Vec<_> = items.chunks_mut(len).map(Mutex::new).collect();
-        return team.share(parts.len(), usize::MAX, &|index| act(&mut locked(&parts[index])));
+        let act = |index: usize| act(index * len, &mut locked(&parts[index]));
+        return team.share(parts.len(), usize::MAX, &act);
     }
     let _ = (threads, len);
-    act(items);
+    act(0, items);
 }
 
 /// As [`for_chunks`] with items that are only read.

@@ -1,5 +1,7 @@
 //! The particles of a world as columns, and their limits.
 
+use std::f64::consts::{PI, TAU};
+
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::shapes::{self, check_finite};
@@ -9,6 +11,17 @@ pub const FARTHEST: f32 = 1e18;
 
 /// Range of masses, so that they and their inverses are far from the limits of float32.
 pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
+
+/// Friction and rotation of a disc. Its moment of inertia is m r²/2; one of radius 0 does not turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spin {
+    /// Coefficient of friction, at least 0; a pair has the square root of the product of its two.
+    pub friction: f32,
+    /// Angular velocity in radians per second, positive from +x to +y; zero for immovable discs.
+    pub velocity: f32,
+    /// Angle in radians, see [`wrap_angle`].
+    pub angle: f64,
+}
 
 /// Discs with a velocity and a mass, one row each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +40,8 @@ pub struct Particles {
     pub restitutions: Vec<f32>,
     /// Whether contacts and forces can move the particle.
     pub movable: Vec<bool>,
+    /// Friction and rotation; empty if no disc has friction or an angle, or turns.
+    pub spins: Vec<Spin>,
 }
 
 impl Particles {
@@ -41,7 +56,8 @@ impl Particles {
         let masses = radii.iter().map(|r| density * r * r).collect();
         let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
         let movable = vec![true; len];
-        Self { positions, residuals, velocities, radii, masses, restitutions, movable }
+        let spins = Vec::new();
+        Self { positions, residuals, velocities, radii, masses, restitutions, movable, spins }
     }
 
     /// Number of particles.
@@ -65,7 +81,8 @@ impl Particles {
             ("restitutions", self.restitutions.len()),
             ("movable", self.movable.len()),
         ];
-        for (argument, found) in lengths {
+        let spins = (!self.spins.is_empty()).then_some(("friction", self.spins.len()));
+        for (argument, found) in lengths.into_iter().chain(spins) {
             if found != expected {
                 return Err(Error::Length { argument, found, expected });
             }
@@ -75,11 +92,57 @@ impl Particles {
         check_vectors("velocities", &self.velocities)?;
         check_radii(&self.radii)?;
         check_masses(&self.masses)?;
-        check_restitutions(&self.restitutions)
+        check_restitutions(&self.restitutions)?;
+        check_spins(&self.spins)
+    }
+
+    /// Friction and rotation of a disc.
+    pub fn spin(&self, row: usize) -> Spin {
+        self.spins.get(row).copied().unwrap_or_default()
+    }
+
+    /// Coefficient of friction of two discs.
+    #[inline(always)]
+    pub fn pair_friction(&self, a: usize, b: usize) -> f32 {
+        if self.spins.is_empty() {
+            return 0.0;
+        }
+        let [a, b] = [a, b].map(|row| f64::from(self.spins[row].friction));
+        (a * b).sqrt() as f32
+    }
+
+    /// Friction and rotation of all discs, to be changed.
+    pub fn spins_mut(&mut self) -> &mut [Spin] {
+        self.spins.resize(self.positions.len(), Spin::default());
+        &mut self.spins
+    }
+
+    /// Sets the velocities of immovable particles to 0, and the angular velocities of particles
+    /// that cannot turn. Removes the column of friction and rotation if all is 0.
+    pub fn simplify(&mut self) {
+        for (velocity, &movable) in self.velocities.iter_mut().zip(&self.movable) {
+            if !movable {
+                *velocity = [0.0; 2];
+            }
+        }
+        for ((spin, &movable), &radius) in self.spins.iter_mut().zip(&self.movable).zip(&self.radii)
+        {
+            spin.angle = wrap_angle(spin.angle);
+            if !movable || radius == 0.0 {
+                spin.velocity = 0.0;
+            }
+        }
+        if self.spins.iter().all(|spin| *spin == Spin::default()) {
+            self.spins.clear();
+        }
     }
 
     /// Appends the rows of `other`.
     pub fn extend(&mut self, other: &Self) {
+        if !self.spins.is_empty() || !other.spins.is_empty() {
+            self.spins_mut();
+            self.spins.extend((0..other.len()).map(|row| other.spin(row)));
+        }
         self.positions.extend_from_slice(&other.positions);
         self.residuals.extend_from_slice(&other.residuals);
         self.velocities.extend_from_slice(&other.velocities);
@@ -98,6 +161,11 @@ impl Particles {
         parallel::gather(threads, &mut self.masses, &source.masses, order);
         parallel::gather(threads, &mut self.restitutions, &source.restitutions, order);
         parallel::gather(threads, &mut self.movable, &source.movable, order);
+        if source.spins.is_empty() {
+            self.spins.clear();
+        } else {
+            parallel::gather(threads, &mut self.spins, &source.spins, order);
+        }
     }
 
     /// Writes the first row of `one` over `row`.
@@ -109,6 +177,9 @@ impl Particles {
         self.masses[row] = one.masses[0];
         self.restitutions[row] = one.restitutions[0];
         self.movable[row] = one.movable[0];
+        if !self.spins.is_empty() {
+            self.spins[row] = one.spin(0);
+        }
     }
 
     /// Keeps the rows for which `keep` returns true.
@@ -127,6 +198,7 @@ impl Particles {
         filter(&mut self.masses, &keep);
         filter(&mut self.restitutions, &keep);
         filter(&mut self.movable, &keep);
+        filter(&mut self.spins, &keep);
     }
 
     /// One over the mass; 0 for an immovable particle.
@@ -175,5 +247,56 @@ pub fn check_restitutions(restitutions: &[f32]) -> Result<()> {
             Err(Error::at("restitutions", index, restitutions[index], rule))
         }
         None => Ok(()),
+    }
+}
+
+/// Refuses coefficients of friction that are not finite or below 0.
+pub fn check_friction(friction: &[f32]) -> Result<()> {
+    match friction.iter().position(|&friction| !(friction >= 0.0 && friction.is_finite())) {
+        Some(index) => {
+            let rule = "a coefficient of friction must be finite and at least 0";
+            Err(Error::at("friction", index, friction[index], rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses angular velocities that are not finite or too large.
+pub fn check_angular_velocities(velocities: &[f32]) -> Result<()> {
+    let is_allowed = |velocity: &f32| velocity.abs() <= FARTHEST;
+    match velocities.iter().position(|velocity| !is_allowed(velocity)) {
+        Some(index) => {
+            let rule = format!("an angular velocity must be finite and lie within ±{FARTHEST:e}");
+            Err(Error::at("angular_velocities", index, velocities[index], &rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses angles that are not finite.
+pub fn check_angles(angles: &[f32]) -> Result<()> {
+    match angles.iter().position(|angle| !angle.is_finite()) {
+        Some(index) => Err(Error::at("angles", index, angles[index], "an angle must be finite")),
+        None => Ok(()),
+    }
+}
+
+fn check_spins(spins: &[Spin]) -> Result<()> {
+    let column = |of: fn(&Spin) -> f32| spins.iter().map(of).collect::<Vec<f32>>();
+    check_friction(&column(|spin| spin.friction))?;
+    check_angular_velocities(&column(|spin| spin.velocity))?;
+    check_angles(&column(|spin| spin.angle as f32))
+}
+
+/// The same angle between −π, which is allowed, and π, which is not.
+pub fn wrap_angle(angle: f64) -> f64 {
+    // The remainder is exact.
+    let rest = angle % TAU;
+    if rest >= PI {
+        rest - TAU
+    } else if rest < -PI {
+        rest + TAU
+    } else {
+        rest
     }
 }

@@ -5,6 +5,7 @@ mod common;
 mod allocations;
 mod determinism;
 mod forces;
+mod friction;
 mod interrupt;
 mod limits;
 mod merging;

@@ -3,6 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use jostle::Particles;
 use jostle::scenes::{self, STEP};
 
 thread_local! {
@@ -48,8 +49,16 @@ fn allocations(act: impl FnOnce()) -> usize {
 fn a_step_allocates_nothing_after_some_steps() {
     // A list still grows when a step has more of something than all before it.
     const RARE: usize = 10;
-    for name in ["gas", "pile", "mixed", "clusters", "shots", "orbit", "thermostat", "brownian"] {
+    let smooth = ["gas", "pile", "mixed", "clusters", "shots", "orbit", "thermostat", "brownian"];
+    let rough = ["gas", "pile"];
+    let all = smooth.map(|name| (name, 0.0)).into_iter().chain(rough.map(|name| (name, 0.5)));
+    for (name, friction) in all {
         let mut world = scenes::find(name).unwrap().create(Some(1500), 1).unwrap();
+        let roughen = |all: &mut Particles| {
+            all.spins_mut().iter_mut().for_each(|spin| spin.friction = friction);
+            Ok(())
+        };
+        world.edit(roughen).unwrap();
         let mut settings = *world.settings();
         settings.tree.threads = Some(1);
         world.configure(settings).unwrap();

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use jostle::forces::Gravitation;
 use jostle::pairs::{self, Found};
-use jostle::scenes::{SCENES, STEP, Scene, random::Random};
+use jostle::scenes::{self, SCENES, STEP, Scene, random::Random};
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
 use jostle::{
@@ -13,7 +13,7 @@ use jostle::{
 
 /// State of each scene after 240 steps of 1/60 s, with at most 1,000 particles
 /// and seed 0. A change of the physics changes them: see CONTRIBUTING.
-const PINNED: [(&str, u64); 16] = [
+const PINNED: [(&str, u64); 17] = [
     ("article", 0x22af_8202_f246_382a),
     ("gas", 0x5dee_8c46_e453_36cc),
     ("pile", 0xb97b_57c5_b23f_b381),
@@ -30,10 +30,34 @@ const PINNED: [(&str, u64); 16] = [
     ("galton", 0xa29e_5117_3915_731c),
     ("brownian", 0xbcc3_c6cc_cba1_d983),
     ("emitters", 0x9dbb_74ab_3b03_e89a),
+    ("heap", 0x0c54_6155_29e5_34bb),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.
 const PINNED_STARS: (u64, usize) = (0xdac9_604a_877e_5dfa, 1177);
+
+/// State of some scenes whose particles have friction and spin, in the same way.
+const PINNED_WITH_FRICTION: [(u64, &str); 4] = [
+    (0x3d34_203f_909a_e463, "gas"),
+    (0x6b0f_342c_6d9b_ea06, "pile"),
+    (0x5117_b759_bc3b_cc75, "mixed"),
+    (0xd832_c4c8_23a0_be95, "sand"),
+];
+
+/// A scene whose particles have friction and spin.
+fn make_rough(name: &str, count: usize) -> World {
+    let scene = scenes::find(name).expect("it exists");
+    let mut world = scene.create(Some(count), 0).expect("a scene is valid");
+    let mut random = Random::new(5);
+    let roughen = |all: &mut Particles| {
+        for spin in all.spins_mut() {
+            (spin.friction, spin.velocity) = (random.between(0.0, 1.0), random.between(-2.0, 2.0));
+        }
+        Ok(())
+    };
+    world.edit(roughen).expect("valid");
+    world
+}
 
 fn make(scene: &Scene, count: usize) -> World {
     scene.create(Some(count.min(scene.default_count)), 0).expect("a scene is valid")
@@ -61,6 +85,71 @@ fn every_scene_ends_in_its_pinned_state() {
         }
     }
     assert!(wrong.is_empty(), "these states are not the pinned ones:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn scenes_with_friction_end_in_their_pinned_state() {
+    let mut wrong = Vec::new();
+    for (pinned, name) in PINNED_WITH_FRICTION {
+        let mut world = make_rough(name, 1000);
+        run(&mut world, 240);
+        if world.state_hash() != pinned {
+            wrong.push(format!("({:#018x}, \"{name}\"),", world.state_hash()));
+        }
+    }
+    assert!(wrong.is_empty(), "these states are not the pinned ones:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn friction_does_not_show_how_it_is_computed() {
+    for (_, name) in PINNED_WITH_FRICTION {
+        let mut expected = make_rough(name, 1000);
+        run(&mut expected, 40);
+        let check = |mut world: World, way: &str| {
+            run(&mut world, 40);
+            assert_eq!(world.state_hash(), expected.state_hash(), "{name}: {way}");
+            assert_eq!(world.contacts().unwrap(), expected.contacts().unwrap(), "{name}: {way}");
+            assert_eq!(world.wall_contacts(), expected.wall_contacts(), "{name}: {way}");
+        };
+        let mut brute = make_rough(name, 1000);
+        with(&mut brute, |settings| settings.method = Method::Brute);
+        check(brute, "brute force");
+        for hash in with_each_kind(|| {
+            let mut world = make_rough(name, 1000);
+            run(&mut world, 40);
+            world.state_hash()
+        }) {
+            assert_eq!(hash, expected.state_hash(), "{name}: instructions");
+        }
+        let straight = make_rough(name, 1000);
+        let order = shuffled(straight.len(), 9);
+        let mut particles = Particles::default();
+        particles.gather(&straight.particles(), &order, None);
+        let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
+        mixed_up.set_forces(renamed(straight.forces(), &order)).expect("still valid");
+        run(&mut mixed_up, 40);
+        let mut particles = Particles::default();
+        particles.gather(&expected.particles(), &order, None);
+        assert!(mixed_up.particles() == particles, "{name} depends on the order of adding");
+        let mut half = make_rough(name, 1000);
+        run(&mut half, 20);
+        let mut half = World::restore(&half.snapshot()).expect("it can be restored");
+        run(&mut half, 20);
+        assert_eq!(half.state_hash(), expected.state_hash(), "{name}: a snapshot");
+    }
+}
+
+#[test]
+fn threads_do_not_show_in_friction() {
+    for (_, name) in PINNED_WITH_FRICTION {
+        let hashes = [1, 2, 8].map(|threads| {
+            let mut world = make_rough(name, 30_000);
+            with(&mut world, |settings| settings.tree.threads = Some(threads));
+            run(&mut world, 3);
+            (world.state_hash(), world.contacts().unwrap(), world.wall_contacts())
+        });
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{name}");
+    }
 }
 
 #[test]
@@ -172,7 +261,7 @@ fn brute_force_and_the_tree_make_the_same_world() {
             let mut world = make(scene, 500);
             with(&mut world, |settings| settings.method = method);
             run(&mut world, 120);
-            (world.state_hash(), world.contacts().unwrap())
+            (world.state_hash(), world.contacts().unwrap(), world.wall_contacts())
         });
         assert_eq!(brute, tree, "{}", scene.name);
     }

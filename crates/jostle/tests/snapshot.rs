@@ -22,6 +22,7 @@ fn assert_same(a: &World, b: &World, of: &str) {
     assert_eq!(a.settings(), b.settings(), "{of}");
     assert_eq!(a.forces(), b.forces(), "{of}");
     assert_eq!(a.contacts().unwrap(), b.contacts().unwrap(), "{of}");
+    assert_eq!(a.wall_contacts(), b.wall_contacts(), "{of}");
     assert_eq!((a.time(), a.stats()), (b.time(), b.stats()), "{of}");
     assert_eq!(a.momentum(), b.momentum(), "{of}: the order within");
     assert_eq!(a.snapshot(), b.snapshot(), "{of}");
@@ -58,6 +59,9 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
     let mut all = Particles::new(positions, velocities, radii, 2.0);
     all.restitutions = (0..count).map(|_| pair(0.1, 1.0)[0]).collect();
     (0..count).step_by(9).for_each(|row| all.movable[row] = false);
+    for spin in all.spins_mut() {
+        [spin.friction, spin.velocity] = pair(0.0, 1.0);
+    }
     let settings = WorldSettings {
         gravity: [0.5, 9.0],
         drag: 0.01,
@@ -150,7 +154,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads formats 2 to 3"
+        "data is a snapshot in format 9; this version of jostle reads formats 2 to 4"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(

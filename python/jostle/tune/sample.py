@@ -76,6 +76,8 @@ class Sample:
             gravity=old.gravity,
             drag=old.drag,
             restitution=old.restitution,
+            friction=old.friction,
+            angular_velocities=old.angular_velocities,
             container=_resized(old.container, self.world_size),
             substeps=old.substeps,
         )

@@ -4,7 +4,7 @@ use super::queue::Event;
 use crate::container::{Container, MAX_WALLS};
 use crate::flow::{Flow, Kick};
 use crate::forces::Thermostat;
-use crate::motion::{Motions, exact};
+use crate::motion::{Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{
@@ -61,6 +61,10 @@ pub struct Flight<'a> {
     pub movable: &'a [bool],
     /// Positions and velocities at the beginning of the window.
     pub motions: &'a Motions,
+    /// Angular velocities and angles at the beginning of the window.
+    pub spins: &'a Spins,
+    /// Whether any disc has friction.
+    pub has_friction: bool,
     /// Acceleration.
     pub gravity: Vector,
     /// Duration of the flight.

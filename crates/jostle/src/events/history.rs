@@ -1,6 +1,7 @@
 //! What the events of a window lead to: trajectories and bounces.
 
 use super::Outside;
+use super::friction::Turning;
 use crate::trajectory::{Segment, Vector};
 
 /// Stands for no course and for no segment.
@@ -30,12 +31,16 @@ pub struct Course {
     pub stopped: Option<Vector>,
 }
 
-/// Two discs that bounced.
+/// Two discs that bounced, or a disc and a wall.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounce {
-    /// Their indices, the smaller first.
+    /// Their indices, the smaller first; [`WALL`](super::WALL) for a wall.
     pub pair: [u32; 2],
-    /// The course of one of them.
+    /// The number of the wall, or of the image of the second disc.
+    pub code: u32,
+    /// The impulses along the normal and of friction.
+    pub impulses: [f32; 2],
+    /// The course of one of the discs.
     pub course: u32,
 }
 
@@ -44,6 +49,8 @@ pub struct Bounce {
 pub struct History {
     /// One for each disc that had an event.
     pub courses: Vec<Course>,
+    /// The rotation of each of them; empty if no disc has friction.
+    pub turnings: Vec<Turning>,
     /// Segments that ended with an event, and the segments before them.
     pub ended: Vec<(Segment, u32)>,
     /// The pairs that bounced.
@@ -58,6 +65,7 @@ impl History {
     /// Forgets all courses.
     pub fn clear(&mut self) {
         self.courses.clear();
+        self.turnings.clear();
         self.ended.clear();
         self.bounces.clear();
         self.outside.clear();

@@ -22,15 +22,18 @@ pub struct Touch {
     pub inverse_masses: [f64; 2],
     /// Coefficient of restitution.
     pub restitution: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
 }
 
 /// Iterations for each contact, at most.
-const MOST_ITERATIONS: usize = 60;
+pub const MOST_ITERATIONS: usize = 60;
 
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
-const TOLERANCE: f64 = 1e-14;
+pub const TOLERANCE: f64 = 1e-14;
 
-/// Changes the velocities by the impulses of all `touches`.
+/// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
+/// then the impulse along the normal, in the order of the sorted `touches`.
 pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
     touches.sort_unstable_by_key(|touch| touch.key);
     // For each contact its impulse so far and the speed at which it has to separate.
@@ -49,7 +52,7 @@ pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Ve
             let new = (*impulse + missing / weight).max(0.0);
             let change = new - *impulse;
             *impulse = new;
-            touch.push(change, velocities);
+            touch.push(touch.normal, change, velocities);
             largest = largest.max(change.abs() * weight);
         }
         if touches.len() == 1 || largest <= TOLERANCE * fastest {
@@ -68,16 +71,22 @@ impl Touch {
 
     /// The speed at which the two separate.
     pub fn separation_speed(&self, velocities: &[Vector]) -> f64 {
-        let velocity = |body: Option<usize>| body.map_or([0.0; 2], |body| velocities[body]);
-        let [a, b] = self.bodies.map(velocity);
-        dot(self.normal, vector(|k| b[k] - a[k]))
+        dot(self.normal, self.relative_velocity(velocities))
     }
 
-    fn push(&self, impulse: f64, velocities: &mut [Vector]) {
+    /// The velocity of the second against the first.
+    pub fn relative_velocity(&self, velocities: &[Vector]) -> Vector {
+        let velocity = |body: Option<usize>| body.map_or([0.0; 2], |body| velocities[body]);
+        let [a, b] = self.bodies.map(velocity);
+        vector(|k| b[k] - a[k])
+    }
+
+    /// Changes the velocities by an impulse on the second along `direction`.
+    pub fn push(&self, direction: Vector, impulse: f64, velocities: &mut [Vector]) {
         for (which, sign) in [(0, -1.0), (1, 1.0)] {
             if let Some(body) = self.bodies[which] {
                 let change = sign * impulse * self.inverse_masses[which];
-                velocities[body] = vector(|k| velocities[body][k] + change * self.normal[k]);
+                velocities[body] = vector(|k| velocities[body][k] + change * direction[k]);
             }
         }
     }
@@ -96,6 +105,7 @@ mod tests {
             normal,
             inverse_masses: [1.0; 2],
             restitution: 1.0,
+            friction: 0.0,
         };
         let mut touches = [touch(1, [x, y]), touch(2, [x, -y])];
         let mut velocities = [[1.0, 0.0], [0.0; 2], [0.0; 2]];

@@ -9,6 +9,7 @@
 
 mod first;
 mod flight;
+mod friction;
 mod history;
 mod impulses;
 mod neighbors;
@@ -27,10 +28,12 @@ use crate::trajectory::{Segment, Vector};
 use first::Batch;
 pub use flight::Flight;
 use flight::{Start, Window};
+pub use history::Bounce;
 use history::{Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
 pub use neighbors::{NearPair, Neighbors};
-use queue::{Event, WALL};
+use queue::Event;
+pub use queue::WALL;
 use simulation::{Scratch, Simulation};
 
 /// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
@@ -93,8 +96,8 @@ pub struct Outside {
 pub struct Events {
     /// The discs that each disc may meet.
     pub neighbors: Neighbors,
-    /// Pairs that bounced during the step.
-    pub bounced: Vec<[u32; 2]>,
+    /// Bounces during the step, in any order.
+    pub bounced: Vec<Bounce>,
     /// Discs that had too many events in a window and stand still for the rest of the step.
     pub exhausted: Vec<u32>,
     starts: Vec<Start>,
@@ -466,6 +469,7 @@ impl Events {
     fn finish(&mut self, window: &Window<'_>) {
         let (motions, gravity) = (window.flight.motions, window.gravity());
         let (course_of, again) = (&self.course_of, &self.again);
+        let turns = !window.flight.spins.is_empty();
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
             for index in block.range.clone() {
                 let (last, stopped) = match course_of[index as usize] {
@@ -481,12 +485,19 @@ impl Events {
                 let [position, velocity] = last.at(window.end, gravity);
                 let end = stopped.unwrap_or_else(|| window.after(index, last.falls, velocity));
                 motions.advance(index, position, end);
+                if turns {
+                    let number = course_of[index as usize];
+                    let history = if number & AGAIN != 0 { again } else { &block.history };
+                    let found = history.turnings.get((number & !AGAIN) as usize);
+                    let turning = found.copied().unwrap_or_else(|| window.turning(index));
+                    window.turn(index, &turning);
+                }
             }
             block.history.retain(0, course_of);
         });
         self.again.retain(AGAIN, &self.course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
-            self.bounced.extend(history.bounces.iter().map(|bounce| bounce.pair));
+            self.bounced.extend(&history.bounces);
             self.exhausted.extend(&history.exhausted);
         }
     }

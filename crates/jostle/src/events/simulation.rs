@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::Outside;
 use super::flight::Window;
+use super::friction::Rubbing;
 use super::history::{Bounce, Course, History, NONE};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
@@ -31,10 +32,10 @@ const POLL_EVERY: usize = 256;
 
 /// A disc that gets a new velocity at this moment.
 #[derive(Clone, Debug)]
-struct InGroup {
+pub(super) struct InGroup {
     index: u32,
     /// The number of its course.
-    number: u32,
+    pub(super) number: u32,
     /// The segment that begins now, with the velocity before the impacts.
     now: Segment,
     /// Which of the list of nearby discs are near it.
@@ -60,10 +61,11 @@ pub struct Scratch {
     pub(super) queue: Queue,
     pub(super) predicted: Vec<Event>,
     pub(super) impulses: Vec<[f64; 2]>,
-    group: Vec<InGroup>,
+    pub(super) rubbing: Rubbing,
+    pub(super) group: Vec<InGroup>,
     nearby: Vec<Nearby>,
-    touches: Vec<Touch>,
-    velocities: Vec<Vector>,
+    pub(super) touches: Vec<Touch>,
+    pub(super) velocities: Vec<Vector>,
 }
 
 /// The simulation of the discs of a range.
@@ -163,6 +165,9 @@ impl Simulation<'_> {
             next: number,
             stopped: None,
         });
+        if self.window.flight.has_friction {
+            self.history.turnings.push(self.window.turning(index));
+        }
         number
     }
 
@@ -306,6 +311,7 @@ impl Simulation<'_> {
             normal: normal.map(|v| -v),
             inverse_masses: [course.inverse_mass, 0.0],
             restitution: self.window.wall_restitution(index),
+            friction: self.window.wall_friction(index),
         };
         self.add(touch);
     }
@@ -337,23 +343,34 @@ impl Simulation<'_> {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
             restitution: self.pair_restitution(pair, counts),
+            friction: window.pair_friction(pair),
             ..Touch::of_discs(pair, code, offset)
         };
-        let [a, b] = found.map(|found| found.map(|(_, own, _)| own.number));
-        let number = a.or(b).expect("one of them is in the group");
-        if self.add(touch) {
-            self.history.bounces.push(Bounce { pair, course: number });
-        }
+        self.add(touch);
     }
 
     /// Adds a contact of this moment, unless it is the one whose event it is.
-    fn add(&mut self, touch: Touch) -> bool {
+    fn add(&mut self, touch: Touch) {
         let touches = &mut self.scratch.touches;
-        let new = touches.first().is_none_or(|first| first.key != touch.key);
-        if new {
+        if touches.first().is_none_or(|first| first.key != touch.key) {
             touches.push(touch);
         }
-        new
+    }
+
+    /// The impulses of a contact of this moment along its normal and of friction.
+    pub(super) fn impulses_of(&self, touch: usize) -> [f32; 2] {
+        let [normal, friction] = self.scratch.impulses[touch].map(|impulse| impulse as f32);
+        [normal, if self.window.flight.has_friction { friction } else { 0.0 }]
+    }
+
+    /// Appends all contacts of this moment to the history.
+    fn record_bounces(&mut self) {
+        for (at, touch) in self.scratch.touches.iter().enumerate() {
+            let [a, b] = touch.bodies.map(|body| body.map(|body| &self.scratch.group[body]));
+            let course = a.or(b).expect("one of them is in the group").number;
+            let ([first, second, code], impulses) = (touch.key, self.impulses_of(at));
+            self.history.bounces.push(Bounce { pair: [first, second], code, impulses, course });
+        }
     }
 
     /// Gives the discs of the group their velocities after the impacts, and makes one island of
@@ -364,6 +381,10 @@ impl Simulation<'_> {
         velocities.clear();
         velocities.extend(group.iter().map(|own| own.now.velocity));
         impulses::apply(touches, velocities, impulses);
+        if window.flight.has_friction {
+            self.rub_group(time);
+        }
+        let Scratch { touches, velocities, .. } = &mut *self.scratch;
         if let Some(thermostat) = window.flight.thermostat {
             for touch in touches.iter().filter(|touch| touch.key[1] == WALL) {
                 let body = touch.bodies[0].expect("a disc touches the wall");
@@ -378,10 +399,24 @@ impl Simulation<'_> {
             }
             let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
             if kind == Kind::Hold {
-                let normal = self.scratch.touches[0].normal;
-                hold(&mut new, normal, window.gravity(), window.end - time);
+                self.hold(position, &mut new, window.end - time);
             }
             self.turn(number, new);
+        }
+        self.record_bounces();
+    }
+
+    /// Lets a disc of the group slide along the surface that it touches for `left` seconds.
+    fn hold(&mut self, position: usize, segment: &mut Segment, left: f64) {
+        let (number, touch) = (self.scratch.group[position].number, self.scratch.touches[0]);
+        let is_second = touch.bodies[1] == Some(position);
+        let normal = touch.normal.map(|v| if is_second { v } else { -v });
+        let pressing = -hold(segment, normal, self.window.gravity(), left);
+        let inverse_mass = self.history.courses[number as usize].inverse_mass;
+        self.scratch.impulses[0][0] += pressing.max(0.0) / inverse_mass;
+        if self.window.flight.has_friction {
+            let change = self.brake(number, segment, &touch, is_second, pressing.max(0.0));
+            self.scratch.impulses[0][1] += change / inverse_mass;
         }
     }
 
@@ -421,12 +456,14 @@ impl Simulation<'_> {
 }
 
 /// Lets a disc that touches a surface slide for `left` seconds: gravity along the surface acts at
-/// once; that against the surface is balanced.
-fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) {
+/// once; that along the normal is balanced. Returns the speed along the normal that it would give.
+fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) -> f64 {
     if segment.falls {
         let g = gravity.map(|g| g * left);
         let pressing = dot(g, normal);
         segment.velocity = vector(|k| segment.velocity[k] + (g[k] - pressing * normal[k]));
         segment.falls = false;
+        return pressing;
     }
+    0.0
 }

@@ -38,17 +38,25 @@ impl Simulation<'_> {
             bodies: [Some(a), Some(b)],
             inverse_masses: [a, b].map(|k| courses[k].inverse_mass),
             restitution: self.pair_restitution(pair, counts),
+            friction: window.pair_friction(pair),
             ..Touch::of_discs(pair, code, offset)
         };
         let mut velocities = now.map(|now| now.velocity);
         impulses::apply(&mut [touch], &mut velocities, &mut self.scratch.impulses);
+        if window.flight.has_friction {
+            self.rub(&[touch], numbers.into_iter(), &mut velocities);
+        }
         let new = [0, 1].map(|k| Segment { velocity: velocities[k], ..now[k] });
         if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
             return false;
         }
         self.history.connect(numbers[0], numbers[1]);
+        if window.flight.has_friction {
+            self.set_rotors(numbers.into_iter(), time);
+        }
         (0..2).for_each(|k| self.turn(numbers[k], new[k]));
-        self.history.bounces.push(Bounce { pair, course: numbers[a] });
+        let impulses = self.impulses_of(0);
+        self.history.bounces.push(Bounce { pair, code, impulses, course: numbers[a] });
         true
     }
 

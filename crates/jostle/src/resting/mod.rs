@@ -9,6 +9,7 @@
 //!
 //! Which contacts rest follows from [`rest_speeds`]. All others bounce, see [`crate::events`].
 
+mod friction;
 mod pairs;
 mod walls;
 
@@ -17,7 +18,7 @@ use crate::container::{Container, MAX_WALLS};
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
 use crate::interrupt;
-use crate::motion::{Motions, Vectors};
+use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
@@ -48,6 +49,10 @@ pub struct Support<'a> {
     pub moving: &'a [bool],
     /// Positions and velocities at the beginning of the sub-step.
     pub motions: &'a Motions,
+    /// Angular velocities at the beginning of the sub-step.
+    pub spins: &'a Spins,
+    /// Whether any particle has friction.
+    pub has_friction: bool,
     /// The sub-step.
     pub flow: &'a Flow,
     /// The walls.
@@ -62,7 +67,11 @@ pub struct Support<'a> {
 #[derive(Debug, Default)]
 pub struct Resting {
     velocities: Vectors,
+    /// Angular velocity times radius; empty if there is no friction.
+    surface_speeds: Scalars,
     blocks: Vec<Block>,
+    /// The friction of each block; empty if there is none.
+    frictions: Vec<friction::Block>,
     /// Where in `blocks` each colour ends.
     ends: Vec<usize>,
     /// Whether particles touch and approach too fast to rest.
@@ -70,11 +79,26 @@ pub struct Resting {
     walls: Vec<Walls>,
 }
 
+/// The impulses over mass that walls give, carried from sub-step to sub-step.
+pub struct WallPushes<'a> {
+    /// Along the normals.
+    pub normal: &'a mut [[f32; MAX_WALLS]],
+    /// Of friction; empty if there is none.
+    pub friction: &'a mut [[f32; MAX_WALLS]],
+    /// The impulses of the step: the place of the particle, the wall, along the normal, of friction.
+    pub impulses: &'a mut Vec<(u32, u8, [f32; 2])>,
+}
+
 impl Support<'_> {
     /// The velocity that a particle would have at the end of the sub-step without contacts.
     fn free_velocity(&self, place: usize, kick: &Kick) -> [f32; 2] {
         let velocity = self.motions.velocity(place as u32);
         [0, 1].map(|k| velocity[k] + self.change(kick, k) as f32)
+    }
+
+    /// Angular velocity times radius at the beginning of the sub-step.
+    fn surface_speed(&self, place: usize) -> f32 {
+        self.spins.velocity(place as u32) * self.particles.radii[place]
     }
 
     fn change(&self, kick: &Kick, k: usize) -> f64 {
@@ -149,30 +173,43 @@ impl Resting {
         &mut self,
         scene: &Support<'_>,
         contacts: &mut Contacts,
-        wall_pushes: &mut [[f32; MAX_WALLS]],
+        mut wall_pushes: WallPushes<'_>,
         kicks: &mut [Kick],
     ) -> Result<()> {
         self.begin(scene, kicks);
         self.list_pairs(scene, contacts, kicks);
-        self.list_walls(scene, wall_pushes, kicks);
+        self.list_walls(scene, &mut wall_pushes, kicks);
         let threads = scene.threads;
-        let Self { velocities, blocks, ends, walls, is_fast } = self;
-        let velocities = &*velocities;
+        let Self { velocities, surface_speeds, blocks, frictions, ends, walls, is_fast } = self;
+        let (velocities, surface_speeds) = (&*velocities, &*surface_speeds);
         let mut sweep = |phase, only_apply| {
             let mut start = 0;
             for (colour, &end) in ends.iter().enumerate() {
-                let blocks = &mut blocks[std::mem::replace(&mut start, end)..end];
-                let threads = if colour == COLOURS { Some(1) } else { threads };
-                parallel::for_parts(threads, blocks, BLOCKS_OF_A_THREAD, |blocks| {
+                let range = std::mem::replace(&mut start, end)..end;
+                let blocks = &mut blocks[range.clone()];
+                // The pairs of the last colour share particles.
+                let is_shared = colour == COLOURS;
+                let threads = if is_shared { Some(1) } else { threads };
+                parallel::for_parts(threads, blocks, BLOCKS_OF_A_THREAD, |_, blocks| {
                     Sweep { blocks, velocities, phase, only_apply }.run();
                 });
+                if scene.has_friction {
+                    let (blocks, frictions) = (&*blocks, &mut frictions[range]);
+                    let sweep = friction::Sweep { velocities, surface_speeds, phase, only_apply };
+                    parallel::for_parts(threads, frictions, BLOCKS_OF_A_THREAD, |first, part| {
+                        sweep.run(&blocks[first..first + part.len()], part);
+                    });
+                }
             }
         };
         if *is_fast || walls.iter().any(Walls::is_fast) {
             for _ in 0..IMPACT_ITERATIONS {
                 interrupt::check()?;
                 parallel::for_chunks(threads, walls, |_, chunk| {
-                    chunk.iter_mut().for_each(|walls| walls.collide(velocities));
+                    let collide = |walls: &mut Walls| {
+                        walls.solve(velocities, surface_speeds, Phase::Impact);
+                    };
+                    chunk.iter_mut().for_each(collide);
                 });
                 sweep(Phase::Impact, false);
             }
@@ -187,17 +224,27 @@ impl Resting {
         parallel::for_rows(threads, kicks.len(), change);
         sweep(Phase::Rest, true);
         parallel::for_chunks(threads, walls, |_, chunk| {
-            chunk.iter().for_each(|walls| walls.start(velocities));
+            chunk.iter().for_each(|walls| walls.start(velocities, surface_speeds));
         });
         for _ in 0..ITERATIONS {
             interrupt::check()?;
             sweep(Phase::Rest, false);
             parallel::for_chunks(threads, walls, |_, chunk| {
-                chunk.iter_mut().for_each(|walls| walls.solve(velocities));
+                let solve =
+                    |walls: &mut Walls| walls.solve(velocities, surface_speeds, Phase::Rest);
+                chunk.iter_mut().for_each(solve);
             });
         }
         blocks.iter().for_each(|block| block.store(&mut contacts.list));
-        walls.iter().for_each(|walls| walls.store(wall_pushes));
+        for (friction, block) in frictions.iter().zip(&*blocks) {
+            friction.store(block, &mut contacts.list);
+        }
+        for walls in &*walls {
+            walls.store(wall_pushes.normal, wall_pushes.friction);
+            let mass = scene.particles.masses[walls.place as usize];
+            let impulses = walls.impulses(mass);
+            wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.place, wall, of)));
+        }
         self.end(scene, kicks);
         Ok(())
     }
@@ -207,6 +254,13 @@ impl Resting {
         // One more for lanes without a pair.
         self.velocities.resize(kicks.len() + 1);
         self.velocities.set(kicks.len() as u32, [0.0; 2]);
+        let turning = if scene.has_friction { kicks.len() } else { 0 };
+        self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 });
+        let surface_speeds = &self.surface_speeds;
+        parallel::for_rows(scene.threads, turning, |place| {
+            let speed = if scene.moving[place] { scene.surface_speed(place) } else { 0.0 };
+            surface_speeds.set(place as u32, speed);
+        });
         let velocities = &self.velocities;
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, place) in kicks.iter_mut().zip(first..) {
@@ -223,8 +277,9 @@ impl Resting {
 
     /// Lists the pairs whose contacts rest, colour by colour.
     fn list_pairs(&mut self, scene: &Support<'_>, contacts: &mut Contacts, kicks: &[Kick]) {
-        let Self { blocks, ends, is_fast, .. } = self;
+        let Self { blocks, frictions, ends, is_fast, .. } = self;
         blocks.clear();
+        frictions.clear();
         ends.clear();
         *is_fast = false;
         for (colour, range) in contacts.colours().into_iter().enumerate() {
@@ -237,10 +292,15 @@ impl Resting {
                     let has_room = |block: &Block| block.has_room() && colour < COLOURS;
                     if blocks.len() == first || !blocks.last().is_some_and(has_room) {
                         blocks.push(Block::new(kicks.len() as u32));
+                        frictions.extend(scene.has_friction.then(friction::Block::default));
                     }
-                    blocks.last_mut().expect("it has room").push(&pair);
+                    let block = blocks.last_mut().expect("it has room");
+                    if let Some(friction) = frictions.last_mut() {
+                        friction.put(block.len(), &pair, &scene.particles.radii);
+                    }
+                    block.push(&pair);
                 }
-                contact.impulse = 0.0;
+                (contact.impulse, contact.friction_impulse) = (0.0, 0.0);
             }
             ends.push(blocks.len());
         }
@@ -250,17 +310,21 @@ impl Resting {
     fn list_walls(
         &mut self,
         scene: &Support<'_>,
-        wall_pushes: &mut [[f32; MAX_WALLS]],
+        wall_pushes: &mut WallPushes<'_>,
         kicks: &[Kick],
     ) {
+        let WallPushes { normal, friction, .. } = wall_pushes;
         self.walls.clear();
         if scene.container.has_walls() {
-            let found = (0..kicks.len())
-                .filter(|&place| scene.moving[place])
-                .filter_map(|place| Walls::of(place, wall_pushes[place], scene, &kicks[place]));
-            self.walls.extend(found);
+            let walls = |place: usize| {
+                let friction = friction.get(place).copied().unwrap_or_default();
+                Walls::of(place, normal[place], friction, scene, &kicks[place])
+            };
+            let moving = (0..kicks.len()).filter(|&place| scene.moving[place]);
+            self.walls.extend(moving.filter_map(walls));
         }
-        wall_pushes.fill([0.0; MAX_WALLS]);
+        normal.fill([0.0; MAX_WALLS]);
+        friction.fill([0.0; MAX_WALLS]);
     }
 
     /// Gives all of its change of velocity to each particle that resting contacts support before
@@ -270,6 +334,9 @@ impl Resting {
             for (kick, place) in kicks.iter_mut().zip(first..) {
                 if !scene.moving[place] {
                     continue;
+                }
+                if scene.has_friction {
+                    self.set_spin(scene, place);
                 }
                 let new = self.velocities.get(place as u32);
                 if new == scene.free_velocity(place, kick) {
@@ -281,5 +348,13 @@ impl Resting {
                 kick.is_supported = true;
             }
         });
+    }
+
+    /// Writes the angular velocity of a particle, if friction has changed it.
+    fn set_spin(&self, scene: &Support<'_>, place: usize) {
+        let new = self.surface_speeds.get(place as u32);
+        if new != scene.surface_speed(place) {
+            scene.spins.set_velocity(place as u32, new / scene.particles.radii[place]);
+        }
     }
 }

@@ -11,14 +11,18 @@ use crate::simd::{LANES, Number, Simd, Work};
 pub struct Pair {
     /// Whether they touch and approach too fast to rest.
     pub is_fast: bool,
-    places: [u32; 2],
+    pub places: [u32; 2],
     normal: [f32; 2],
-    inverse_masses: [f32; 2],
+    pub inverse_masses: [f32; 2],
     /// Speed at which the gap may close.
     closing_speed: f32,
     /// Speed at which the two separate at least after the impact at the beginning.
     bounce: f32,
     impulse: f32,
+    /// Coefficient of friction.
+    pub friction: f32,
+    /// Impulse of friction in the sub-step before.
+    pub friction_impulse: f32,
     /// The index of the contact.
     contact: u32,
 }
@@ -54,6 +58,8 @@ impl Pair {
             closing_speed: start.closing_speed,
             bounce: start.bounce,
             impulse: contact.impulse,
+            friction: contact.friction,
+            friction_impulse: contact.friction_impulse,
             contact: index,
         })
     }
@@ -64,15 +70,15 @@ impl Pair {
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     len: usize,
-    places: [[u32; LANES]; 2],
-    normal: [[f32; LANES]; 2],
-    inverse_masses: [[f32; LANES]; 2],
+    pub places: [[u32; LANES]; 2],
+    pub normal: [[f32; LANES]; 2],
+    pub inverse_masses: [[f32; LANES]; 2],
     /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
     effective_masses: [f32; LANES],
     /// Minimum normal speeds after the impacts, and at the end of the sub-step.
     least_speeds: [[f32; LANES]; 2],
     /// Impulses of the impacts and of the resting contacts.
-    impulses: [[f32; LANES]; 2],
+    pub impulses: [[f32; LANES]; 2],
     contacts: [u32; LANES],
 }
 
@@ -121,12 +127,23 @@ impl Block {
         self.contacts[lane] = pair.contact;
     }
 
+    /// The number of pairs.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The contacts of the pairs.
+    pub fn contacts(&self) -> &[u32] {
+        &self.contacts[..self.len]
+    }
+
     /// Stores the impulses in the contacts.
     pub fn store(&self, contacts: &mut [Contact]) {
         for lane in 0..self.len {
             let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
             let contact = &mut contacts[self.contacts[lane] as usize];
             contact.impulse = rest;
+            contact.count([impact + rest, 0.0]);
             contact.touched |= rest > 0.0 || impact > 0.0;
         }
     }

@@ -1,14 +1,19 @@
 //! Resting contacts of a particle with walls.
 
+use super::pairs::Phase;
 use super::{Start, Support, Surfaces};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
-use crate::motion::Vectors;
+use crate::motion::{Scalars, Vectors};
 
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Walls {
-    place: u32,
+    pub place: u32,
+    /// Coefficient of friction.
+    friction: f32,
+    /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for points.
+    softness: f32,
     contacts: [Option<WallContact>; MAX_WALLS],
 }
 
@@ -17,24 +22,24 @@ pub struct Walls {
 struct WallContact {
     inward: [f32; 2],
     start: Start,
-    /// Speed given by the wall in the impact at the beginning.
-    impact: f32,
-    /// Speed given by the wall after it.
-    push: f32,
+    /// Speeds given by the wall along the normal and along itself, in the impact at the beginning and
+    /// after it.
+    pushes: [[f32; 2]; 2],
 }
 
 impl Walls {
-    /// The particle, if a wall contact of it may rest in this sub-step; `pushes` are those of the
-    /// sub-step before.
+    /// The particle, if a wall contact of it may rest in this sub-step; `pushes` and those of friction
+    /// are from the sub-step before.
     pub fn of(
         place: usize,
         pushes: [f32; MAX_WALLS],
+        frictions: [f32; MAX_WALLS],
         scene: &Support<'_>,
         kick: &Kick,
     ) -> Option<Self> {
         let (velocity, radius) =
             (scene.motions.velocity(place as u32), scene.particles.radii[place]);
-        let contact = |wall: Wall, push: f32| {
+        let contact = |wall: Wall, push: f32, friction: f32| {
             let surfaces = Surfaces {
                 gap: wall.gap,
                 reach: radius,
@@ -44,12 +49,14 @@ impl Walls {
                 has_pushed: push > 0.0,
             };
             let start = surfaces.start(scene.flow.duration as f32)?;
-            Some(WallContact { inward: wall.inward, start, impact: 0.0, push })
+            Some(WallContact { inward: wall.inward, start, pushes: [[0.0; 2], [push, friction]] })
         };
         let walls = scene.container.walls(scene.motions.position(place as u32), radius);
-        let contacts = [0, 1, 2, 3].map(|k| contact(walls[k]?, pushes[k]));
+        let contacts = [0, 1, 2, 3].map(|k| contact(walls[k]?, pushes[k], frictions[k]));
         let rests = contacts.iter().any(Option::is_some);
-        rests.then_some(Self { place: place as u32, contacts })
+        let friction = scene.particles.spin(place).friction;
+        let softness = if radius == 0.0 { 0.0 } else { 2.0 };
+        rests.then_some(Self { place: place as u32, friction, softness, contacts })
     }
 
     /// Whether the particle touches a wall and approaches it too fast to rest.
@@ -58,48 +65,82 @@ impl Walls {
     }
 
     /// Starts from the impulses of the sub-step before.
-    pub fn start(&self, velocities: &Vectors) {
+    pub fn start(&self, velocities: &Vectors, surface_speeds: &Scalars) {
         let mut velocity = velocities.get(self.place);
+        let mut surface_speed = surface_speeds.get(self.place);
         for contact in self.contacts.iter().flatten() {
-            velocity = pushed(velocity, contact.inward, contact.push);
+            let [push, friction] = contact.pushes[Phase::Rest as usize];
+            velocity = pushed(velocity, contact.inward, push);
+            if self.friction > 0.0 {
+                velocity = pushed(velocity, turned(contact.inward), friction);
+                surface_speed -= friction * self.softness;
+            }
         }
         velocities.set(self.place, velocity);
+        surface_speeds.set(self.place, surface_speed);
     }
 
-    /// Corrects the impulses so that the particle does not get beyond the walls.
-    pub fn solve(&mut self, velocities: &Vectors) {
-        self.correct(velocities, |contact| (&mut contact.push, -contact.start.closing_speed));
-    }
-
-    /// As [`Walls::solve`] for the impacts at the beginning.
-    pub fn collide(&mut self, velocities: &Vectors) {
-        self.correct(velocities, |contact| (&mut contact.impact, contact.start.bounce));
-    }
-
-    /// Corrects the speeds that walls give so that the particle leaves each with the least speed
-    /// at least.
-    fn correct(
-        &mut self,
-        velocities: &Vectors,
-        which: impl Fn(&mut WallContact) -> (&mut f32, f32),
-    ) {
+    /// Corrects the impulses of a phase so that the particle leaves each wall with the least speed at
+    /// least, and does not slide if friction is large enough.
+    pub fn solve(&mut self, velocities: &Vectors, surface_speeds: &Scalars, phase: Phase) {
         let mut velocity = velocities.get(self.place);
+        let mut surface_speed = surface_speeds.get(self.place);
         for contact in self.contacts.iter_mut().flatten() {
             let inward = contact.inward;
             let normal_speed = inward[0] * velocity[0] + inward[1] * velocity[1];
-            let (push, least_speed) = which(contact);
+            let least_speed = match phase {
+                Phase::Impact => contact.start.bounce,
+                Phase::Rest => -contact.start.closing_speed,
+            };
+            let [push, friction] = &mut contact.pushes[phase as usize];
             let new = (*push + (least_speed - normal_speed)).max(0.0);
             velocity = pushed(velocity, inward, new - *push);
             *push = new;
+            if self.friction > 0.0 {
+                let along = turned(inward);
+                let sliding = along[0] * velocity[0] + along[1] * velocity[1] - surface_speed;
+                let most = self.friction * *push;
+                let wanted = *friction - sliding / (1.0 + self.softness);
+                let new = wanted.max(-most).min(most);
+                velocity = pushed(velocity, along, new - *friction);
+                surface_speed -= (new - *friction) * self.softness;
+                *friction = new;
+            }
         }
         velocities.set(self.place, velocity);
+        surface_speeds.set(self.place, surface_speed);
+    }
+
+    /// The walls that push the particle, and the sums of the impulses of both phases.
+    pub fn impulses(&self, mass: f32) -> impl Iterator<Item = (u8, [f32; 2])> {
+        let contacts = (0..).zip(&self.contacts);
+        let found = contacts.filter_map(|(wall, contact)| Some((wall, contact.as_ref()?.pushes)));
+        let sums = found.map(move |(wall, [impact, rest])| {
+            (wall, [0, 1].map(|k| mass * (impact[k] + rest[k])))
+        });
+        sums.filter(|(_, [normal, _])| *normal > 0.0)
     }
 
     /// Stores the impulses.
-    pub fn store(&self, wall_pushes: &mut [[f32; MAX_WALLS]]) {
-        wall_pushes[self.place as usize] =
-            self.contacts.map(|contact| contact.map_or(0.0, |contact| contact.push));
+    pub fn store(
+        &self,
+        wall_pushes: &mut [[f32; MAX_WALLS]],
+        wall_frictions: &mut [[f32; MAX_WALLS]],
+    ) {
+        let pushes = self.contacts.map(|contact| {
+            contact.map_or([0.0; 2], |contact| contact.pushes[Phase::Rest as usize])
+        });
+        wall_pushes[self.place as usize] = pushes.map(|[push, _]| push);
+        if let Some(frictions) = wall_frictions.get_mut(self.place as usize) {
+            *frictions = pushes.map(|[_, friction]| friction);
+        }
     }
+}
+
+/// A vector after a quarter turn.
+#[inline(always)]
+fn turned([x, y]: [f32; 2]) -> [f32; 2] {
+    [-y, x]
 }
 
 #[inline(always)]

@@ -1,9 +1,9 @@
 //! The list of all scenes.
 
-use super::{Scene, falling, fountain, galton, games, gases, mixing, sand, soft, stars};
+use super::{Scene, falling, fountain, galton, games, gases, heap, mixing, sand, soft, stars};
 
 /// All scenes.
-pub const SCENES: [Scene; 16] = [
+pub const SCENES: [Scene; 17] = [
     Scene {
         name: "article",
         default_count: 500,
@@ -131,5 +131,13 @@ pub const SCENES: [Scene; 16] = [
                 The oldest drops go as new ones come, so their number has a cap.",
         make: fountain::emitters,
         view: fountain::emitters_view,
+    },
+    Scene {
+        name: "heap",
+        default_count: 1_500,
+        about: "A column of grains with friction 0.8 collapses on rough ground. \
+                The heap keeps a slope; set friction to 0 and it runs apart.",
+        make: heap::heap,
+        view: heap::heap_view,
     },
 ];

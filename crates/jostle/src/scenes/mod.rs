@@ -9,6 +9,7 @@ mod fountain;
 mod galton;
 mod games;
 mod gases;
+mod heap;
 mod list;
 mod mixing;
 mod placing;

@@ -10,7 +10,7 @@ use crate::container::Container;
 use crate::groups::Groups;
 use crate::motion::Motions;
 use crate::parallel;
-use crate::particles::{FARTHEST, MASS_RANGE, Particles};
+use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
 const ROUNDS: usize = 16;
@@ -105,6 +105,9 @@ impl World {
             any = true;
             self.particles.put(places[0], &one);
             self.wall_pushes[places[0]] = Default::default();
+            if !self.wall_frictions.is_empty() {
+                self.wall_frictions[places[0]] = Default::default();
+            }
             let rows = places.iter().map(|&place| self.rows[place]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);
@@ -179,5 +182,39 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         masses: vec![whole],
         restitutions: vec![((bounce / mass) as f32).clamp(0.0, 1.0)],
         movable: vec![anchor.is_none()],
+        spins: vec![spin_of(all, places, container, radius)],
     })
+}
+
+/// The rotation of the merged particle at the first of `places`: the mean friction weighted by mass,
+/// the angle of the first, and, if any has friction or turns, the sum of angular momentum about the
+/// centre of mass.
+fn spin_of(all: &Particles, places: &[usize], container: &Container, radius: f32) -> Spin {
+    if places.iter().all(|&place| Spin { angle: 0.0, ..all.spin(place) } == Spin::default()) {
+        return Spin { angle: all.spin(places[0]).angle, ..Spin::default() };
+    }
+    let origin = all.positions[places[0]].map(f64::from);
+    let velocity = |place: usize| all.velocities[place].map(f64::from);
+    let [mut mass, mut friction, mut angular] = [0.0f64; 3];
+    let [mut moment, mut momentum] = [[0.0f64; 2]; 2];
+    for &place in places {
+        let (own, spin) = (f64::from(all.masses[place]), all.spin(place));
+        let offset = [0, 1].map(|k| f64::from(all.positions[place][k]) - origin[k]);
+        let ([x, y], [u, v]) = (container.short_way(offset), velocity(place));
+        let own_radius = f64::from(all.radii[place]);
+        mass += own;
+        friction += own * f64::from(spin.friction);
+        angular += own * (x * v - y * u + 0.5 * own_radius * own_radius * f64::from(spin.velocity));
+        moment = [moment[0] + own * x, moment[1] + own * y];
+        momentum = [momentum[0] + own * u, momentum[1] + own * v];
+    }
+    // Of the motion of the centre of mass.
+    angular -= (moment[0] * momentum[1] - moment[1] * momentum[0]) / mass;
+    let inertia = 0.5 * mass * f64::from(radius) * f64::from(radius);
+    let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);
+    Spin {
+        friction: (friction / mass) as f32,
+        velocity: if inertia > 0.0 { limit(angular / inertia) } else { 0.0 },
+        angle: all.spin(places[0]).angle,
+    }
 }

@@ -15,6 +15,7 @@ mod snapshot;
 mod step;
 mod substeps;
 mod sums;
+mod touches;
 mod undo;
 
 use std::ops::Range;
@@ -26,14 +27,16 @@ use crate::error::{Error, Result};
 use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{self, Force};
-use crate::motion::Motions;
-use crate::particles::Particles;
+use crate::motion::{Motions, Spins};
+use crate::particles::{Particles, Spin};
 use crate::quadtree::Quadtree;
 use crate::resting::Resting;
 use crate::shapes::{MOST_ROWS, Shapes};
 use feel::ForceMemory;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
+use touches::WallImpulse;
+pub use touches::{Touch, WallTouch};
 use undo::{Before, Ordered};
 
 /// The stages of a step, in the order of the data.
@@ -90,17 +93,6 @@ pub struct Stats {
     pub unresolved: u64,
 }
 
-/// Two particles that touched during the last step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// Their rows, the smaller first.
-    pub pair: [u32; 2],
-    /// Unit vector from the first to the second.
-    pub normal: [f32; 2],
-    /// Penetration at the end of the step; negative if they had separated.
-    pub depth: f32,
-}
-
 /// Particles, their settings and forces.
 ///
 /// ```
@@ -122,7 +114,11 @@ pub struct World {
     rows: Vec<u32>,
     /// Impulse over mass that each wall gave in the last sub-step, at rest.
     wall_pushes: Vec<[f32; MAX_WALLS]>,
+    /// The same of friction; empty if no particle has friction.
+    wall_frictions: Vec<[f32; MAX_WALLS]>,
     contacts: Contacts,
+    /// The impulses that walls gave in the last step, sorted by row.
+    wall_impulses: Vec<WallImpulse>,
     time: f64,
     stats: Stats,
     /// The new row of each old one, if the last call removed or merged any.
@@ -148,13 +144,16 @@ struct Memory {
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
     events: Events,
-    /// Pairs that touched in earlier parts of the step.
-    touched_before: Vec<[u32; 2]>,
+    /// Pairs that touched in earlier parts of the step, and their impulses.
+    touched_before: Vec<([u32; 2], [f32; 2])>,
     /// The new place of each particle, while these are renamed.
     indices: Vec<u32>,
+    /// The impulses of resting contacts with walls in a part of the step: place, wall, impulses.
+    wall_impulses: Vec<(u32, u8, [f32; 2])>,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
+    spins: Spins,
     resting: Resting,
     correction: Correction,
     listing: search::ListScratch,
@@ -201,6 +200,8 @@ impl World {
         settings.container.check_fit(&self.radii())?;
         if settings.container != self.settings.container {
             self.wall_pushes.fill([0.0; MAX_WALLS]);
+            self.wall_frictions.clear();
+            self.wall_impulses.clear();
         }
         self.settings = settings;
         Ok(())
@@ -223,7 +224,7 @@ impl World {
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
-        rest_the_immovable(&mut particles);
+        particles.simplify();
         let (old, new) = (self.len(), self.len() + particles.len());
         if new > MOST_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
@@ -231,6 +232,9 @@ impl World {
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
         self.wall_pushes.resize(new, [0.0; MAX_WALLS]);
+        if !self.wall_frictions.is_empty() {
+            self.wall_frictions.resize(new, [0.0; MAX_WALLS]);
+        }
         Ok(old as u32..new as u32)
     }
 
@@ -258,12 +262,17 @@ impl World {
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
         self.particles.retain(|place| keep[place]);
-        let mut place = 0;
-        self.wall_pushes.retain(|_| {
-            place += 1;
-            keep[place - 1]
-        });
+        self.particles.simplify();
+        for pushes in [&mut self.wall_pushes, &mut self.wall_frictions] {
+            let mut place = 0;
+            pushes.retain(|_| {
+                place += 1;
+                keep[place - 1]
+            });
+        }
         self.contacts.retain(&keep);
+        self.wall_impulses.retain(|of| !gone[of.row as usize]);
+        self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
         self.rows.retain(|&row| !gone[row as usize]);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         shifted
@@ -317,6 +326,29 @@ impl World {
         self.column(&self.particles.movable)
     }
 
+    /// Coefficients of friction in the order of adding.
+    pub fn friction(&self) -> Vec<f32> {
+        self.spins(|spin| spin.friction)
+    }
+
+    /// Angles in radians, −π to π without π, in the order of adding.
+    pub fn angles(&self) -> Vec<f32> {
+        // Rounded to float32 an angle below π may be π.
+        let last = std::f32::consts::PI;
+        let rounded = |angle: f32| if angle >= last { -last } else { angle };
+        self.spins(|spin| rounded(spin.angle as f32))
+    }
+
+    /// Angular velocities in the order of adding.
+    pub fn angular_velocities(&self) -> Vec<f32> {
+        self.spins(|spin| spin.velocity)
+    }
+
+    fn spins(&self, of: impl Fn(Spin) -> f32) -> Vec<f32> {
+        let values: Vec<f32> = (0..self.len()).map(|at| of(self.particles.spin(at))).collect();
+        self.column(&values)
+    }
+
     fn column<V: Copy + Default>(&self, values: &[V]) -> Vec<V> {
         let mut column = vec![V::default(); values.len()];
         for (&row, &value) in self.rows.iter().zip(values) {
@@ -337,7 +369,7 @@ impl World {
         }
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
-        rest_the_immovable(&mut copy);
+        copy.simplify();
         let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before));
         let moved = rows.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
@@ -370,22 +402,6 @@ impl World {
         places
     }
 
-    /// The pairs that touched during the last step, in canonical order. If nothing
-    /// bounces, those that overlap now; an error if there are too many.
-    pub fn contacts(&self) -> Result<Vec<Touch>> {
-        if self.settings.on_touch != OnTouch::Bounce {
-            return self.overlaps();
-        }
-        let row = |place: u32| self.rows[place as usize];
-        let touch = |contact: &crate::contacts::Contact| {
-            let [i, j] = contact.places.map(row);
-            let sign = if i < j { 1.0 } else { -1.0 };
-            let normal = contact.normal.map(|v| v * sign);
-            Touch { pair: [i.min(j), i.max(j)], normal, depth: -contact.gap }
-        };
-        Ok(self.contacts.touching().map(touch).collect())
-    }
-
     /// Simulated seconds.
     pub fn time(&self) -> f64 {
         self.time
@@ -394,14 +410,5 @@ impl World {
     /// Numbers of the last step.
     pub fn stats(&self) -> Stats {
         self.stats
-    }
-}
-
-/// Particles that are not movable have velocity 0.
-fn rest_the_immovable(particles: &mut Particles) {
-    for (velocity, &movable) in particles.velocities.iter_mut().zip(&particles.movable) {
-        if !movable {
-            *velocity = [0.0; 2];
-        }
     }
 }

@@ -117,7 +117,9 @@ impl World {
             let sign = if i < j { 1.0 } else { -1.0 };
             // The normal of coincident centres is +x.
             let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
-            Touch { pair: [i.min(j), i.max(j)], normal, depth: reach - length }
+            let (normal_impulse, friction_impulse) = (0.0, 0.0);
+            let (pair, depth) = ([i.min(j), i.max(j)], reach - length);
+            Touch { pair, normal, depth, normal_impulse, friction_impulse }
         };
         let mut touches: Vec<Touch> = self.overlapping()?.0.into_iter().map(touch).collect();
         touches.sort_unstable_by_key(|touch| touch.pair);

@@ -4,20 +4,21 @@
 //! their canonical order, and the impulses of resting contacts with walls and particles. A
 //! column with the same value for all particles is stored as one value.
 
+use super::touches::WallImpulse;
 use super::{OnTouch, Stats, World, WorldSettings};
 use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
-use crate::particles::Particles;
+use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
 
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Version of the format of the other bytes. Version 2 had no residuals.
-const VERSION: u32 = 3;
+/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction.
+const VERSION: u32 = 4;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -44,7 +45,14 @@ impl World {
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
         put_wall_pushes(&mut to, &self.wall_pushes);
+        put_wall_pushes(&mut to, &self.wall_frictions);
         put_contacts(&mut to, self.contacts.lasting().collect());
+        to.put_count(self.wall_impulses.len());
+        for WallImpulse { row, wall, impulses } in &self.wall_impulses {
+            to.put(*row);
+            to.put(*wall);
+            to.put(*impulses);
+        }
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
         to.finish(MAGIC, VERSION)
@@ -72,8 +80,15 @@ impl World {
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.check_rows(&rows).map_err(valid)?;
         world.rows = rows;
-        get_wall_pushes(&mut from, &mut world.wall_pushes)?;
-        world.contacts.recall(get_contacts(&mut from, len)?, len);
+        get_wall_pushes(&mut from, &mut world.wall_pushes, 0.0)?;
+        if version > 3 {
+            world.wall_frictions.resize(len, [0.0; MAX_WALLS]);
+            get_wall_pushes(&mut from, &mut world.wall_frictions, f32::MIN)?;
+        }
+        world.contacts.recall(get_contacts(&mut from, len, version)?, len);
+        if version > 3 {
+            world.wall_impulses = get_wall_impulses(&mut from, len)?;
+        }
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
@@ -148,6 +163,11 @@ fn put_particles(to: &mut Writer, all: &Particles) {
     }
     let movable: Vec<u8> = all.movable.iter().map(|&movable| u8::from(movable)).collect();
     to.put_all(&movable);
+    to.put(u8::from(!all.spins.is_empty()));
+    for Spin { friction, velocity, angle } in &all.spins {
+        to.put([*friction, *velocity]);
+        to.put(*angle);
+    }
 }
 
 fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
@@ -159,7 +179,17 @@ fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Part
         masses: get_column(from, len)?,
         restitutions: get_column(from, len)?,
         movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
+        spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
     })
+}
+
+fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {
+    // As many bytes are there as the columns before need, so `len` is not too large.
+    let spin = |_| {
+        let ([friction, velocity], angle) = (from.get()?, from.get()?);
+        Ok(Spin { friction, velocity, angle })
+    };
+    (0..len).map(spin).collect()
 }
 
 fn get_column(from: &mut Reader<'_>, len: usize) -> Result<Vec<f32>> {
@@ -179,11 +209,11 @@ fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
     }
 }
 
-fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]]) -> Result<()> {
+fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {
     for _ in 0..from.get_count()? {
         let (place, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
         let to = all.get_mut(place as usize).ok_or_else(|| damaged("a wall pushes nothing"))?;
-        if !pushes.iter().all(|&push| push >= 0.0 && push.is_finite()) {
+        if !pushes.iter().all(|&push| push >= least && push.is_finite()) {
             return Err(damaged("a wall pushes in no way that a wall can"));
         }
         *to = pushes;
@@ -196,28 +226,48 @@ fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
     for contact in contacts {
         to.put(contact.places);
         let [[x, y], [u, v]] = [contact.image, contact.normal];
-        to.put([x, y, u, v, contact.gap, contact.impulse]);
+        to.put([x, y, u, v, contact.gap, contact.impulse, contact.friction_impulse]);
+        to.put(contact.totals);
         to.put(u8::from(contact.touched));
     }
 }
 
-fn get_contacts(from: &mut Reader<'_>, len: usize) -> Result<Vec<Contact>> {
+fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Contact>> {
     let mut contacts = Vec::new();
     for _ in 0..from.get_count()? {
         let places: [u32; 2] = from.get()?;
         let numbers: [f32; 6] = from.get()?;
+        let [friction_impulse, total, total_friction] =
+            if version > 3 { from.get()? } else { [0.0f32; 3] };
         let touched = from.get::<u8>()? > 0;
         let [x, y, u, v, gap, impulse] = numbers;
         let known = places.iter().all(|&place| (place as usize) < len) && places[0] != places[1];
-        if !known || numbers.iter().any(|number| number.is_nan()) || impulse < 0.0 {
+        let is_valid = |number: &f32| !number.is_nan();
+        if !known
+            || !numbers.iter().chain(&[friction_impulse, total, total_friction]).all(is_valid)
+            || impulse < 0.0
+        {
             return Err(damaged("a contact is between no particles"));
         }
         let (image, normal) = ([x, y], [u, v]);
-        let contact =
-            Contact { places, image, normal, gap, impulse, touched, ..Contact::default() };
-        contacts.push(contact);
+        let base = Contact { places, image, normal, gap, touched, ..Contact::default() };
+        let totals = [total, total_friction];
+        contacts.push(Contact { impulse, friction_impulse, totals, ..base });
     }
     Ok(contacts)
+}
+
+fn get_wall_impulses(from: &mut Reader<'_>, len: usize) -> Result<Vec<WallImpulse>> {
+    let mut all = Vec::new();
+    for _ in 0..from.get_count()? {
+        let (row, wall, impulses) = (from.get()?, from.get()?, from.get::<[f32; 2]>()?);
+        let is_known = row < len as u32 && usize::from(wall) < MAX_WALLS;
+        if !is_known || impulses.iter().any(|impulse| impulse.is_nan()) {
+            return Err(damaged("a wall pushes nothing"));
+        }
+        all.push(WallImpulse { row, wall, impulses });
+    }
+    Ok(all)
 }
 
 fn put_force(to: &mut Writer, force: &Force) {

@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicBool, Ordering as Atomic};
 use super::bounds::largest;
 use super::feel::{find_places, springs};
 use super::undo::Ordered;
-use super::{Memory, OnTouch, Stage, Stats, World, search};
+use super::{Memory, OnTouch, Stage, Stats, World, search, touches};
 use crate::container::{Container, MAX_WALLS, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
-use crate::particles::{FARTHEST, Particles};
+use crate::particles::{FARTHEST, Particles, Spin, wrap_angle};
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.
@@ -58,6 +58,7 @@ impl World {
                 self.undo();
                 return Err(error);
             }
+            touches::add_up(&mut self.wall_impulses);
             self.time += dt;
         }
         Ok(())
@@ -182,18 +183,26 @@ impl World {
         let order = memory.tree.rows();
         let spare =
             if memory.before.arranged { &mut memory.spare } else { &mut memory.before.ordered };
-        let Ordered { particles, rows, wall_pushes } = spare;
+        let Ordered { particles, rows, wall_pushes, wall_frictions } = spare;
         particles.gather(&self.particles, order, threads);
         std::mem::swap(particles, &mut self.particles);
         gather(rows, &mut self.rows, order, threads);
         gather(wall_pushes, &mut self.wall_pushes, order, threads);
+        wall_frictions.clear();
+        if self.wall_frictions.is_empty() {
+            std::mem::swap(wall_frictions, &mut self.wall_frictions);
+        } else {
+            gather(wall_frictions, &mut self.wall_frictions, order, threads);
+        }
         memory.touched_before.clear();
         if memory.before.arranged {
             let indices = &mut memory.indices;
             indices.resize(order.len(), 0);
             (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
-            let touched = self.contacts.touching().map(|contact| contact.places);
-            let moved = touched.map(|pair| pair.map(|place| indices[place as usize]));
+            let touched = self.contacts.touching();
+            let moved = touched.map(|contact| {
+                (contact.places.map(|place| indices[place as usize]), contact.totals)
+            });
             memory.touched_before.extend(moved);
         } else {
             self.contacts.exchange(&mut memory.before.contacts);
@@ -242,7 +251,7 @@ impl World {
                 "inf",
             ));
         }
-        let Particles { positions, residuals, velocities, .. } = &mut self.particles;
+        let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
         let any = AtomicBool::new(false);
         let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
@@ -269,17 +278,34 @@ impl World {
                 *velocity = allowed(motions.velocity(place));
             }
         });
+        parallel::for_chunks(threads, spins, |first, spins| {
+            for (spin, place) in spins.iter_mut().zip(first as u32..) {
+                let (velocity, angle) = (memory.spins.velocity(place), memory.spins.angle(place));
+                if !velocity.is_finite() {
+                    any.store(true, Atomic::Relaxed);
+                }
+                spin.velocity = velocity.clamp(-FARTHEST, FARTHEST);
+                spin.angle = wrap_angle(angle);
+            }
+        });
         if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
     }
 
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |place: usize| self.memory.motions.get(place as u32);
-        let bad = |&place: &usize| !is_finite(&motion(place), &self.wall_pushes[place]);
+        let spins = &self.memory.spins;
+        let spin = |place: usize| {
+            if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
+        };
+        let bad = |&place: &usize| {
+            !is_finite(&motion(place), &self.wall_pushes[place]) || !spin(place).is_finite()
+        };
         let place = (0..self.len()).filter(bad).min_by_key(|&place| self.rows[place]);
         let place = place.expect("only called if there is one");
         let Motion { position, velocity, .. } = motion(place);
-        let columns: [(&str, &[f32]); 3] = [
+        let columns: [(&str, &[f32]); 4] = [
+            ("angular_velocities", &[spin(place)]),
             ("velocities", &velocity),
             ("positions", &position),
             ("wall_impulses", &self.wall_pushes[place]),
@@ -323,7 +349,14 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
         let [a, b] = all.residuals[place];
         [x, y, a, b, u, v, all.radii[place], all.masses[place], all.restitutions[place]]
     };
+    let turning = |place: usize| {
+        let Spin { friction, velocity, angle } = all.spin(place);
+        [f64::from(friction), f64::from(velocity), angle]
+    };
     let pairs = numbers(a).into_iter().zip(numbers(b));
     let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
-    by_numbers.unwrap_or(Ordering::Equal).then_with(|| all.movable[a].cmp(&all.movable[b]))
+    let pairs = turning(a).into_iter().zip(turning(b));
+    let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+    let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
+    order.then_with(|| all.movable[a].cmp(&all.movable[b]))
 }

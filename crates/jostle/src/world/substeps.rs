@@ -3,15 +3,16 @@
 
 use super::feel::{accelerate, springs};
 use super::settings::DEFAULT_SUBSTEPS;
+use super::touches::WallImpulse;
 use super::{Memory, OnTouch, Stage, World, merge};
 use crate::error::Result;
-use crate::events::Flight;
+use crate::events::{Bounce, Flight, WALL};
 use crate::flow::{Flow, Kick};
 use crate::forces;
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
-use crate::resting::Support;
+use crate::resting::{Support, WallPushes};
 
 use super::bounds::StepBounds;
 
@@ -97,6 +98,8 @@ impl World {
             let residual = particles.residuals[place];
             motions.set(place as u32, Motion { position, residual, velocity, travel: [0.0; 2] });
         });
+        memory.spins.fill(&particles.spins);
+        let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
         let mut bounds = StepBounds::new(
             &memory.tree,
             particles,
@@ -107,7 +110,10 @@ impl World {
         if !may_rest {
             self.wall_pushes.fill(Default::default());
         }
+        let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
+        self.wall_frictions.resize(with_friction, Default::default());
         memory.events.bounced.clear();
+        memory.wall_impulses.clear();
         memory.events.exhausted.clear();
         let is_bounded = memory.bounded && !may_rest && springs(&self.forces).next().is_none();
         let h = f64::from(dt) / substeps as f64;
@@ -135,13 +141,18 @@ impl World {
                     particles,
                     moving: &memory.moving,
                     motions,
+                    spins: &memory.spins,
+                    has_friction,
                     flow: &flow,
                     container: settings.container,
                     restitution: settings.restitution,
                     threads,
                 };
                 self.contacts.each(threads, |contact| contact.measure(motions));
-                let (contacts, pushes) = (&mut self.contacts, &mut self.wall_pushes);
+                let contacts = &mut self.contacts;
+                let (normal, friction) = (&mut self.wall_pushes[..], &mut self.wall_frictions[..]);
+                let impulses = &mut memory.wall_impulses;
+                let pushes = WallPushes { normal, friction, impulses };
                 memory.resting.support(&support, contacts, pushes, kicks)?;
                 watch(Stage::Resting);
             }
@@ -149,6 +160,8 @@ impl World {
                 particles,
                 movable: &memory.moving,
                 motions,
+                spins: &memory.spins,
+                has_friction,
                 gravity: flow.gravity,
                 end: flow.duration,
                 flow,
@@ -174,15 +187,29 @@ impl World {
         memory.exhausted.extend(exhausted);
         memory.exhausted.sort_unstable();
         self.stats.unresolved = memory.exhausted.len() as u64;
-        memory.events.bounced.sort_unstable();
-        memory.events.bounced.dedup();
-        let touched = memory.events.bounced.iter().chain(&memory.touched_before);
-        let touched = touched.map(|&[a, b]| {
+        // Sums of impulses depend on their order, so equal numbers decide the rest.
+        let pair = |of: &Bounce| u64::from(of.pair[0]) << 32 | u64::from(of.pair[1]);
+        let rest = |of: &Bounce| (of.code, of.impulses.map(f32::to_bits));
+        let order =
+            |a: &Bounce, b: &Bounce| pair(a).cmp(&pair(b)).then_with(|| rest(a).cmp(&rest(b)));
+        memory.events.bounced.sort_unstable_by(order);
+        let bounced = &memory.events.bounced;
+        let off_walls = bounced.iter().filter(|of| of.pair[1] == WALL);
+        let off_walls = off_walls.map(|of| (of.pair[0], of.code as u8, of.impulses));
+        let off_walls = off_walls.chain(memory.wall_impulses.drain(..));
+        self.wall_impulses.extend(off_walls.map(|(place, wall, impulses)| WallImpulse {
+            row: self.rows[place as usize],
+            wall,
+            impulses,
+        }));
+        let pairs = bounced.iter().filter(|of| of.pair[1] != WALL).map(|of| (of.pair, of.impulses));
+        let touched = pairs.chain(memory.touched_before.iter().copied());
+        let touched = touched.map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
             let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
             let offset = [0, 1].map(|k| q[k] - p[k]);
             let nearest = settings.container.short_way(offset);
-            (pair, [0, 1].map(|k| (nearest[k] - offset[k]) as f32))
+            (pair, [0, 1].map(|k| (nearest[k] - offset[k]) as f32), impulses)
         });
         self.contacts.keep_lasting(touched, particles, particles.len());
         self.contacts.each(threads, |contact| contact.measure(motions));

@@ -4,7 +4,7 @@ use super::World;
 use super::feel::{bodies, find_places};
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::parallel;
-use crate::particles::Particles;
+use crate::particles::{Particles, Spin};
 
 impl World {
     /// Sum of mass times velocity.
@@ -14,14 +14,19 @@ impl World {
         all.fold([0.0; 2], |sum, (&m, v)| [0, 1].map(|k| sum[k] + f64::from(m) * f64::from(v[k])))
     }
 
-    /// Sum of ½ m v².
+    /// Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2.
     pub fn kinetic_energy(&self) -> f64 {
-        let Particles { masses, velocities, .. } = &self.particles;
+        let Particles { masses, velocities, radii, spins, .. } = &self.particles;
         let energy = |(&m, v): (&f32, &[f32; 2])| {
             let [x, y] = v.map(f64::from);
             0.5 * f64::from(m) * (x * x + y * y)
         };
-        masses.iter().zip(velocities).map(energy).sum()
+        let turning = |((&m, &r), spin): ((&f32, &f32), &Spin)| {
+            let surface_speed = f64::from(r) * f64::from(spin.velocity);
+            0.25 * f64::from(m) * (surface_speed * surface_speed)
+        };
+        let flying: f64 = masses.iter().zip(velocities).map(energy).sum();
+        flying + masses.iter().zip(radii).zip(spins).map(turning).sum::<f64>()
     }
 
     /// Energy of all movable particles in the field of gravity, and of all forces that have
@@ -88,6 +93,12 @@ impl World {
             let own = [all.radii[row], all.masses[row], all.restitutions[row]];
             [x, y, a, b, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
             mix(u32::from(all.movable[row]));
+        }
+        for Spin { friction, velocity, angle } in &all.spins {
+            let angle = angle.to_bits();
+            let words =
+                [friction.to_bits(), velocity.to_bits(), angle as u32, (angle >> 32) as u32];
+            words.into_iter().for_each(&mut mix);
         }
         hash
     }

@@ -1,5 +1,6 @@
 //! Restores the state before a step that is refused or interrupted.
 
+use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
 use crate::container::MAX_WALLS;
@@ -12,6 +13,7 @@ pub(super) struct Ordered {
     pub(super) particles: Particles,
     pub(super) rows: Vec<u32>,
     pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
+    pub(super) wall_frictions: Vec<[f32; MAX_WALLS]>,
 }
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
@@ -25,6 +27,7 @@ pub(super) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
+    wall_impulses: Vec<WallImpulse>,
     stats: Stats,
     renumbered: Option<Vec<Option<u32>>>,
 }
@@ -35,6 +38,8 @@ impl World {
         let before = &mut self.memory.before;
         before.arranged = false;
         before.forces.clone_from(&self.forces);
+        std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
+        self.wall_impulses.clear();
         before.stats = self.stats;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
@@ -53,10 +58,11 @@ impl World {
     pub(super) fn undo(&mut self) {
         let before = &mut self.memory.before;
         if before.arranged {
-            let Ordered { particles, rows, wall_pushes } = &mut before.ordered;
+            let Ordered { particles, rows, wall_pushes, wall_frictions } = &mut before.ordered;
             std::mem::swap(&mut self.particles, particles);
             std::mem::swap(&mut self.rows, rows);
             std::mem::swap(&mut self.wall_pushes, wall_pushes);
+            std::mem::swap(&mut self.wall_frictions, wall_frictions);
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
         }
@@ -64,6 +70,7 @@ impl World {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
         std::mem::swap(&mut self.forces, &mut before.forces);
+        std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
         self.renumbered = before.renumbered.take();
     }

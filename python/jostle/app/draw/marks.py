@@ -1,4 +1,4 @@
-"""Marks over the discs: contacts, velocities; and what is tied or pulled: springs, attractors."""
+"""Marks over the discs: contacts, velocities, rotation; and springs and attractors."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from jostle.app.simulate.simulation import Frame, Point
 MOST_CONTACTS = 1_600  # drawn; a line costs about 2 µs
 MOST_ARROWS = 500  # three lines each
 MOST_SPRINGS = 2_000
+MOST_SPINS = 5_000
+LEAST_SPIN = 3.0  # pixels of the radius
 SHORTEST_SPRING = 0.5  # pixels between two discs, below which they hide their spring
 DEEP = 0.25  # depth that gets the last colour, as a share of the smaller radius
 ARROW_TIME = 0.2  # seconds of its way that an arrow shows, shorter where that is too long
@@ -46,6 +48,21 @@ def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
     ends = np.column_stack([*camera.to_screen(first), *camera.to_screen(second)])
     ends = _seen(ends, camera)
     painter.lines(ends, np.tile(np.array(SPRING, np.uint8), (len(ends), 1)), 1.0)
+
+
+def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
+    """Draw a radius line on each disc that is large enough, so that its rotation can be seen."""
+    if frame.angles is None:
+        return
+    seen = in_view(frame.positions, camera)
+    radii = frame.radii[seen].astype(np.float64) * camera.scale
+    large = (radii >= LEAST_SPIN) & frame.movable[seen]
+    drawn = seen[large][few(frame.tags[seen[large]], MOST_SPINS)]
+    x, y = camera.to_screen(frame.positions[drawn])
+    angles = frame.angles[drawn].astype(np.float64)
+    radii = frame.radii[drawn].astype(np.float64) * camera.scale
+    ends = np.column_stack([x, y, x + radii * np.cos(angles), y + radii * np.sin(angles)])
+    painter.lines(ends, np.tile(np.array(STAGE, np.uint8), (len(ends), 1)), 1.0)
 
 
 def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:

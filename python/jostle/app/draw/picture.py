@@ -13,7 +13,13 @@ from jostle.app.draw.colouring import Colouring
 from jostle.app.draw.extras import Extras
 from jostle.app.draw.labels import draw_labels
 from jostle.app.draw.legend import Card, Legend, draw_cards
-from jostle.app.draw.marks import draw_attractors, draw_contacts, draw_springs, draw_velocities
+from jostle.app.draw.marks import (
+    draw_attractors,
+    draw_contacts,
+    draw_spins,
+    draw_springs,
+    draw_velocities,
+)
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.shown import ColourBy, Shown, TreeView
 from jostle.app.draw.stage import Beads, draw_discs, draw_stage, rect_on_screen
@@ -88,6 +94,7 @@ class Picture:
         self._extras.draw_below(painter, frame, camera)
         draw_springs(painter, frame, camera)
         draw_discs(painter, frame, shades, camera)
+        draw_spins(painter, frame, camera)
         self._beads.draw(painter, frame, camera)
         if shown.tree is TreeView.OUTLINE:
             _draw_tree(overlays.draw_outline, painter, frame, camera, part)

@@ -62,6 +62,7 @@ WORLD = (
     Line("world size", "world_size", Range(0.25, 4.0, log=True), _times, 1.0),
     Line("drag", "drag", Range(0.0, 5.0), _short),
     Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
+    Line("friction", "friction", Range(0.0, 2.0), _short),
 )
 TIME = (
     Line("time scale", "time_scale", Range(0.05, 4.0, log=True), _times, 1.0),

@@ -26,6 +26,10 @@ class Columns:
         Of the particle that is added next.
     radii, movable, densities
         Copies of what only edits change, so a picture of a million need not copy them every time.
+    friction
+        The largest coefficient of friction.
+    turns
+        Whether particles may turn.
     """
 
     def __init__(self, world: jostle.World) -> None:
@@ -47,6 +51,8 @@ class Columns:
         """Copy what an edit has changed."""
         self.radii: NDArray[np.float32] = world.radii
         self.movable: NDArray[np.bool_] = world.movable
+        self.friction = float(world.friction.max(initial=0.0))
+        self.turns = self.friction > 0 or bool(world.angular_velocities.any())
         self._usual_mass: float | None = None
         masses, areas = world.masses, self.radii**2
         self.densities: NDArray[np.float32] = np.divide(

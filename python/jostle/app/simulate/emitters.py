@@ -56,7 +56,9 @@ class Emitters:
         """Return what changes: the cap, `emitted` and `debt`."""
         return self.cap, self.emitted, self.debt
 
-    def step(self, world: jostle.World, dt: float) -> NDArray[np.int64] | None:
+    def step(
+        self, world: jostle.World, dt: float, friction: float = 0.0
+    ) -> NDArray[np.int64] | None:
         """Add the drops of the last `dt` seconds, and remove the oldest where there are too many.
 
         Parameters
@@ -66,6 +68,8 @@ class Emitters:
             rows are the oldest.
         dt
             The step, in seconds.
+        friction
+            The coefficient of friction of the new drops.
 
         Returns
         -------
@@ -86,10 +90,13 @@ class Emitters:
         if len(gone):
             world.remove(gone)
         if count:
-            self._emit(world, np.arange(first, first + count), ages[len(ages) - count :])
+            numbers = np.arange(first, first + count)
+            self._emit(world, numbers, ages[len(ages) - count :], friction)
         return gone if len(gone) else None
 
-    def _emit(self, world: jostle.World, numbers: NDArray[np.int64], ages: Floats) -> None:
+    def _emit(
+        self, world: jostle.World, numbers: NDArray[np.int64], ages: Floats, friction: float
+    ) -> None:
         across, size, *tries = self._random(numbers)
         nozzle = np.searchsorted(self._shares, (numbers + 0.5) * GOLDEN % 1, side="right")
         nozzle = np.minimum(nozzle, len(self._shares) - 1)
@@ -105,6 +112,7 @@ class Emitters:
             velocities + gravity * age,
             smallest + (largest - smallest) * size,
             densities=self._densities[nozzle],
+            friction=friction,
         )
 
     def _random(self, numbers: NDArray[np.int64]) -> Floats:

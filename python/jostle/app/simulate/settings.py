@@ -66,6 +66,7 @@ class Settings:
     on_touch: OnTouch | None = None
     time_scale: float = 1.0  # simulated seconds per second
     particles: tuple[Group, ...] = ()  # in addition to those of the scene
+    friction: float | None = None  # of every particle
 
     @property
     def by_article(self) -> bool:
@@ -94,6 +95,7 @@ RULES: dict[str, Rule] = {
     "gravity": or_none(each(real(), "x", "y")),
     "drag": or_none(real(0)),
     "restitution": or_none(real(0, 1)),
+    "friction": or_none(real(0)),
     "substeps": or_none(whole(1, 1_000)),
     "threads": or_none(THREADS),
     "on_touch": or_none(one_of(*ON_TOUCH)),

@@ -95,6 +95,7 @@ class Frame:
     touching: Touching | None = None
     springs: NDArray[np.int64] | None = None  # (s, 2) rows
     attractors: tuple[Pull, ...] = ()
+    angles: NDArray[np.float32] | None = None  # (n,), radians; None if nothing turns
     scene: str = ""  # whose extras are shown
     begun_with: int | None = None  # the number of particles that the scene was made for
 

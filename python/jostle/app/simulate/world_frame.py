@@ -34,6 +34,7 @@ def frame_of(
         touching=_touching(world) if wants.contacts else None,
         springs=_springs(world),
         attractors=pulls,
+        angles=world.angles if columns.turns else None,
         scene=scene,
         begun_with=begun_with,
     )

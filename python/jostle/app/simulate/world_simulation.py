@@ -61,6 +61,8 @@ class WorldSimulation:
             value = getattr(settings, name)
             if value is not None:
                 setattr(self.world, name, value)
+        if settings.friction is not None:
+            self._rub(settings.friction)
         self._home = Home.of(self.world.container, view, settings.n)
         self.emitters: Emitters | None = None
         if settings.world_size != 1.0 or settings.container is not None:
@@ -92,12 +94,13 @@ class WorldSimulation:
     @property
     def adjustable(self) -> frozenset[str]:
         """Return what can change while it runs."""
-        return frozenset({*RULES, "time_scale", "n", "world_size", "container"})
+        return frozenset({*RULES, "friction", "time_scale", "n", "world_size", "container"})
 
     @property
     def rules(self) -> Settings:
         """Return the settings with the world's own rules."""
-        return replace(self.settings, **{name: getattr(self.world, name) for name in RULES})
+        rules = {name: getattr(self.world, name) for name in RULES}
+        return replace(self.settings, **rules, friction=self._columns.friction)
 
     def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
         """Return the present state."""
@@ -119,7 +122,7 @@ class WorldSimulation:
 
     def _emit(self, emitters: Emitters) -> None:
         """Let drops come out; the oldest go where there are too many."""
-        gone = emitters.step(self.world, self.time_step)
+        gone = emitters.step(self.world, self.time_step, self._columns.friction)
         if gone is not None:
             self._columns.remove(self.world, gone)
         elif len(self.world) > len(self._columns.tags):
@@ -141,12 +144,19 @@ class WorldSimulation:
                 raise ValueError(
                     f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
                 )
+            elif name == "friction":
+                self._rub(value)
             elif name in RULES:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
             self.settings = before
             return str(error)
         return None
+
+    def _rub(self, friction: float) -> None:
+        """Give all particles a coefficient of friction."""
+        self.world.friction = friction
+        self._columns.copy(self.world)
 
     def _fit_walls(self) -> None:
         """Give the world the walls of the settings, and bring inside what is out."""
@@ -199,6 +209,7 @@ class WorldSimulation:
             radii,
             densities=densities,
             movable=np.asarray(movable),
+            friction=self._columns.friction,
         )
         return self._columns.add(self.world)
 

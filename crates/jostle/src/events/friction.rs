@@ -1,0 +1,255 @@
+//! Friction of surfaces that collide, and the rotation that it causes.
+//!
+//! The impulse along the surfaces makes them stick, if that takes at most μ times the impulse along
+//! the normal; otherwise it is μ times that impulse, against their sliding (O. R. Walton, *Numerical
+//! simulation of inelastic, frictional particle-particle interactions*, 1993, with a tangential
+//! restitution of 0). The moment of inertia of a disc is m r²/2.
+
+use super::flight::Window;
+use super::impulses::{MOST_ITERATIONS, TOLERANCE, Touch};
+use super::simulation::Simulation;
+use crate::trajectory::{Segment, Vector, dot, vector};
+
+/// The rotation of a disc during a window.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Turning {
+    /// Angular velocity.
+    velocity: f64,
+    /// Since when, in seconds since the beginning of the window.
+    time: f64,
+    /// The angle by which the disc has turned until then.
+    angle: f64,
+}
+
+impl Turning {
+    /// The angle by which the disc has turned at `time`.
+    fn angle_at(&self, time: f64) -> f64 {
+        self.angle + self.velocity * (time - self.time)
+    }
+
+    fn change(&mut self, velocity: f64, time: f64) {
+        *self = Self { velocity, time, angle: self.angle_at(time) };
+    }
+}
+
+/// The rotation of a disc of a group.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotor {
+    /// Angular velocity times radius.
+    surface_speed: f64,
+    /// Change of the surface speed by an impulse along the surface: r²/I, 0 for points.
+    softness: f64,
+}
+
+impl Touch {
+    /// Unit vector along the surfaces, a quarter turn from the normal.
+    fn tangent(&self) -> Vector {
+        [-self.normal[1], self.normal[0]]
+    }
+
+    /// The speed at which the surface of the second slides along that of the first.
+    fn sliding_speed(&self, velocities: &[Vector], rotors: &[Rotor]) -> f64 {
+        let turning = |body: Option<usize>| body.map_or(0.0, |body| rotors[body].surface_speed);
+        let [a, b] = self.bodies.map(turning);
+        dot(self.tangent(), self.relative_velocity(velocities)) - (a + b)
+    }
+
+    /// Change of the sliding speed by an impulse along the surfaces.
+    fn tangential_softness(&self, rotors: &[Rotor]) -> f64 {
+        let turning = |body: Option<usize>| body.map_or(0.0, |body| rotors[body].softness);
+        let [a, b] = self.bodies.map(turning);
+        (self.inverse_masses[0] + self.inverse_masses[1]) + (a + b)
+    }
+
+    /// Corrects the impulse of friction. Returns the change of the sliding speed.
+    fn rub(
+        &self,
+        velocities: &mut [Vector],
+        rotors: &mut [Rotor],
+        [normal, friction]: &mut [f64; 2],
+    ) -> f64 {
+        let softness = self.tangential_softness(rotors);
+        if softness == 0.0 {
+            return 0.0;
+        }
+        let most = self.friction * *normal;
+        let wanted = *friction - self.sliding_speed(velocities, rotors) / softness;
+        let change = wanted.max(-most).min(most) - *friction;
+        *friction += change;
+        self.push(self.tangent(), change, velocities);
+        for body in self.bodies.into_iter().flatten() {
+            rotors[body].surface_speed -= change * rotors[body].softness;
+        }
+        change.abs() * softness
+    }
+
+    /// Corrects the impulse along the normal, which is at least `least`, so that the surfaces do not
+    /// approach. Returns the change of the speed of separation.
+    fn press(&self, velocities: &mut [Vector], least: f64, [normal, _]: &mut [f64; 2]) -> f64 {
+        let softness = self.inverse_masses[0] + self.inverse_masses[1];
+        if softness == 0.0 {
+            return 0.0;
+        }
+        let wanted = *normal - self.separation_speed(velocities) / softness;
+        let change = wanted.max(least) - *normal;
+        *normal += change;
+        self.push(self.normal, change, velocities);
+        change.abs() * softness
+    }
+}
+
+/// Scratch.
+#[derive(Debug, Default)]
+pub struct Rubbing {
+    /// The discs of the group.
+    rotors: Vec<Rotor>,
+    /// The impulses along the normals before the friction.
+    bounced: Vec<f64>,
+}
+
+impl Rubbing {
+    /// Changes velocities and surface speeds by the friction of all `touches` after the impulses
+    /// along their normals, and makes surfaces that approach because of that stay together. Each of
+    /// `impulses` begins as the impulse along the normal, and ends as that and that of friction.
+    ///
+    /// This adds no energy: friction opposes the sliding, and impulses along normals act only where
+    /// the surfaces end without separating.
+    fn run(&mut self, touches: &[Touch], velocities: &mut [Vector], impulses: &mut [[f64; 2]]) {
+        let Self { rotors, bounced } = self;
+        bounced.clear();
+        bounced.extend(impulses.iter().map(|[normal, _]| *normal));
+        impulses.iter_mut().for_each(|[_, friction]| *friction = 0.0);
+        let mut fastest = 0.0f64;
+        for iteration in 0..MOST_ITERATIONS {
+            let mut largest = 0.0f64;
+            for (at, (touch, impulses)) in touches.iter().zip(impulses.iter_mut()).enumerate() {
+                largest = largest.max(touch.rub(velocities, rotors, impulses));
+                if touches.len() > 1 {
+                    largest = largest.max(touch.press(velocities, bounced[at], impulses));
+                }
+            }
+            if iteration == 0 {
+                fastest = largest;
+            }
+            if touches.len() == 1 || largest <= TOLERANCE * fastest {
+                break;
+            }
+        }
+    }
+}
+
+impl Window<'_> {
+    /// The rotation of a disc without impacts.
+    pub fn turning(&self, index: u32) -> Turning {
+        let velocity = f64::from(self.flight.spins.velocity(index));
+        Turning { velocity, ..Turning::default() }
+    }
+
+    /// Writes the rotation of a disc at the end of the window.
+    pub fn turn(&self, index: u32, turning: &Turning) {
+        let flow = &self.flight.flow;
+        // The flight is shorter than the sub-step if there is damping.
+        let longer = flow.seconds / flow.duration;
+        self.flight.spins.turn(index, turning.angle_at(self.end) * longer);
+        self.flight.spins.set_velocity(index, turning.velocity as f32);
+    }
+
+    /// Coefficient of friction of two discs.
+    pub fn pair_friction(&self, pair: [u32; 2]) -> f64 {
+        if !self.flight.has_friction {
+            return 0.0;
+        }
+        let [a, b] = pair.map(|index| self.wall_friction(index));
+        (a * b).sqrt()
+    }
+
+    /// Coefficient of friction of a disc and a wall.
+    pub fn wall_friction(&self, index: u32) -> f64 {
+        f64::from(self.flight.particles.spin(index as usize).friction)
+    }
+
+    fn radius(&self, index: u32) -> f64 {
+        f64::from(self.starts[index as usize].radius)
+    }
+}
+
+impl Simulation<'_> {
+    /// The rotation of the disc with the course `number`.
+    fn rotor(&self, number: u32) -> Rotor {
+        let course = &self.history.courses[number as usize];
+        let radius = self.window.radius(course.index);
+        if course.stopped.is_some() || radius == 0.0 {
+            return Rotor { surface_speed: 0.0, softness: 0.0 };
+        }
+        let velocity = self.history.turnings[number as usize].velocity;
+        Rotor { surface_speed: velocity * radius, softness: 2.0 * course.inverse_mass }
+    }
+
+    /// Writes the rotation of the disc with the course `number`, if an impact has changed it.
+    fn set_rotor(&mut self, number: u32, rotor: &Rotor, time: f64) {
+        if rotor.softness > 0.0 && rotor.surface_speed != self.rotor(number).surface_speed {
+            let radius = self.window.radius(self.history.courses[number as usize].index);
+            let velocity = rotor.surface_speed / radius;
+            self.history.turnings[number as usize].change(velocity, time);
+        }
+    }
+
+    /// Lets friction change the velocities of the discs with the courses `numbers` and their
+    /// [`Rotor`]s, after the impulses of `touches` along their normals.
+    pub(super) fn rub(
+        &mut self,
+        touches: &[Touch],
+        numbers: impl Iterator<Item = u32>,
+        velocities: &mut [Vector],
+    ) {
+        let mut rubbing = std::mem::take(&mut self.scratch.rubbing);
+        rubbing.rotors.clear();
+        rubbing.rotors.extend(numbers.map(|number| self.rotor(number)));
+        rubbing.run(touches, velocities, &mut self.scratch.impulses);
+        self.scratch.rubbing = rubbing;
+    }
+
+    /// Writes the rotations after [`Simulation::rub`].
+    pub(super) fn set_rotors(&mut self, numbers: impl Iterator<Item = u32>, time: f64) {
+        for (position, number) in numbers.enumerate() {
+            let rotor = self.scratch.rubbing.rotors[position];
+            self.set_rotor(number, &rotor, time);
+        }
+    }
+
+    /// Lets friction change the velocities and the rotations of the discs of the group.
+    pub(super) fn rub_group(&mut self, time: f64) {
+        let group = std::mem::take(&mut self.scratch.group);
+        let touches = std::mem::take(&mut self.scratch.touches);
+        let mut velocities = std::mem::take(&mut self.scratch.velocities);
+        let numbers = group.iter().map(|own| own.number);
+        self.rub(&touches, numbers.clone(), &mut velocities);
+        self.set_rotors(numbers, time);
+        self.scratch.group = group;
+        (self.scratch.touches, self.scratch.velocities) = (touches, velocities);
+    }
+
+    /// Friction of a disc that slides along a surface until the end of the window, where gravity
+    /// presses it against the surface with the speed `pressing`. The other surface counts as fixed.
+    /// Returns the change of the speed of the second surface along the first.
+    pub(super) fn brake(
+        &mut self,
+        number: u32,
+        segment: &mut Segment,
+        touch: &Touch,
+        is_second: bool,
+        pressing: f64,
+    ) -> f64 {
+        let mut rotor = self.rotor(number);
+        let softness = 1.0 + if rotor.softness > 0.0 { 2.0 } else { 0.0 };
+        let side = if is_second { 1.0 } else { -1.0 };
+        let tangent = touch.tangent();
+        let sliding = dot(tangent, segment.velocity) - side * rotor.surface_speed;
+        let most = touch.friction * pressing;
+        let change = (-sliding / softness).max(-most).min(most);
+        segment.velocity = vector(|k| segment.velocity[k] + tangent[k] * change);
+        rotor.surface_speed -= side * change * (softness - 1.0);
+        self.set_rotor(number, &rotor, segment.time);
+        side * change
+    }
+}

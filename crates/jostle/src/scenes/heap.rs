@@ -1,0 +1,55 @@
+//! A column of grains with friction that collapses into a heap. y grows downwards.
+
+use super::placing::{Area, immovable, lattice};
+use super::random::Random;
+use super::{Start, boxed};
+use crate::particles::Particles;
+use crate::world::WorldSettings;
+
+/// Radii of the grains, and of the beads of the ground, which is rough.
+const GRAINS: [f32; 2] = [2.5, 3.5];
+const BEAD: f32 = 3.0;
+
+/// From grain to grain at the start.
+const PITCH: f32 = 2.02 * GRAINS[1];
+
+/// Height of the column over its width.
+const SLENDER: f32 = 1.5;
+
+/// Half the width of the ground, over the height of the column.
+const REACH: f32 = 2.5;
+
+const FRICTION: f32 = 0.8;
+
+/// Width and height of the column.
+fn column(n: usize) -> [f32; 2] {
+    let columns = (n as f32 / SLENDER).sqrt().ceil().max(1.0);
+    [columns, (n as f32 / columns).ceil().max(1.0)].map(|count| count * PITCH)
+}
+
+fn half_width(n: usize) -> f32 {
+    (REACH * column(n)[1]).max(20.0 * PITCH)
+}
+
+pub fn heap_view(n: usize) -> Area {
+    let half_width = half_width(n);
+    [-half_width, -1.2 * column(n)[1].max(0.4 * half_width), half_width, 2.0 * BEAD]
+}
+
+/// `n` grains, and the beads of the ground before them.
+pub fn heap(n: usize, random: &mut Random) -> Start {
+    let half_beads = (half_width(n) / (2.0 * BEAD)) as i32;
+    let beads = (-half_beads..=half_beads).map(|at| [2.0 * BEAD * at as f32, 0.0]).collect();
+    let mut particles = immovable(beads, BEAD);
+    let [width, height] = column(n);
+    let fill = [-0.5 * width, -BEAD - height, 0.5 * width, -BEAD];
+    let places = lattice(n, fill, 0.005 * PITCH, random);
+    let radii = (0..n).map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 10.0)).collect();
+    particles.extend(&Particles::new(places, velocities, radii, 1.0));
+    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = FRICTION);
+    let [min_x, min_y, max_x, max_y] = heap_view(n);
+    let walls = [min_x - BEAD, min_y - 2.0 * height, max_x + BEAD, max_y];
+    let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.1, ..boxed(walls) };
+    Start::new(particles, settings)
+}

@@ -1,0 +1,98 @@
+//! What touched during the last step, and with which impulses.
+
+use super::{OnTouch, World};
+use crate::error::Result;
+use crate::motion::exact;
+use crate::trajectory::wall_normal;
+
+/// Two particles that touched during the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// Their rows, the smaller first.
+    pub pair: [u32; 2],
+    /// Unit vector from the first to the second.
+    pub normal: [f32; 2],
+    /// Penetration at the end of the step; negative if they had separated.
+    pub depth: f32,
+    /// Sum of the impulses of the step on the second along the normal.
+    pub normal_impulse: f32,
+    /// Sum of those along the normal after a quarter turn from +x to +y.
+    pub friction_impulse: f32,
+}
+
+/// A particle and a wall that gave it an impulse during the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallTouch {
+    /// The row of the particle.
+    pub row: u32,
+    /// The number of the wall: 0 to 3 at min x, max x, min y and max y of a box; 0 of a circle.
+    pub wall: u8,
+    /// Unit vector from the wall into the container.
+    pub normal: [f32; 2],
+    /// Penetration at the end of the step; negative if they had separated.
+    pub depth: f32,
+    /// As for [`Touch`], on the particle.
+    pub normal_impulse: f32,
+    /// As for [`Touch`], on the particle.
+    pub friction_impulse: f32,
+}
+
+/// The impulses that a wall gave to a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct WallImpulse {
+    pub(super) row: u32,
+    pub(super) wall: u8,
+    /// Along the normal, and of friction.
+    pub(super) impulses: [f32; 2],
+}
+
+/// Sorts the impulses of a step, and adds up those of the same particle and wall.
+pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
+    // Sums depend on the order, so equal numbers decide the rest.
+    all.sort_unstable_by_key(|of| (of.row, of.wall, of.impulses.map(f32::to_bits)));
+    all.dedup_by(|next, sum| {
+        let is_same = (next.row, next.wall) == (sum.row, sum.wall);
+        if is_same {
+            sum.impulses = [0, 1].map(|k| sum.impulses[k] + next.impulses[k]);
+        }
+        is_same
+    });
+    all.retain(|of| of.impulses[0] > 0.0);
+}
+
+impl World {
+    /// The pairs that touched during the last step, in canonical order. If nothing
+    /// bounces, those that overlap now; an error if there are too many.
+    pub fn contacts(&self) -> Result<Vec<Touch>> {
+        if self.settings.on_touch != OnTouch::Bounce {
+            return self.overlaps();
+        }
+        let row = |place: u32| self.rows[place as usize];
+        let touch = |contact: &crate::contacts::Contact| {
+            let [i, j] = contact.places.map(row);
+            let sign = if i < j { 1.0 } else { -1.0 };
+            let normal = contact.normal.map(|v| v * sign);
+            // If the two are exchanged, normal and impulse change their signs, and the sums do not.
+            let [normal_impulse, friction_impulse] = contact.totals;
+            let pair = [i.min(j), i.max(j)];
+            Touch { pair, normal, depth: -contact.gap, normal_impulse, friction_impulse }
+        };
+        Ok(self.contacts.touching().map(touch).collect())
+    }
+
+    /// The particles to which walls gave an impulse during the last step, by row.
+    pub fn wall_contacts(&self) -> Vec<WallTouch> {
+        let (places, container) = (self.places(), &self.settings.container);
+        let touch = |&WallImpulse { row, wall, impulses }: &WallImpulse| {
+            let place = places[row as usize] as usize;
+            let all = &self.particles;
+            let position = exact(all.positions[place], all.residuals[place]);
+            let gap = container.gaps(position, f64::from(all.radii[place]))[usize::from(wall)]?;
+            let normal = wall_normal(container, wall, position).map(|v| v as f32);
+            let [normal_impulse, friction_impulse] = impulses;
+            let depth = -gap as f32;
+            Some(WallTouch { row, wall, normal, depth, normal_impulse, friction_impulse })
+        };
+        self.wall_impulses.iter().filter_map(touch).collect()
+    }
+}
