@@ -5,6 +5,7 @@
 
 pub mod error;
 pub mod memory;
+pub mod cache;
 pub mod interrupt;
 pub mod sorting;
 pub mod settings;

@@ -20,10 +20,12 @@ mod two;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use crate::cache;
 use crate::container::{Container, MOST_TOURS};
 use crate::error::{Error, Result};
 use crate::interrupt::{self, Pulse, Stop};
 use crate::parallel::{self, locked};
+use crate::particles::Particles;
 use crate::trajectory::{Segment, Vector};
 use first::Batch;
 pub use flight::Flight;
@@ -186,6 +188,7 @@ impl Events {
         self.find_first_impacts(&window);
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
         self.each_block(&window, reaches, |block, arguments| {
+            block.load(&arguments);
             block.find_first_wall_impacts(&window);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
@@ -527,6 +530,16 @@ impl Block {
                 })
             });
         }
+    }
+
+    /// Loads into the cache what events need of a few discs each, in the order of time.
+    fn load(&self, arguments: &Arguments<'_>) {
+        let range = self.range.start as usize..self.range.end as usize;
+        let Particles { positions, residuals, .. } = arguments.window.flight.particles;
+        arguments.neighbors.load(&self.range);
+        cache::load(&positions[range.clone()]);
+        cache::load(&residuals[range.clone()]);
+        cache::load(&arguments.reaches[range]);
     }
 
     /// Finds the impacts on walls along the first segments.

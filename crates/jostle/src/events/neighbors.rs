@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use crate::cache;
 use crate::trajectory::Vector;
 
 /// A disc that another one may meet.
@@ -134,6 +135,12 @@ impl Neighbors {
     /// The neighbours of all discs that were found after discs have left their bounds.
     pub fn later(&self) -> &[(u32, Neighbor)] {
         &self.later
+    }
+
+    /// Loads the neighbours of a range of discs into the cache.
+    pub fn load(&self, range: &Range<u32>) {
+        let [first, end] = [range.start, range.end].map(|index| self.starts[index as usize]);
+        cache::load(&self.all[first as usize..end as usize]);
     }
 
     /// The number of the image of each list of candidate pairs.
