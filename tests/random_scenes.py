@@ -82,6 +82,7 @@ def scene(seed: int) -> tuple[jostle.World, float]:
         movable=movable,
         gravity=(0.0, -float(fall / (dt / (substeps or 4)) ** 2)),
         restitution=float(rng.choice([0.0, 0.3, 0.6, 0.9])),
+        friction=float(rng.choice([0.0, 0.0, 0.3, 1.0])),
         substeps=substeps,
         # Beads stand in the walls.
         container=jostle.Box(-1.0, -1.0, width + 1.0, height + spacing),
