@@ -29,3 +29,15 @@ def test_a_scene_ends_in_its_pinned_state(name: str) -> None:
     world = jostle.scenes.create(name, n=count)
     world.step(STEP, STEPS)
     assert f"{world.state_hash():#018x}" == f"{PINNED[name]:#018x}"
+
+
+@pytest.mark.slow
+def test_threads_do_not_show_in_a_large_pile() -> None:
+    """A falling disc may hit one at rest while both have other impacts, in different blocks."""
+    hashes = []
+    for threads in (1, 2):
+        world = jostle.scenes.create("pile", n=20_000)
+        world.threads = threads
+        world.step(STEP, 135)
+        hashes.append(world.state_hash())
+    assert hashes[0] == hashes[1]

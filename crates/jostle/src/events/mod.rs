@@ -427,9 +427,12 @@ impl Events {
             at_the_time.any(|other| {
                 let until = own.end.min(other.end);
                 let start = own.segment.time.max(other.segment.time);
-                // Segments without duration, between collisions at the same time, only touch.
+                // Straight segments without duration, between collisions at the same time, only
+                // touch.
                 let is_new = first || !own.is_first || !other.is_first;
-                let is_tested = is_new && start < until;
+                // A disc that falls may be pressed against one that does not, which is no touch.
+                let is_curved = own.segment.falls != other.segment.falls;
+                let is_tested = is_new && (start < until || is_curved);
                 let both = ((a, &own.segment), (b, &other.segment));
                 if is_tested && window.impact(both.0, both.1, image, until).is_some() {
                     return true;
