@@ -33,7 +33,8 @@ fn half_width(n: usize) -> f32 {
 
 pub fn heap_view(n: usize) -> Area {
     let half_width = half_width(n);
-    [-half_width, -1.2 * column(n)[1].max(0.4 * half_width), half_width, 2.0 * BEAD]
+    // About the shape of a screen; the column is lower.
+    [-half_width, -1.1 * half_width, half_width, 2.0 * BEAD]
 }
 
 /// `n` grains, and the beads of the ground before them.
@@ -49,7 +50,7 @@ pub fn heap(n: usize, random: &mut Random) -> Start {
     particles.extend(&Particles::new(places, velocities, radii, 1.0));
     particles.spins_mut().iter_mut().for_each(|spin| spin.friction = FRICTION);
     let [min_x, min_y, max_x, max_y] = heap_view(n);
-    let walls = [min_x - BEAD, min_y - 2.0 * height, max_x + BEAD, max_y];
+    let walls = [min_x - BEAD, min_y, max_x + BEAD, max_y];
     let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.1, ..boxed(walls) };
     Start::new(particles, settings)
 }
