@@ -228,6 +228,25 @@ except MemoryError:
     assert printed == "refused\n"
 
 
+@linux
+@pytest.mark.parametrize("mebibytes", [4, 12, 16])
+def test_many_small_answers_do_not_use_up_the_memory(mebibytes: int) -> None:
+    """Each answer would be too small an allocation to look at what is left."""
+    printed = run_child(
+        f"""
+from signals import limit_memory
+tree = jostle.Quadtree([(0, 0), (1, 0)])
+points = np.random.default_rng(1).random((300_000, 2))
+limit_memory({mebibytes} << 20)
+try:
+    tree.nearest(points, k=2)
+except MemoryError:
+    print("refused")
+"""
+    )
+    assert printed == "refused\n"
+
+
 # ---- threads -------------------------------------------------------------------------------------
 
 

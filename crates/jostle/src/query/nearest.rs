@@ -342,32 +342,42 @@ pub fn nearest_by<T: Scalar>(
     let order = along_a_curve(points.iter().copied())?;
     let stop = Stop::current();
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let len = k * points.len();
+    let distances = memory::filled(len, T::INFINITY)?;
+    let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };
     let found = parallel::map(threads, parts.len(), |part| {
         let mut pulse = Pulse::of(&stop);
-        let mut found = Vec::with_capacity(parts[part].len());
+        // One list for all questions: small allocations would not notice that memory ends.
+        let (mut neighbors, mut ends) = (Vec::new(), memory::with_room(parts[part].len())?);
+        let mut tests = 0;
         for &question in parts[part] {
             pulse.check(NODE_WORK)?;
             let mut best = Nearest::new(k, max_distance, pulse);
             look(points[question as usize], &mut best);
-            let (tests, neighbors);
-            (tests, (neighbors, pulse)) = (best.tests, best.into_sorted()?);
-            found.push((tests, neighbors));
+            tests += best.tests;
+            let (nearest, same_pulse) = best.into_sorted()?;
+            pulse = same_pulse;
+            memory::reserve(&mut neighbors, nearest.len())?;
+            neighbors.extend(nearest);
+            ends.push(neighbors.len());
         }
-        Ok(found)
+        Ok((neighbors, ends, tests))
     });
-    let len = k * points.len();
     let bytes = len.saturating_mul(size_of::<T>() + size_of::<i64>());
     let found = found.into_iter().collect::<Result<Vec<_>>>();
     let found = found.map_err(|error: Error| error.in_all(bytes))?;
     let mut pulse = Pulse::of(&stop);
-    let distances = memory::filled(len, T::INFINITY)?;
-    let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };
-    for (&question, (tests, neighbors)) in order.iter().zip(found.into_iter().flatten()) {
-        pulse.check(k)?;
-        let start = k * question as usize;
-        for (place, Neighbor { distance, id }) in (start..).zip(neighbors) {
-            all.distances[place] = distance;
-            all.ids[place] = id as i64;
+    for (part, (neighbors, ends, tests)) in parts.iter().zip(found) {
+        let mut neighbors = neighbors.into_iter().enumerate().peekable();
+        for (&question, end) in part.iter().zip(ends) {
+            pulse.check(k)?;
+            let mut place = k * question as usize;
+            while let Some((_, Neighbor { distance, id })) = neighbors.next_if(|&(at, _)| at < end)
+            {
+                all.distances[place] = distance;
+                all.ids[place] = id as i64;
+                place += 1;
+            }
         }
         all.tests += tests;
     }
