@@ -41,6 +41,9 @@ pub struct Wall {
     pub gap: f32,
 }
 
+/// Relative size of the rounding of positions in float32, with a reserve for sums.
+pub const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
 /// Number of walls that a particle can touch at once, at most.
 pub const MAX_WALLS: usize = 4;
 
@@ -279,6 +282,19 @@ impl Container {
         }
     }
 
+    /// Whether a disc that moves by at most `far` along each axis certainly touches no wall. It may be
+    /// false for a disc in a round container.
+    #[inline(always)]
+    pub fn is_far(&self, position: [f64; 2], radius: f64, far: [f64; 2]) -> bool {
+        let Self::Box { min, max } = self else { return !self.has_walls() };
+        let far = far.map(|v| radius + v + ROUNDING * size(position, radius));
+        let is_between = |k: usize| {
+            let [min, max] = [min[k], max[k]].map(f64::from);
+            position[k] - min > far[k] && max - position[k] > far[k]
+        };
+        is_between(0) && is_between(1)
+    }
+
     /// The walls around a particle, each flat one at its own index.
     #[inline]
     pub fn walls(&self, position: [f32; 2], radius: f32) -> [Option<Wall>; MAX_WALLS] {
@@ -302,6 +318,12 @@ impl Container {
             }
         }
     }
+}
+
+/// The largest number in the computation of a surface that is `reach` from a centre at `position`.
+#[inline(always)]
+pub fn size(position: [f64; 2], reach: f64) -> f64 {
+    position[0].abs() + position[1].abs() + reach
 }
 
 /// Relative step by which a position is moved towards the centre until it is inside. A few

@@ -1,5 +1,7 @@
 //! Position correction: particles that overlap are moved apart, and back inside the walls. Only
-//! positions change, so it adds no kinetic energy; the lighter particle moves further.
+//! positions change, so it adds no kinetic energy. Two particles that move share the displacement
+//! equally, whatever their masses: otherwise the overlap of light particles between heavy ones
+//! would decrease very slowly.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,16 +11,16 @@ use crate::motion::{Motions, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
 
-/// Overlap to which positions are corrected, as a share of the sum of radii, so that resting
+/// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
 /// contacts persist.
 const SLOP: f32 = 0.002;
 
 /// Share of the overlap beyond [`SLOP`] that one iteration removes.
 const SOFTNESS: f32 = 0.35;
 
-/// Largest displacement of a particle in one iteration, as a share of the smaller radius. A larger
+/// Largest displacement of a particle in one iteration, as a share of the smaller diameter. A larger
 /// one could move it to the other side of a small particle.
-const MOST: f32 = 0.2;
+const MOST: f32 = 0.1;
 
 /// Gap, as a share of the sum of radii, up to which the correction of other pairs may make two
 /// particles overlap.
@@ -27,9 +29,12 @@ const NEAR: f32 = 0.02;
 /// Maximum number of iterations over the near pairs.
 const ITERATIONS: usize = 6;
 
-/// Two particles are moved apart if they overlap by more than this share of the sum of radii beyond
-/// [`SLOP`].
+/// Two particles are moved apart if they overlap by more than this share of the smaller diameter
+/// beyond [`SLOP`].
 const TOLERANCE: f32 = 0.001;
+
+/// Pairs that are tested before the first of them is moved apart.
+const TESTED_AT_ONCE: usize = 32;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that separates neighbours.
@@ -59,9 +64,10 @@ struct Near {
     /// From the first to the second, before the correction.
     offset: [f32; 2],
     reach: f32,
-    inverse_masses: [f32; 2],
-    /// Largest impulse: a displacement is the impulse times the inverse mass.
-    most: f32,
+    /// The diameter of the smaller particle.
+    diameter: f32,
+    /// The share of each in the displacement.
+    shares: [f32; 2],
 }
 
 /// Scratch.
@@ -140,12 +146,34 @@ impl Correction {
                 let near = (1.0 + NEAR) * reach;
                 if square < near * near {
                     let [p, q] = places.map(|place| radii[place as usize]);
-                    let most = MOST * p.min(q) / inverse_masses[0].max(inverse_masses[1]);
-                    self.near.push(Near { places, offset, reach, inverse_masses, most });
+                    // Points have no size: that of the other particle counts.
+                    let smaller = if p.min(q) > 0.0 { p.min(q) } else { p.max(q) };
+                    let shares = match inverse_masses {
+                        [0.0, _] => [0.0, 1.0],
+                        [_, 0.0] => [1.0, 0.0],
+                        _ => [0.5, 0.5],
+                    };
+                    let diameter = 2.0 * smaller;
+                    self.near.push(Near { places, offset, reach, diameter, shares });
                 }
             }
             self.ends.push(self.near.len());
         }
+    }
+
+    /// Moves those of a few pairs apart that overlap. Returns whether there are any.
+    fn separate_some(&self, near: &[Near], inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) -> bool {
+        let mut overlapping = [0; TESTED_AT_ONCE];
+        let mut count = 0;
+        for (at, near) in near.iter().enumerate() {
+            // Without branches, because they would often be predicted wrongly.
+            overlapping[count] = at;
+            count += usize::from(near.overlaps(&self.displacements));
+        }
+        for &at in &overlapping[..count] {
+            near[at].separate(&self.displacements, inside);
+        }
+        count > 0
     }
 
     /// Moves all overlapping pairs apart, colour after colour. Returns whether there are any.
@@ -163,8 +191,9 @@ impl Correction {
             }
             let threads = if colour == COLOURS { Some(1) } else { threads };
             parallel::for_slices(threads, near, |near| {
-                let all = near.iter().map(|near| near.separate(&self.displacements, &inside));
-                any.fetch_or(all.fold(false, |any, moves| any | moves), Ordering::Relaxed);
+                let parts = near.chunks(TESTED_AT_ONCE);
+                let moved = parts.map(|part| self.separate_some(part, &inside));
+                any.fetch_or(moved.fold(false, |any, moves| any | moves), Ordering::Relaxed);
             });
         }
         any.into_inner()
@@ -172,36 +201,40 @@ impl Correction {
 }
 
 impl Near {
-    /// Moves two overlapping particles apart. Returns whether they overlap.
+    /// The offset at present, and its square.
     #[inline(always)]
-    fn separate(
-        &self,
-        displacements: &Vectors,
-        inside: &impl Fn(u32, [f32; 2]) -> [f32; 2],
-    ) -> bool {
+    fn offset(&self, displacements: &Vectors) -> ([f32; 2], f32) {
         let [a, b] = self.places.map(|place| displacements.get(place));
         let offset = [0, 1].map(|k| self.offset[k] + (b[k] - a[k]));
-        let square = offset[0] * offset[0] + offset[1] * offset[1];
-        let least = (1.0 - SLOP - TOLERANCE) * self.reach;
-        if square >= least * least {
-            return false;
-        }
+        (offset, offset[0] * offset[0] + offset[1] * offset[1])
+    }
+
+    /// Whether the two overlap too much.
+    #[inline(always)]
+    fn overlaps(&self, displacements: &Vectors) -> bool {
+        let least = self.reach - (SLOP + TOLERANCE) * self.diameter;
+        self.offset(displacements).1 < least * least
+    }
+
+    /// Moves two particles apart.
+    #[inline(always)]
+    fn separate(&self, displacements: &Vectors, inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) {
+        let (offset, square) = self.offset(displacements);
         let length = square.sqrt();
         let normal = if length > 0.0 {
             offset.map(|v| v / length)
         } else {
             DIRECTIONS[self.places[1].abs_diff(self.places[0]) as usize % DIRECTIONS.len()]
         };
-        let excess = (1.0 - SLOP) * self.reach - length;
-        let [inverse_a, inverse_b] = self.inverse_masses;
-        let push = (SOFTNESS * excess / (inverse_a + inverse_b)).min(self.most);
-        for (k, displacement, sign) in [(0, a, -1.0), (1, b, 1.0)] {
-            let (place, by) = (self.places[k], sign * push * self.inverse_masses[k]);
+        // Of pairs in sequence, those before may have moved these two apart.
+        let excess = (self.reach - SLOP * self.diameter - length).max(0.0);
+        for (k, sign) in [(0, -1.0), (1, 1.0)] {
+            let by = (SOFTNESS * excess * self.shares[k]).min(MOST * self.diameter);
             if by != 0.0 {
-                let new = [0, 1].map(|k| displacement[k] + normal[k] * by);
-                displacements.set(place, inside(place, new));
+                let old = displacements.get(self.places[k]);
+                let new = [0, 1].map(|axis| old[axis] + sign * by * normal[axis]);
+                displacements.set(self.places[k], inside(self.places[k], new));
             }
         }
-        true
     }
 }

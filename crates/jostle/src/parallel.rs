@@ -96,26 +96,6 @@ pub fn for_chunks<T: Send>(
     act(0, items);
 }
 
-/// Calls `act` with the index of the first item and the items of parts of `len` items, on `threads`
-/// threads; with all of them at once if they are few.
-pub fn for_parts<T: Send>(
-    threads: Option<usize>,
-    items: &mut [T],
-    len: usize,
-    act: impl Fn(usize, &mut [T]) + Sync + Send,
-) {
-    #[cfg(feature = "parallel")]
-    if items.len() > 2 * len
-        && let Some(team) = Team::of(threads)
-    {
-        let parts: Vec<_> = items.chunks_mut(len).map(Mutex::new).collect();
-        let act = |index: usize| act(index * len, &mut locked(&parts[index]));
-        return team.share(parts.len(), usize::MAX, &act);
-    }
-    let _ = (threads, len);
-    act(0, items);
-}
-
 /// As [`for_chunks`] with items that are only read.
 pub fn for_slices<T: Sync>(threads: Option<usize>, items: &[T], act: impl Fn(&[T]) + Sync + Send) {
     #[cfg(feature = "parallel")]

@@ -1,7 +1,7 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
 use super::queue::Event;
-use crate::container::{Container, MAX_WALLS};
+use crate::container::{Container, MAX_WALLS, ROUNDING, size};
 use crate::flow::{Flow, Kick};
 use crate::forces::Thermostat;
 use crate::motion::{Motions, Spins, exact};
@@ -10,9 +10,6 @@ use crate::particles::Particles;
 use crate::trajectory::{
     Impact, Limits, Relative, Segment, Vector, dot, vector, wall_impact, wall_normal,
 };
-
-/// Relative size of the rounding of positions in float32, with a reserve for sums.
-const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// Relative size of the rounding of positions with residuals, with a reserve for sums.
 const PRECISION: f64 = ROUNDING / (1 << 24) as f64;
@@ -186,7 +183,26 @@ impl Window<'_> {
         let error = MARGIN * (qq + reach * sizes);
         // Not a number, where there are overflows, counts as near.
         let is_far = square > reach * reach + error;
-        !is_far | self.is_curved(own, other)
+        (!is_far | self.is_curved(own, other)) & !self.is_deferred(own, other, [qq - error, ww])
+    }
+
+    /// Whether two discs at rest certainly do not collide, because they approach by less than
+    /// [`DEFERRED`], and do not overlap by more; the squares are those of their distance, or less, and
+    /// of their relative speed.
+    #[inline(always)]
+    fn is_deferred(&self, own: &Start, other: &Start, [square, ww]: [f32; 2]) -> bool {
+        let reach = own.radius + other.radius;
+        let rests = |start: &Start| start.is_supported | !start.is_movable;
+        let [v, w] = [own, other].map(|start| {
+            let [x, y] = start.velocity;
+            x * x + y * y
+        });
+        // (a + b)² is at most 2 (a² + b²).
+        let approach = 2.0 * (ww + MARGIN * MARGIN * (v + w)) * (self.end * self.end) as f32;
+        let [least, most] = [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * reach);
+        let is_slow = approach < most * most;
+        let is_apart = square > least * least * (1.0 + MARGIN);
+        rests(own) & rests(other) & !self.flight.is_elastic & is_slow & is_apart
     }
 
     /// Whether one of two discs falls and the other does not.
@@ -328,26 +344,12 @@ impl Window<'_> {
         let radius = f64::from(start.radius);
         let span = self.end - segment.time;
         let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
-        if !start.is_movable || self.is_far_from_walls(segment.position, radius, [far(0), far(1)]) {
+        if !start.is_movable || container.is_far(segment.position, radius, [far(0), far(1)]) {
             return None;
         }
         let limits = self.wall_limits(segment.position, index);
         let hit = wall_impact(segment, radius, container, self.flight.gravity, &limits);
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
-    }
-
-    /// Whether a disc that moves by at most `far` along each axis certainly touches no wall.
-    #[inline(always)]
-    fn is_far_from_walls(&self, position: Vector, radius: f64, far: Vector) -> bool {
-        let Container::Box { min, max } = &self.flight.container else {
-            return !self.flight.container.has_walls();
-        };
-        let far = far.map(|v| radius + v + ROUNDING * size(position, radius));
-        let is_between = |k: usize| {
-            let [min, max] = [min[k], max[k]].map(f64::from);
-            position[k] - min > far[k] && max - position[k] > far[k]
-        };
-        is_between(0) && is_between(1)
     }
 
     /// Whether two discs that begin segments now touch and approach.
@@ -376,7 +378,7 @@ impl Window<'_> {
         let container = &self.flight.container;
         let mut touched = [None; MAX_WALLS];
         let radius = f64::from(self.starts[index as usize].radius);
-        if self.is_far_from_walls(now.position, radius, [0.0; 2]) {
+        if container.is_far(now.position, radius, [0.0; 2]) {
             return touched;
         }
         let limits = self.wall_limits(now.position, index);
@@ -412,10 +414,4 @@ impl Window<'_> {
         let distance = square.sqrt() + 0.125 * dot(gravity, gravity).sqrt() * t * t;
         distance * distance
     }
-}
-
-/// The largest number in the computation of a surface that is `reach` from a centre at `position`.
-#[inline(always)]
-fn size(position: Vector, reach: f64) -> f64 {
-    position[0].abs() + position[1].abs() + reach
 }

@@ -3,10 +3,10 @@
 //! The impulse along the surfaces makes them stick, and is at most μ times the impulse along the
 //! normal at that moment.
 
-use super::pairs::{self, Pair, Phase};
+use super::pairs::{self, Pair, Pass, Phase};
 use crate::contacts::Contact;
-use crate::motion::{Scalars, Vectors};
-use crate::simd::{LANES, Number, Simd, Work};
+use crate::motion::Scalars;
+use crate::simd::{LANES, Simd};
 
 /// The friction of the pairs of a block, one column for each quantity. Unused lanes have no
 /// friction.
@@ -57,24 +57,30 @@ impl Block {
         }
     }
 
-    /// Corrects the impulses of friction, or only applies those that they have.
+    /// Corrects the impulses of friction, or only applies those that they have. Returns the new
+    /// velocities.
     #[inline(always)]
-    fn sweep<S: Simd<f32>>(&mut self, simd: S, pairs: &pairs::Block, of: &Sweep<'_>) {
-        let phase = of.phase as usize;
-        // x, y and surface speed of the first, then of the second.
-        let mut both = [[0.0; LANES]; 6];
-        for k in [0, 1] {
-            for (lane, &place) in pairs.places[k].iter().enumerate() {
-                let [x, y] = of.velocities.get(place);
-                (both[3 * k][lane], both[3 * k + 1][lane]) = (x, y);
-                both[3 * k + 2][lane] = of.surface_speeds.get(place);
+    pub fn solve<S: Simd<f32>>(
+        &mut self,
+        simd: S,
+        pairs: &pairs::Block,
+        velocities: [S::Block; 4],
+        surface_speeds: &Scalars,
+        pass: Pass,
+    ) -> [S::Block; 4] {
+        let phase = pass.phase() as usize;
+        let mut both = [[0.0; LANES]; 2];
+        for (speeds, places) in both.iter_mut().zip(&pairs.places) {
+            for (speed, &place) in speeds.iter_mut().zip(places) {
+                *speed = surface_speeds.get(place);
             }
         }
-        let [ax, ay, au, bx, by, bu] = both.map(|column| simd.load(&column));
+        let [au, bu] = both.map(|column| simd.load(&column));
+        let [ax, ay, bx, by] = velocities;
         let [tx, ty] = [pairs.normal[1].map(|y| -y), pairs.normal[0]].map(|t| simd.load(&t));
         let impulses = &mut self.impulses[phase];
         let old = simd.load(impulses);
-        let change = if of.only_apply {
+        let change = if pass == Pass::Start {
             old
         } else {
             let x = simd.mul(tx, simd.sub(bx, ax));
@@ -89,58 +95,14 @@ impl Block {
             let most = simd.splat(f32::MAX);
             simd.most(simd.least(simd.sub(new, old), most), simd.splat(f32::MIN))
         };
-        let [a, b] = pairs.inverse_masses.map(|column| simd.mul(change, simd.load(&column)));
-        let [c, d] = self.softness.map(|column| simd.mul(change, simd.load(&column)));
-        simd.store(simd.sub(ax, simd.mul(tx, a)), &mut both[0]);
-        simd.store(simd.sub(ay, simd.mul(ty, a)), &mut both[1]);
-        simd.store(simd.sub(au, c), &mut both[2]);
-        simd.store(simd.add(bx, simd.mul(tx, b)), &mut both[3]);
-        simd.store(simd.add(by, simd.mul(ty, b)), &mut both[4]);
-        simd.store(simd.sub(bu, d), &mut both[5]);
-        // Particles that do not move get what they had, as in the sweep over the normals.
-        for k in [0, 1] {
-            for (lane, &place) in pairs.places[k].iter().enumerate() {
-                of.velocities.set(place, [both[3 * k][lane], both[3 * k + 1][lane]]);
-                of.surface_speeds.set(place, both[3 * k + 2][lane]);
+        for (k, (speed, softness)) in [au, bu].into_iter().zip(&self.softness).enumerate() {
+            simd.store(simd.sub(speed, simd.mul(change, simd.load(softness))), &mut both[k]);
+        }
+        for (speeds, places) in both.iter().zip(&pairs.places) {
+            for (&speed, &place) in speeds.iter().zip(places) {
+                surface_speeds.set(place, speed);
             }
         }
-    }
-}
-
-/// What a pass over the friction of the blocks of a colour reads, and what it changes for all
-/// particles.
-#[derive(Clone, Copy)]
-pub struct Sweep<'a> {
-    /// The velocities of all particles.
-    pub velocities: &'a Vectors,
-    /// Angular velocity times radius of all particles.
-    pub surface_speeds: &'a Scalars,
-    /// Which impulses.
-    pub phase: Phase,
-    /// Whether the impulses are applied as they are.
-    pub only_apply: bool,
-}
-
-impl Sweep<'_> {
-    /// Does the pass with the widest instructions of the machine.
-    pub fn run(self, pairs: &[pairs::Block], blocks: &mut [Block]) {
-        f32::with_widest(Pass { sweep: self, pairs, blocks });
-    }
-}
-
-struct Pass<'a> {
-    sweep: Sweep<'a>,
-    pairs: &'a [pairs::Block],
-    blocks: &'a mut [Block],
-}
-
-impl Work<f32> for Pass<'_> {
-    type Out = ();
-
-    #[inline(always)]
-    fn run<S: Simd<f32>>(self, simd: S) {
-        for (block, pairs) in self.blocks.iter_mut().zip(self.pairs) {
-            block.sweep(simd, pairs, &self.sweep);
-        }
+        pairs.pushed(simd, velocities, [tx, ty], change)
     }
 }

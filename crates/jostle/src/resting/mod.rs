@@ -3,9 +3,12 @@
 //! The unknowns are the velocities at the end of the sub-step, with gravity and forces. For every
 //! contact that rests, with the normal n, the gap d and the sub-step h, an impulse P ≥ 0 along n
 //! gives n·w ≥ −d/h, and P = 0 where n·w > −d/h (E. Catto, *Iterative Dynamics with Temporal
-//! Coherence*, 2005). The impulses are found by projected Gauss–Seidel iteration from those of the
-//! sub-step before (warm starting). Nothing else slows the particles down: there is no friction and
-//! no damping.
+//! Coherence*, 2005). The impulses are found by projected successive over-relaxation (D. M. Young,
+//! *Iterative Solution of Large Linear Systems*, 1971; R. W. Cottle et al., *The Linear
+//! Complementarity Problem*, 1992) from those of the sub-step before (warm starting): each
+//! correction of an impulse is multiplied by a factor between 1 and 2. In a pile of many layers this
+//! converges in far fewer iterations than the factor 1 (Gauss–Seidel). The last iteration has the
+//! factor 1, so that a single contact is exact. There is no damping.
 //!
 //! Which contacts rest follows from [`rest_speeds`]. All others bounce, see [`crate::events`].
 
@@ -22,7 +25,7 @@ use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
-use pairs::{Block, Pair, Phase, Sweep};
+use pairs::{Block, Pair, Pass, Sweep};
 use walls::Walls;
 
 /// Surfaces touch if their gap is at most this share of the sum of radii.
@@ -33,7 +36,14 @@ const TOUCHING: f32 = 0.003;
 const FARTHEST: f32 = MOST_REST_SPEED as f32 + 2.01;
 
 /// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
-const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 10;
+
+/// Relaxation factor of a contact of equal masses, or with something that does not move.
+const RELAXATION: f32 = 1.9;
+
+/// The same, for one particle that is much lighter than the other. A light particle between heavy
+/// ones gets large velocities if the impulses are not exact, so its factor is smaller.
+const LEAST_RELAXATION: f32 = 1.54;
 
 /// Iterations of the impacts at the beginning of a sub-step.
 const IMPACT_ITERATIONS: usize = 4;
@@ -61,6 +71,13 @@ pub struct Support<'a> {
     pub restitution: f32,
     /// Threads to use.
     pub threads: Option<usize>,
+}
+
+/// The relaxation factor of a contact of particles with these inverse masses.
+fn relaxation([a, b]: [f32; 2]) -> f32 {
+    let (small, large) = (a.min(b), a.max(b));
+    let ratio = if small == 0.0 { 1.0 } else { (small / large).sqrt() };
+    LEAST_RELAXATION + (RELAXATION - LEAST_RELAXATION) * ratio
 }
 
 /// Scratch.
@@ -182,36 +199,34 @@ impl Resting {
         let threads = scene.threads;
         let Self { velocities, surface_speeds, blocks, frictions, ends, walls, is_fast } = self;
         let (velocities, surface_speeds) = (&*velocities, &*surface_speeds);
-        let mut sweep = |phase, only_apply| {
+        let mut sweep = |pass| {
             let mut start = 0;
             for (colour, &end) in ends.iter().enumerate() {
                 let range = std::mem::replace(&mut start, end)..end;
                 let blocks = &mut blocks[range.clone()];
-                // The pairs of the last colour share particles.
-                let is_shared = colour == COLOURS;
-                let threads = if is_shared { Some(1) } else { threads };
-                parallel::for_parts(threads, blocks, BLOCKS_OF_A_THREAD, |_, blocks| {
-                    Sweep { blocks, velocities, phase, only_apply }.run();
+                // The pairs of the last colour share particles; few are not worth waking threads for.
+                let is_serial = colour == COLOURS || blocks.len() <= 2 * BLOCKS_OF_A_THREAD;
+                let threads = if is_serial { Some(1) } else { threads };
+                let mut frictions = frictions.get_mut(range).unwrap_or_default();
+                let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).map(|blocks| {
+                    let count = blocks.len().min(frictions.len());
+                    (blocks, frictions.split_off_mut(..count).unwrap_or_default())
                 });
-                if scene.has_friction {
-                    let (blocks, frictions) = (&*blocks, &mut frictions[range]);
-                    let sweep = friction::Sweep { velocities, surface_speeds, phase, only_apply };
-                    parallel::for_parts(threads, frictions, BLOCKS_OF_A_THREAD, |first, part| {
-                        sweep.run(&blocks[first..first + part.len()], part);
-                    });
-                }
+                parallel::for_each(threads, parts, |(blocks, frictions)| {
+                    Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
+                });
             }
+        };
+        let solve_walls = |walls: &mut [Walls], pass| {
+            parallel::for_chunks(threads, walls, |_, chunk| {
+                chunk.iter_mut().for_each(|of| of.solve(velocities, surface_speeds, pass));
+            });
         };
         if *is_fast || walls.iter().any(Walls::is_fast) {
             for _ in 0..IMPACT_ITERATIONS {
                 interrupt::check()?;
-                parallel::for_chunks(threads, walls, |_, chunk| {
-                    let collide = |walls: &mut Walls| {
-                        walls.solve(velocities, surface_speeds, Phase::Impact);
-                    };
-                    chunk.iter_mut().for_each(collide);
-                });
-                sweep(Phase::Impact, false);
+                solve_walls(walls, Pass::Impact);
+                sweep(Pass::Impact);
             }
         }
         let change = |place: usize| {
@@ -222,18 +237,15 @@ impl Resting {
             }
         };
         parallel::for_rows(threads, kicks.len(), change);
-        sweep(Phase::Rest, true);
+        sweep(Pass::Start);
         parallel::for_chunks(threads, walls, |_, chunk| {
             chunk.iter().for_each(|walls| walls.start(velocities, surface_speeds));
         });
-        for _ in 0..ITERATIONS {
+        for iteration in 1..=ITERATIONS {
             interrupt::check()?;
-            sweep(Phase::Rest, false);
-            parallel::for_chunks(threads, walls, |_, chunk| {
-                let solve =
-                    |walls: &mut Walls| walls.solve(velocities, surface_speeds, Phase::Rest);
-                chunk.iter_mut().for_each(solve);
-            });
+            let pass = if iteration < ITERATIONS { Pass::Relaxed } else { Pass::Exact };
+            sweep(pass);
+            solve_walls(walls, pass);
         }
         blocks.iter().for_each(|block| block.store(&mut contacts.list));
         for (friction, block) in frictions.iter().zip(&*blocks) {

@@ -1,9 +1,9 @@
 //! Resting contacts of two particles, in blocks of contacts that share no particle that moves.
 
-use super::{Support, Surfaces};
+use super::{Support, Surfaces, friction, relaxation};
 use crate::contacts::Contact;
 use crate::flow::Kick;
-use crate::motion::Vectors;
+use crate::motion::{Scalars, Vectors};
 use crate::simd::{LANES, Number, Simd, Work};
 
 /// Two particles whose contact rests.
@@ -75,6 +75,8 @@ pub struct Block {
     pub inverse_masses: [[f32; LANES]; 2],
     /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
     effective_masses: [f32; LANES],
+    /// The same times the relaxation factor.
+    relaxed_masses: [f32; LANES],
     /// Minimum normal speeds after the impacts, and at the end of the sub-step.
     least_speeds: [[f32; LANES]; 2],
     /// Impulses of the impacts and of the resting contacts.
@@ -91,6 +93,26 @@ pub enum Phase {
     Rest,
 }
 
+/// What a pass over all contacts does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Corrects the impulses of the impacts.
+    Impact,
+    /// Applies the impulses of the sub-step before to the resting contacts.
+    Start,
+    /// Corrects the impulses of the resting contacts with over-relaxation.
+    Relaxed,
+    /// Corrects them without.
+    Exact,
+}
+
+impl Pass {
+    /// The phase whose impulses it applies.
+    pub fn phase(self) -> Phase {
+        if self == Self::Impact { Phase::Impact } else { Phase::Rest }
+    }
+}
+
 impl Block {
     /// A block without pairs; `spare` is a place without a particle.
     pub fn new(spare: u32) -> Self {
@@ -100,6 +122,7 @@ impl Block {
             normal: [[0.0; LANES]; 2],
             inverse_masses: [[0.0; LANES]; 2],
             effective_masses: [0.0; LANES],
+            relaxed_masses: [0.0; LANES],
             least_speeds: [[0.0; LANES]; 2],
             impulses: [[0.0; LANES]; 2],
             contacts: [0; LANES],
@@ -120,7 +143,9 @@ impl Block {
             self.normal[k][lane] = pair.normal[k];
             self.inverse_masses[k][lane] = pair.inverse_masses[k];
         }
-        self.effective_masses[lane] = 1.0 / (pair.inverse_masses[0] + pair.inverse_masses[1]);
+        let effective_mass = 1.0 / (pair.inverse_masses[0] + pair.inverse_masses[1]);
+        self.effective_masses[lane] = effective_mass;
+        self.relaxed_masses[lane] = effective_mass * relaxation(pair.inverse_masses);
         self.least_speeds[Phase::Impact as usize][lane] = pair.bounce;
         self.least_speeds[Phase::Rest as usize][lane] = -pair.closing_speed;
         self.impulses[Phase::Rest as usize][lane] = pair.impulse;
@@ -148,53 +173,81 @@ impl Block {
         }
     }
 
-    /// Corrects the impulses so that the pairs separate with their least speeds, or only applies
-    /// those that they have.
+    /// The velocities of the first and of the second particles: x and y of each.
     #[inline(always)]
-    fn sweep<S: Simd<f32>>(
-        &mut self,
-        simd: S,
-        velocities: &Vectors,
-        phase: Phase,
-        only_apply: bool,
-    ) {
-        // x and y of the first, x and y of the second.
+    fn velocities<S: Simd<f32>>(&self, simd: S, of: &Vectors) -> [S::Block; 4] {
         let mut both = [[0.0; LANES]; 4];
         for k in [0, 1] {
             for (lane, &place) in self.places[k].iter().enumerate() {
-                let [x, y] = velocities.get(place);
-                (both[2 * k][lane], both[2 * k + 1][lane]) = (x, y);
+                [both[2 * k][lane], both[2 * k + 1][lane]] = of.get(place);
             }
         }
-        let [ax, ay, bx, by] = both.map(|column| simd.load(&column));
+        both.map(|column| simd.load(&column))
+    }
+
+    /// Writes the velocities. Particles that do not move get the velocity that they had: finite
+    /// impulses times 0. Several threads may write the same value.
+    #[inline(always)]
+    fn set_velocities<S: Simd<f32>>(&self, simd: S, blocks: [S::Block; 4], of: &Vectors) {
+        let mut both = [[0.0; LANES]; 4];
+        for (column, block) in both.iter_mut().zip(blocks) {
+            simd.store(block, column);
+        }
+        for k in [0, 1] {
+            for (lane, &place) in self.places[k].iter().enumerate() {
+                of.set(place, [both[2 * k][lane], both[2 * k + 1][lane]]);
+            }
+        }
+    }
+
+    /// Corrects the impulses so that the pairs separate with their least speeds, or only applies
+    /// those that they have. Returns the new velocities.
+    #[inline(always)]
+    fn solve<S: Simd<f32>>(
+        &mut self,
+        simd: S,
+        [ax, ay, bx, by]: [S::Block; 4],
+        pass: Pass,
+    ) -> [S::Block; 4] {
+        let phase = pass.phase() as usize;
         let [nx, ny] = self.normal.map(|column| simd.load(&column));
-        let impulses = &mut self.impulses[phase as usize];
+        let impulses = &mut self.impulses[phase];
         let old = simd.load(impulses);
-        let change = if only_apply {
+        let change = if pass == Pass::Start {
             old
         } else {
             let x = simd.mul(nx, simd.sub(bx, ax));
             let normal_speed = simd.add(x, simd.mul(ny, simd.sub(by, ay)));
-            let missing = simd.sub(simd.load(&self.least_speeds[phase as usize]), normal_speed);
-            let wanted = simd.add(old, simd.mul(missing, simd.load(&self.effective_masses)));
+            let missing = simd.sub(simd.load(&self.least_speeds[phase]), normal_speed);
+            let is_relaxed = pass == Pass::Relaxed;
+            let masses = if is_relaxed { &self.relaxed_masses } else { &self.effective_masses };
+            let wanted = simd.add(old, simd.mul(missing, simd.load(masses)));
             let new = simd.most(wanted, simd.splat(0.0));
             simd.store(new, impulses);
             // A change that is not finite would reach particles that do not move: ∞ · 0 is no number.
             let most = simd.splat(f32::MAX);
             simd.least(simd.sub(new, old), most)
         };
-        let [a, b] = self.inverse_masses.map(|column| simd.mul(change, simd.load(&column)));
-        simd.store(simd.sub(ax, simd.mul(nx, a)), &mut both[0]);
-        simd.store(simd.sub(ay, simd.mul(ny, a)), &mut both[1]);
-        simd.store(simd.add(bx, simd.mul(nx, b)), &mut both[2]);
-        simd.store(simd.add(by, simd.mul(ny, b)), &mut both[3]);
-        // Particles that do not move get the velocity that they had: finite impulses times 0.
-        // Several threads may write the same value.
-        for k in [0, 1] {
-            for (lane, &place) in self.places[k].iter().enumerate() {
-                velocities.set(place, [both[2 * k][lane], both[2 * k + 1][lane]]);
-            }
-        }
+        self.pushed(simd, [ax, ay, bx, by], [nx, ny], change)
+    }
+
+    /// The velocities after impulses along a direction on the second particles, and against it on the
+    /// first.
+    #[inline(always)]
+    pub fn pushed<S: Simd<f32>>(
+        &self,
+        simd: S,
+        [ax, ay, bx, by]: [S::Block; 4],
+        [x, y]: [S::Block; 2],
+        impulse: S::Block,
+    ) -> [S::Block; 4] {
+        let [a, b] = self.inverse_masses.map(|column| simd.mul(impulse, simd.load(&column)));
+        [
+            simd.sub(ax, simd.mul(x, a)),
+            simd.sub(ay, simd.mul(y, a)),
+            simd.add(bx, simd.mul(x, b)),
+            simd.add(by, simd.mul(y, b)),
+        ]
     }
 }
 
@@ -202,12 +255,14 @@ impl Block {
 pub struct Sweep<'a> {
     /// The blocks.
     pub blocks: &'a mut [Block],
+    /// The friction of each block; empty if there is none.
+    pub frictions: &'a mut [friction::Block],
     /// The velocities of all particles.
     pub velocities: &'a Vectors,
-    /// Which impulses.
-    pub phase: Phase,
-    /// Whether the impulses are applied as they are.
-    pub only_apply: bool,
+    /// Angular velocity times radius of all particles.
+    pub surface_speeds: &'a Scalars,
+    /// What it does.
+    pub pass: Pass,
 }
 
 impl Sweep<'_> {
@@ -222,8 +277,15 @@ impl Work<f32> for Sweep<'_> {
 
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
+        let mut frictions = self.frictions.iter_mut();
         for block in self.blocks {
-            block.sweep(simd, self.velocities, self.phase, self.only_apply);
+            let mut velocities = block.velocities(simd, self.velocities);
+            velocities = block.solve(simd, velocities, self.pass);
+            if let Some(friction) = frictions.next() {
+                velocities =
+                    friction.solve(simd, block, velocities, self.surface_speeds, self.pass);
+            }
+            block.set_velocities(simd, velocities, self.velocities);
         }
     }
 }

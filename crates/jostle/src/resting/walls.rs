@@ -1,7 +1,7 @@
 //! Resting contacts of a particle with walls.
 
-use super::pairs::Phase;
-use super::{Start, Support, Surfaces};
+use super::pairs::{Pass, Phase};
+use super::{FARTHEST, RELAXATION, Start, Support, Surfaces};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
 use crate::motion::{Scalars, Vectors};
@@ -37,8 +37,14 @@ impl Walls {
         scene: &Support<'_>,
         kick: &Kick,
     ) -> Option<Self> {
-        let (velocity, radius) =
-            (scene.motions.velocity(place as u32), scene.particles.radii[place]);
+        let motions = scene.motions;
+        let (position, radius) = (motions.position(place as u32), scene.particles.radii[place]);
+        let h = scene.flow.duration as f32;
+        let far = f64::from(FARTHEST * kick.speed * h);
+        if scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
+            return None;
+        }
+        let velocity = motions.velocity(place as u32);
         let contact = |wall: Wall, push: f32, friction: f32| {
             let surfaces = Surfaces {
                 gap: wall.gap,
@@ -48,10 +54,10 @@ impl Walls {
                 speeds: [kick.speed, 0.0],
                 has_pushed: push > 0.0,
             };
-            let start = surfaces.start(scene.flow.duration as f32)?;
+            let start = surfaces.start(h)?;
             Some(WallContact { inward: wall.inward, start, pushes: [[0.0; 2], [push, friction]] })
         };
-        let walls = scene.container.walls(scene.motions.position(place as u32), radius);
+        let walls = scene.container.walls(position, radius);
         let contacts = [0, 1, 2, 3].map(|k| contact(walls[k]?, pushes[k], frictions[k]));
         let rests = contacts.iter().any(Option::is_some);
         let friction = scene.particles.spin(place).friction;
@@ -80,9 +86,11 @@ impl Walls {
         surface_speeds.set(self.place, surface_speed);
     }
 
-    /// Corrects the impulses of a phase so that the particle leaves each wall with the least speed at
+    /// Corrects the impulses so that the particle leaves each wall with the least speed at
     /// least, and does not slide if friction is large enough.
-    pub fn solve(&mut self, velocities: &Vectors, surface_speeds: &Scalars, phase: Phase) {
+    pub fn solve(&mut self, velocities: &Vectors, surface_speeds: &Scalars, pass: Pass) {
+        let phase = pass.phase();
+        let relaxation = if pass == Pass::Relaxed { RELAXATION } else { 1.0 };
         let mut velocity = velocities.get(self.place);
         let mut surface_speed = surface_speeds.get(self.place);
         for contact in self.contacts.iter_mut().flatten() {
@@ -93,7 +101,7 @@ impl Walls {
                 Phase::Rest => -contact.start.closing_speed,
             };
             let [push, friction] = &mut contact.pushes[phase as usize];
-            let new = (*push + (least_speed - normal_speed)).max(0.0);
+            let new = (*push + relaxation * (least_speed - normal_speed)).max(0.0);
             velocity = pushed(velocity, inward, new - *push);
             *push = new;
             if self.friction > 0.0 {
