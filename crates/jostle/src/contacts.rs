@@ -13,6 +13,9 @@ use crate::particles::Particles;
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
 
+/// Masses are uneven if the larger is more than this times the smaller.
+const UNEVEN: f32 = 6.0;
+
 /// Two particles whose contact may rest or be corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -84,6 +87,12 @@ impl Default for Contact {
 }
 
 impl Contact {
+    /// Whether the masses of the two, if both move, are very different.
+    fn is_uneven(&self) -> bool {
+        let [a, b] = self.inverse_masses;
+        a.min(b) > 0.0 && a.max(b) > UNEVEN * a.min(b)
+    }
+
     /// Adds impulses to the sums of this step.
     #[inline(always)]
     pub fn count(&mut self, impulses: [f32; 2]) {
@@ -127,6 +136,8 @@ pub struct Contacts {
     sources: Vec<(u32, u32)>,
     spare: Vec<Contact>,
     taken: Vec<u64>,
+    /// Whether each particle has a contact of uneven masses; empty if none has.
+    uneven: Vec<bool>,
     previous: Previous,
 }
 
@@ -209,6 +220,27 @@ impl Contacts {
                 };
             }
         });
+        self.find_uneven(movable.len());
+    }
+
+    /// Finds the particles that have contacts of uneven masses.
+    fn find_uneven(&mut self, places: usize) {
+        let Self { list, uneven, .. } = self;
+        uneven.clear();
+        for contact in list.iter().filter(|contact| contact.is_uneven()) {
+            uneven.resize(places, false);
+            contact.places.into_iter().for_each(|place| uneven[place as usize] = true);
+        }
+    }
+
+    /// Whether a particle has a contact of uneven masses in this step.
+    pub fn is_uneven(&self, place: u32) -> bool {
+        self.uneven.get(place as usize).is_some_and(|&uneven| uneven)
+    }
+
+    /// Whether any particle has.
+    pub fn has_uneven(&self) -> bool {
+        !self.uneven.is_empty()
     }
 
     /// Gives each pair that is to be solved its colour, and returns where in the list each

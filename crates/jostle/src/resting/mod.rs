@@ -16,6 +16,8 @@ mod friction;
 mod pairs;
 mod walls;
 
+use std::ops::Range;
+
 use crate::contacts::{COLOURS, Contacts};
 use crate::container::{Container, MAX_WALLS};
 use crate::error::Result;
@@ -24,6 +26,7 @@ use crate::interrupt;
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
+use crate::simd::LANES;
 use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
 use pairs::{Block, Pair, Pass, Sweep};
 use walls::Walls;
@@ -38,12 +41,16 @@ const FARTHEST: f32 = MOST_REST_SPEED as f32 + 2.01;
 /// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
 const ITERATIONS: usize = 10;
 
+/// Further iterations after each but the last, over the contacts of particles that have contacts of
+/// uneven masses. With the ratio q of masses, the number that is needed grows with √q.
+const UNEVEN_ITERATIONS: usize = 3;
+
 /// Relaxation factor of a contact of equal masses, or with something that does not move.
 const RELAXATION: f32 = 1.9;
 
 /// The same, for one particle that is much lighter than the other. A light particle between heavy
 /// ones gets large velocities if the impulses are not exact, so its factor is smaller.
-const LEAST_RELAXATION: f32 = 1.54;
+const LEAST_RELAXATION: f32 = 1.7;
 
 /// Iterations of the impacts at the beginning of a sub-step.
 const IMPACT_ITERATIONS: usize = 4;
@@ -76,7 +83,7 @@ pub struct Support<'a> {
 /// The relaxation factor of a contact of particles with these inverse masses.
 fn relaxation([a, b]: [f32; 2]) -> f32 {
     let (small, large) = (a.min(b), a.max(b));
-    let ratio = if small == 0.0 { 1.0 } else { (small / large).sqrt() };
+    let ratio = if small == 0.0 { 1.0 } else { small / large };
     LEAST_RELAXATION + (RELAXATION - LEAST_RELAXATION) * ratio
 }
 
@@ -89,11 +96,21 @@ pub struct Resting {
     blocks: Vec<Block>,
     /// The friction of each block; empty if there is none.
     frictions: Vec<friction::Block>,
-    /// Where in `blocks` each colour ends.
-    ends: Vec<usize>,
+    /// Where in `blocks` the contacts of each colour with uneven masses end, and all of it.
+    ends: Vec<[usize; 2]>,
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
     walls: Vec<Walls>,
+    /// How many of these, the first, belong to particles that have contacts of uneven masses.
+    uneven_walls: usize,
+}
+
+/// The contacts of an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    All,
+    /// Those of particles that have contacts of uneven masses.
+    Uneven,
 }
 
 /// The impulses over mass that walls give, carried from sub-step to sub-step.
@@ -195,14 +212,16 @@ impl Resting {
     ) -> Result<()> {
         self.begin(scene, kicks);
         self.list_pairs(scene, contacts, kicks);
-        self.list_walls(scene, &mut wall_pushes, kicks);
+        self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         let threads = scene.threads;
-        let Self { velocities, surface_speeds, blocks, frictions, ends, walls, is_fast } = self;
+        let Self { velocities, surface_speeds, blocks, frictions, ends, walls, .. } = self;
         let (velocities, surface_speeds) = (&*velocities, &*surface_speeds);
-        let mut sweep = |pass| {
+        let (is_fast, uneven_walls) = (self.is_fast, self.uneven_walls);
+        let mut sweep = |pass, which| {
             let mut start = 0;
-            for (colour, &end) in ends.iter().enumerate() {
-                let range = std::mem::replace(&mut start, end)..end;
+            for (colour, &[uneven_end, end]) in ends.iter().enumerate() {
+                let start = std::mem::replace(&mut start, end);
+                let range = start..if which == Which::All { end } else { uneven_end };
                 let blocks = &mut blocks[range.clone()];
                 // The pairs of the last colour share particles; few are not worth waking threads for.
                 let is_serial = colour == COLOURS || blocks.len() <= 2 * BLOCKS_OF_A_THREAD;
@@ -217,16 +236,18 @@ impl Resting {
                 });
             }
         };
-        let solve_walls = |walls: &mut [Walls], pass| {
+        let solve_walls = |walls: &mut [Walls], pass, which| {
+            let count = if which == Which::All { walls.len() } else { uneven_walls };
+            let walls = &mut walls[..count];
             parallel::for_chunks(threads, walls, |_, chunk| {
                 chunk.iter_mut().for_each(|of| of.solve(velocities, surface_speeds, pass));
             });
         };
-        if *is_fast || walls.iter().any(Walls::is_fast) {
+        if is_fast || walls.iter().any(Walls::is_fast) {
             for _ in 0..IMPACT_ITERATIONS {
                 interrupt::check()?;
-                solve_walls(walls, Pass::Impact);
-                sweep(Pass::Impact);
+                solve_walls(walls, Pass::Impact, Which::All);
+                sweep(Pass::Impact, Which::All);
             }
         }
         let change = |place: usize| {
@@ -237,15 +258,24 @@ impl Resting {
             }
         };
         parallel::for_rows(threads, kicks.len(), change);
-        sweep(Pass::Start);
+        sweep(Pass::Start, Which::All);
         parallel::for_chunks(threads, walls, |_, chunk| {
             chunk.iter().for_each(|walls| walls.start(velocities, surface_speeds));
         });
+        let further = if contacts.has_uneven() { UNEVEN_ITERATIONS } else { 0 };
         for iteration in 1..=ITERATIONS {
             interrupt::check()?;
-            let pass = if iteration < ITERATIONS { Pass::Relaxed } else { Pass::Exact };
-            sweep(pass);
-            solve_walls(walls, pass);
+            if iteration == ITERATIONS {
+                sweep(Pass::Exact, Which::All);
+                solve_walls(walls, Pass::Exact, Which::All);
+                break;
+            }
+            sweep(Pass::Relaxed, Which::All);
+            solve_walls(walls, Pass::Relaxed, Which::All);
+            for _ in 0..further {
+                sweep(Pass::Relaxed, Which::Uneven);
+                solve_walls(walls, Pass::Relaxed, Which::Uneven);
+            }
         }
         blocks.iter().for_each(|block| block.store(&mut contacts.list));
         for (friction, block) in frictions.iter().zip(&*blocks) {
@@ -287,53 +317,87 @@ impl Resting {
         });
     }
 
-    /// Lists the pairs whose contacts rest, colour by colour.
+    /// Lists the pairs whose contacts rest, colour by colour, in each those of uneven masses first.
     fn list_pairs(&mut self, scene: &Support<'_>, contacts: &mut Contacts, kicks: &[Kick]) {
-        let Self { blocks, frictions, ends, is_fast, .. } = self;
-        blocks.clear();
-        frictions.clear();
-        ends.clear();
-        *is_fast = false;
+        self.blocks.clear();
+        self.frictions.clear();
+        self.ends.clear();
+        self.is_fast = false;
         for (colour, range) in contacts.colours().into_iter().enumerate() {
-            let first = blocks.len();
-            for at in range {
-                let contact = &mut contacts.list[at];
-                if let Some(pair) = Pair::of(contact, at as u32, scene, kicks) {
-                    *is_fast |= pair.is_fast;
-                    // The pairs of the last colour share particles.
-                    let has_room = |block: &Block| block.has_room() && colour < COLOURS;
-                    if blocks.len() == first || !blocks.last().is_some_and(has_room) {
-                        blocks.push(Block::new(kicks.len() as u32));
-                        frictions.extend(scene.has_friction.then(friction::Block::default));
-                    }
-                    let block = blocks.last_mut().expect("it has room");
-                    if let Some(friction) = frictions.last_mut() {
-                        friction.put(block.len(), &pair, &scene.particles.radii);
-                    }
-                    block.push(&pair);
-                }
-                (contact.impulse, contact.friction_impulse) = (0.0, 0.0);
+            // The pairs of the last colour share particles.
+            let most = if colour < COLOURS { LANES } else { 1 };
+            if contacts.has_uneven() {
+                self.list_some(scene, contacts, kicks, (range.clone(), most, true));
             }
-            ends.push(blocks.len());
+            let uneven_end = self.blocks.len();
+            self.list_some(scene, contacts, kicks, (range, most, false));
+            self.ends.push([uneven_end, self.blocks.len()]);
         }
     }
 
-    /// Lists the particles that rest on walls.
+    /// Lists those of a range of contacts that rest, in blocks of at most a number of pairs: those of
+    /// particles with contacts of uneven masses, or the others.
+    fn list_some(
+        &mut self,
+        scene: &Support<'_>,
+        contacts: &mut Contacts,
+        kicks: &[Kick],
+        (range, most, uneven): (Range<usize>, usize, bool),
+    ) {
+        let Self { blocks, frictions, is_fast, .. } = self;
+        let (first, has_uneven) = (blocks.len(), contacts.has_uneven());
+        for at in range {
+            if has_uneven {
+                let [a, b] = contacts.list[at].places.map(|place| contacts.is_uneven(place));
+                if (a || b) != uneven {
+                    continue;
+                }
+            }
+            let contact = &mut contacts.list[at];
+            if let Some(pair) = Pair::of(contact, at as u32, scene, kicks) {
+                *is_fast |= pair.is_fast;
+                let has_room = |block: &Block| block.len() < most;
+                if blocks.len() == first || !blocks.last().is_some_and(has_room) {
+                    blocks.push(Block::new(kicks.len() as u32));
+                    frictions.extend(scene.has_friction.then(friction::Block::default));
+                }
+                let block = blocks.last_mut().expect("it has room");
+                if let Some(friction) = frictions.last_mut() {
+                    friction.put(block.len(), &pair, &scene.particles.radii);
+                }
+                block.push(&pair);
+            }
+            (contact.impulse, contact.friction_impulse) = (0.0, 0.0);
+        }
+    }
+
+    /// Lists the particles that rest on walls, those with contacts of uneven masses first.
     fn list_walls(
         &mut self,
         scene: &Support<'_>,
+        contacts: &Contacts,
         wall_pushes: &mut WallPushes<'_>,
         kicks: &[Kick],
     ) {
         let WallPushes { normal, friction, .. } = wall_pushes;
-        self.walls.clear();
-        if scene.container.has_walls() {
-            let walls = |place: usize| {
+        let Self { walls, uneven_walls, .. } = self;
+        walls.clear();
+        let mut list = |uneven| {
+            let is_listed =
+                |place: &usize| scene.moving[*place] && contacts.is_uneven(*place as u32) == uneven;
+            let found = (0..kicks.len()).filter(is_listed).filter_map(|place| {
                 let friction = friction.get(place).copied().unwrap_or_default();
                 Walls::of(place, normal[place], friction, scene, &kicks[place])
-            };
-            let moving = (0..kicks.len()).filter(|&place| scene.moving[place]);
-            self.walls.extend(moving.filter_map(walls));
+            });
+            walls.extend(found);
+            walls.len()
+        };
+        *uneven_walls = 0;
+        if scene.container.has_walls() {
+            if contacts.has_uneven() {
+                *uneven_walls = list(true);
+            }
+            list(false);
         }
         normal.fill([0.0; MAX_WALLS]);
         friction.fill([0.0; MAX_WALLS]);

@@ -30,6 +30,7 @@ pub struct Pair {
 impl Pair {
     /// The pair, if its contact may rest in this sub-step. The contact is up to date with the
     /// positions.
+    #[inline(always)]
     pub fn of(contact: &Contact, index: u32, scene: &Support<'_>, kicks: &[Kick]) -> Option<Self> {
         let h = scene.flow.duration as f32;
         let places = contact.places;
@@ -127,11 +128,6 @@ impl Block {
             impulses: [[0.0; LANES]; 2],
             contacts: [0; LANES],
         }
-    }
-
-    /// Whether there is room for another pair.
-    pub fn has_room(&self) -> bool {
-        self.len < LANES
     }
 
     /// Adds a pair.

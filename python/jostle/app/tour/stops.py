@@ -138,7 +138,8 @@ def why(visitor: Visitor) -> None:
     session.shown.tree = TreeView.OFF
     visitor.wait(6)
     session.paused = True
-    one = nearest(session.frame, (400.0, 450.0))
+    min_x, min_y, max_x, max_y = session.engine.view
+    one = nearest(session.frame, ((min_x + max_x) / 2, (min_y + 3 * max_y) / 4))
     other = nearest(session.frame, one, rank=1)
     zoom(visitor, one, 9)
     visitor.click(visitor.pixel(one))
