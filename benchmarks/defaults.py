@@ -153,7 +153,7 @@ def substeps() -> Rows:
     worlds = []
     for count in SUBSTEPS:
         world = jostle.scenes.create("pile")
-        world.substeps, world.threads = count, 1
+        world.substeps, world.threads, world.sleeping = count, 1, False
         world.step(TIME_STEP, round(PILE_SECONDS / TIME_STEP))
         worlds.append(world)
     overlaps = [deepest(world) for world in worlds]

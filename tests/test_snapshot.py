@@ -83,6 +83,18 @@ def test_a_snapshot_of_format_3_can_be_loaded() -> None:
     assert again.state_hash() == world.state_hash()
 
 
+def test_a_snapshot_of_format_4_can_be_loaded() -> None:
+    """All its particles are awake."""
+    world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-4.jostle")
+    assert world.state_hash() == 0x86A31F64FA7EFD20
+    assert world.sleeping and not world.asleep.any()
+    assert world.friction.tolist() == [0.5, np.float32(0.2), 0]
+    again = jostle.World.restore(world.snapshot())
+    for of in (world, again):
+        of.step(STEP, steps=150)
+    assert again.state_hash() == world.state_hash()
+
+
 def test_other_bytes_like_objects() -> None:
     data = pile().snapshot()
     assert isinstance(data, bytes)

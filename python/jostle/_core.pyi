@@ -2005,6 +2005,10 @@ class World:
         default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
         with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
         divided into parts, which share the sub-steps; each part has at least one.
+    sleeping : bool, default True
+        Whether islands of touching particles that rest fall asleep under gravity, if the
+        coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
+        speed below 0.01 √(g r), where r is the radius.
 
     Raises
     ------
@@ -2069,6 +2073,7 @@ class World:
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         substeps: SupportsIndex | None = None,
+        sleeping: bool = True,
     ) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
         """Advance the simulation.
@@ -2407,6 +2412,39 @@ class World:
         """
     @substeps.setter
     def substeps(self, value: SupportsIndex | None) -> None: ...
+    @property
+    def sleeping(self) -> bool:
+        """Whether resting islands may fall asleep, see `asleep`. If it is set to False, all wake."""
+    @sleeping.setter
+    def sleeping(self, value: bool) -> None: ...
+    @property
+    def asleep(self) -> NDArray[np.bool_]:
+        """Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
+
+        An island of particles that touch or nearly touch falls asleep under gravity if each of them
+        rests on something and has been slow for half a second, and if their motion does not grow.
+        Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
+        those of the last step in which they were awake. An island wakes if a moving particle comes
+        so near that it could touch it in the step, or if one of its particles is changed or removed.
+        All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
+        `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
+        asleep if there is a force other than `Thermostat`.
+
+        See Also
+        --------
+        sleeping : Turns it off.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(
+        ...     [(0, 1), (5, 1)], [(0, 0), (2, 0)], radii=1.0, gravity=(0, -9.8), restitution=0.5,
+        ...     container=jostle.Box(-9, 0, 99, 9),
+        ... )
+        >>> world.step(1 / 60, steps=60)
+        >>> world.asleep
+        array([ True, False])
+        """
     @property
     def contacts(self) -> WorldContacts:
         """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),

@@ -4,7 +4,7 @@ use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAI
 use jostle::{Method, OnTouch, Settings};
 use pyo3::prelude::*;
 
-use crate::arrays::{Given, count, word};
+use crate::arrays::{Given, count, truth, word};
 use crate::error::value_error;
 
 // The signatures that Python shows spell these numbers out.
@@ -35,6 +35,11 @@ pub fn threads(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
 /// Parts of a step; None stands for as many as the scene needs.
 pub fn substeps(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     value.map(|value| count("substeps", value, 1)).transpose()
+}
+
+/// Whether particles may fall asleep; left out, they may.
+pub fn sleeping(given: &Given<'_>) -> PyResult<bool> {
+    if given.value().is_none() { Ok(true) } else { truth("sleeping", given) }
 }
 
 /// How `find_pairs` finds them; None stands for the faster way.

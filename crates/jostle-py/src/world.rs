@@ -94,6 +94,10 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
 ///     with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
 ///     divided into parts, which share the sub-steps; each part has at least one.
+/// sleeping : bool, default True
+///     Whether islands of touching particles that rest fall asleep under gravity, if the
+///     coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
+///     speed below 0.01 √(g r), where r is the radius.
 ///
 /// Raises
 /// ------
@@ -154,11 +158,12 @@ impl PyWorld {
             friction=Given::NOTHING, angles=None, angular_velocities=None,
             container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
+            sleeping=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
                           friction=0.0, angles=None, angular_velocities=None, container=None, forces=(), on_touch='bounce', method='quadtree', \
-                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None)"
+                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -183,6 +188,7 @@ impl PyWorld {
         leaf_capacity: Given<'py>,
         max_depth: Given<'py>,
         substeps: Option<&Bound<'py, PyAny>>,
+        sleeping: Given<'py>,
     ) -> PyResult<Self> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
@@ -196,6 +202,7 @@ impl PyWorld {
             on_touch: settings::on_touch(&on_touch)?,
             method: settings::method(&method)?,
             substeps: settings::substeps(substeps)?,
+            sleeping: settings::sleeping(&sleeping)?,
             tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
             ..WorldSettings::default()
         };
@@ -770,6 +777,49 @@ impl PyWorld {
     fn set_substeps(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let substeps = settings::substeps(value)?;
         self.change_rules(py, |rules| rules.substeps = substeps)
+    }
+
+    /// Whether resting islands may fall asleep, see `asleep`. If it is set to False, all wake.
+    #[getter]
+    fn sleeping(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.rules(py)?.sleeping)
+    }
+
+    #[setter]
+    fn set_sleeping(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let sleeping = settings::sleeping(&value)?;
+        self.change_rules(py, |rules| rules.sleeping = sleeping)
+    }
+
+    /// Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// An island of particles that touch or nearly touch falls asleep under gravity if each of them
+    /// rests on something and has been slow for half a second, and if their motion does not grow.
+    /// Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
+    /// those of the last step in which they were awake. An island wakes if a moving particle comes
+    /// so near that it could touch it in the step, or if one of its particles is changed or removed.
+    /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
+    /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
+    /// asleep if there is a force other than `Thermostat`.
+    ///
+    /// See Also
+    /// --------
+    /// sleeping : Turns it off.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 1), (5, 1)], [(0, 0), (2, 0)], radii=1.0, gravity=(0, -9.8), restitution=0.5,
+    /// ...     container=jostle.Box(-9, 0, 99, 9),
+    /// ... )
+    /// >>> world.step(1 / 60, steps=60)
+    /// >>> world.asleep
+    /// array([ True, False])
+    #[getter]
+    fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let asleep = self.long(py, |state| state.world.asleep())?;
+        Ok(read_only(column(py, asleep)))
     }
 
     /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),

@@ -2,7 +2,7 @@
 //! `cargo run --release --package jostle --example one_step -- gas 10000 60 31`.
 //!
 //! The arguments are a scene, the number of particles, the number of steps before timing, and
-//! the number of timed steps. `benchmarks/stages.py` runs this program under valgrind's callgrind
+//! the number of timed steps. Nothing falls asleep. `benchmarks/stages.py` runs this program under valgrind's callgrind
 //! and counts instructions, which do not depend on the load of the machine.
 
 use std::time::Instant;
@@ -26,6 +26,7 @@ fn main() {
     let mut world = scene.create(Some(count), 0).expect("a scene is valid");
     let mut settings = *world.settings();
     settings.tree.threads = Some(1);
+    settings.sleeping = false;
     world.configure(settings).expect("the settings are valid");
     world.step(STEP, warm_up, &mut |_| ()).expect("a scene can be stepped");
     let mut times: [Vec<f64>; Stage::ALL.len()] = Default::default();

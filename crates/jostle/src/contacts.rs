@@ -110,6 +110,11 @@ impl Contact {
         self.gap = length - self.reach;
     }
 
+    /// What contacts are sorted by.
+    fn key(&self) -> ([u32; 2], [u32; 2]) {
+        (self.places, self.image.map(f32::to_bits))
+    }
+
     /// The same contact with the smaller place first. The impulse of friction stays the same, because
     /// the normal changes its sign.
     fn ascending(self) -> Self {
@@ -303,6 +308,14 @@ impl Contacts {
         self.recall(kept, left as usize);
     }
 
+    /// Adds contacts; `places` is the number of particles.
+    pub fn insert(&mut self, new: impl Iterator<Item = Contact>, places: usize) {
+        let all = self.canonical().copied().chain(new).map(Contact::ascending);
+        let mut list: Vec<Contact> = all.collect();
+        list.sort_unstable_by_key(Contact::key);
+        self.recall(list, places);
+    }
+
     /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
     pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
         self.order.clear();
@@ -402,7 +415,7 @@ impl Contacts {
 /// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
 /// kept, with the sums of the impulses of both.
 fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
-    let key = |contact: &Contact| (contact.places, contact.image.map(f32::to_bits));
+    let key = Contact::key;
     let sort = |list: &mut [Contact]| {
         if !list.is_sorted_by_key(key) {
             list.sort_unstable_by_key(key);

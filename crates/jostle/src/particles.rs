@@ -201,6 +201,16 @@ impl Particles {
         filter(&mut self.spins, &keep);
     }
 
+    /// Whether a row has the same values in `other`.
+    pub fn is_same(&self, row: usize, other: &Self) -> bool {
+        let vectors = |all: &Self| [all.positions[row], all.residuals[row], all.velocities[row]];
+        let numbers = |all: &Self| [all.radii[row], all.masses[row], all.restitutions[row]];
+        vectors(self) == vectors(other)
+            && numbers(self) == numbers(other)
+            && self.movable[row] == other.movable[row]
+            && self.spin(row) == other.spin(row)
+    }
+
     /// One over the mass; 0 for an immovable particle.
     #[inline]
     pub fn inverse_mass(&self, row: usize) -> f32 {

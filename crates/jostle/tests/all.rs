@@ -12,6 +12,7 @@ mod merging;
 mod physics;
 mod query;
 mod scenes;
+mod sleeping;
 mod snapshot;
 mod space;
 mod tree;

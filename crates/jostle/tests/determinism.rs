@@ -16,7 +16,7 @@ use jostle::{
 const PINNED: [(&str, u64); 17] = [
     ("article", 0x18da_3aa6_3bac_fde4),
     ("gas", 0x5dee_8c46_e453_36cc),
-    ("pile", 0x6472_2181_45e6_5af9),
+    ("pile", 0xec69_1277_c1d1_9cec),
     ("rain", 0x5328_04e4_0c04_0f99),
     ("mixed", 0xdd89_36ac_1b18_a8fc),
     ("clusters", 0x3b36_d4a2_2b5a_e11b),
@@ -29,8 +29,8 @@ const PINNED: [(&str, u64); 17] = [
     ("sand", 0xfd56_2e48_29ba_bc79),
     ("galton", 0x124d_b284_d9e0_277a),
     ("brownian", 0xbcc3_c6cc_cba1_d983),
-    ("emitters", 0xc926_e842_94cc_3657),
-    ("heap", 0x1080_d42f_2437_4b57),
+    ("emitters", 0x9f50_0761_1cb1_aaec),
+    ("heap", 0x0b77_ad9b_1c25_8041),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.
@@ -39,7 +39,7 @@ const PINNED_STARS: (u64, usize) = (0xdac9_604a_877e_5dfa, 1177);
 /// State of some scenes whose particles have friction and spin, in the same way.
 const PINNED_WITH_FRICTION: [(u64, &str); 4] = [
     (0x3d34_203f_909a_e463, "gas"),
-    (0xe077_f442_2ed4_5c6c, "pile"),
+    (0xb21b_5b67_d311_a85f, "pile"),
     (0x5117_b759_bc3b_cc75, "mixed"),
     (0x308a_61ba_1f6e_1c91, "sand"),
 ];

@@ -70,6 +70,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
         on_touch,
         method: Method::Brute,
         substeps: Some(3),
+        sleeping: true,
         tree: Settings { leaf_capacity: 7, max_depth: 30, threads: Some(2) },
     };
     let mut world = World::new(all, settings).expect("valid");
@@ -154,7 +155,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads formats 2 to 4"
+        "data is a snapshot in format 9; this version of jostle reads formats 2 to 5"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(

@@ -98,6 +98,7 @@ def pile(count: int, patience: float = math.inf) -> Beginning | None:
     None where the frames of the fall take more than `patience` seconds from the beginning.
     """
     world = jostle.scenes.create("pile", n=count)
+    world.sleeping = False
     slow = 0
     for passed in range(0, LONGEST_FALL, 10):
         slow += clock(lambda: world.step(FRAME, 10)) > 10 * patience
@@ -125,6 +126,7 @@ def resumed(start: Beginning, threads: int) -> jostle.World:
         container=jostle.Box(*start.box),
         substeps=start.substeps,
         threads=threads,
+        sleeping=False,
     )
 
 

@@ -17,6 +17,7 @@ impl Ours {
             restitution: start.restitution,
             container: Container::Box { min: [min_x, min_y], max: [max_x, max_y] },
             substeps: Some(start.substeps),
+            sleeping: false,
             tree: Settings { threads: Some(workers), ..Settings::default() },
             ..WorldSettings::default()
         };

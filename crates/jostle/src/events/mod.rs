@@ -102,6 +102,11 @@ pub struct Events {
     pub bounced: Vec<Bounce>,
     /// Discs that had too many events in a window and stand still for the rest of the step.
     pub exhausted: Vec<u32>,
+    /// Discs that got further than their limits, and how far, once for each window. Unlike the growth of bounds they
+    /// follow from the histories alone.
+    pub strayed: Vec<(u32, f64)>,
+    /// Discs that may have.
+    may_have_strayed: Vec<u32>,
     starts: Vec<Start>,
     blocks: Vec<Block>,
     batches: Vec<Batch>,
@@ -225,8 +230,33 @@ impl Events {
             self.simulate_again(&window, rounds > MOST_ROUNDS, bounds)?;
             interrupt::check()?;
         }
+        self.find_strayed(&window);
         self.finish(&window);
         Ok(window.end)
+    }
+
+    /// Begins a step: clears its results.
+    pub fn begin_step(&mut self) {
+        self.bounced.clear();
+        self.exhausted.clear();
+        self.strayed.clear();
+        self.may_have_strayed.clear();
+    }
+
+    /// Lists the discs that get further than their limits in the window.
+    fn find_strayed(&mut self, window: &Window<'_>) {
+        let mut listed = std::mem::take(&mut self.may_have_strayed);
+        listed.sort_unstable();
+        listed.dedup();
+        for &index in &listed {
+            let squares = self.trajectory(window, index);
+            let squares = squares.map(|part| window.longest_square(index, &part.segment));
+            let distance = squares.fold(0.0, f64::max).sqrt();
+            if distance > f64::from(window.flight.limits[index as usize]) {
+                self.strayed.push((index, distance));
+            }
+        }
+        self.may_have_strayed = listed;
     }
 
     /// Makes blocks of all discs.
@@ -449,6 +479,9 @@ impl Events {
         self.new.clear();
         if self.outside.is_empty() || !window.flight.pairs {
             return Ok(());
+        }
+        if !window.flight.limits.is_empty() {
+            self.may_have_strayed.extend(self.outside.iter().map(|outside| outside.index));
         }
         self.near.clear();
         bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;

@@ -166,7 +166,7 @@ pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side.
-fn rounding([x, y]: [f32; 2], container: &Container) -> f32 {
+pub(super) fn rounding([x, y]: [f32; 2], container: &Container) -> f32 {
     let [width, height] = match container {
         Container::Torus { size } => *size,
         _ => [0.0; 2],

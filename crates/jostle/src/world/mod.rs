@@ -6,17 +6,21 @@
 //! neighbours in memory, and every sum and every loop runs in an order that comes from
 //! the state. `rows` gives the order of adding, which is the only one that callers see.
 
+mod asleep;
 mod bounds;
+mod columns;
 mod feel;
 mod merge;
 mod search;
 mod settings;
+mod sleeping;
 mod snapshot;
 mod step;
 mod substeps;
 mod sums;
 mod touches;
 mod undo;
+mod waking;
 
 use std::ops::Range;
 
@@ -28,12 +32,14 @@ use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{self, Force};
 use crate::motion::{Motions, Spins};
-use crate::particles::{Particles, Spin};
+use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::resting::Resting;
 use crate::shapes::{MOST_ROWS, Shapes};
+use asleep::Asleep;
 use feel::ForceMemory;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
+use sleeping::Drift;
 use step::MAX_CANDIDATES;
 use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
@@ -108,10 +114,12 @@ pub struct Stats {
 pub struct World {
     settings: WorldSettings,
     forces: Vec<Force>,
-    /// In canonical order, like `rows`, `wall_pushes` and `contacts`.
+    /// Those that are awake, in canonical order, like `rows`, `wall_pushes` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
     rows: Vec<u32>,
+    /// How each particle moved in the last quarters of a second; empty if nothing may fall asleep.
+    drifts: Vec<Drift>,
     /// Impulse over mass that each wall gave in the last sub-step, at rest.
     wall_pushes: Vec<[f32; MAX_WALLS]>,
     /// The same of friction; empty if no particle has friction.
@@ -119,6 +127,8 @@ pub struct World {
     contacts: Contacts,
     /// The impulses that walls gave in the last step, sorted by row.
     wall_impulses: Vec<WallImpulse>,
+    /// The other particles.
+    asleep: Asleep,
     time: f64,
     stats: Stats,
     /// The new row of each old one, if the last call removed or merged any.
@@ -138,6 +148,12 @@ struct Memory {
     /// Largest displacements that stay in the bounds.
     reaches: Vec<f32>,
     old_reaches: Vec<f32>,
+    /// Those with which a part of the step begins; empty if no particle sleeps.
+    limits: Vec<f32>,
+    /// Sleeping islands that the step would touch.
+    touched: Vec<u32>,
+    sleeping: sleeping::Scratch,
+    waking: waking::Scratch,
     grown: bounds::Grown,
     /// Particles that move in the step: movable, not exhausted.
     moving: Vec<bool>,
@@ -181,12 +197,12 @@ impl World {
 
     /// Number of particles.
     pub fn len(&self) -> usize {
-        self.rows.len()
+        self.rows.len() + self.asleep.len()
     }
 
     /// Whether there is no particle.
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.len() == 0
     }
 
     /// The settings.
@@ -194,10 +210,16 @@ impl World {
         &self.settings
     }
 
-    /// Changes the settings. If they are refused, the old ones stay.
+    /// Changes the settings. If they are refused, the old ones stay. All particles wake, unless only
+    /// settings without influence on the results change.
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
+        let WorldSettings { method, tree, .. } = settings;
+        if settings != (WorldSettings { method, tree, ..self.settings }) {
+            self.wake_all();
+            self.drifts.clear();
+        }
         if settings.container != self.settings.container {
             self.wall_pushes.fill([0.0; MAX_WALLS]);
             self.wall_frictions.clear();
@@ -213,14 +235,16 @@ impl World {
     }
 
     /// Changes the forces. They name particles by their rows. If they are refused, the old
-    /// ones stay.
+    /// ones stay. All particles wake.
     pub fn set_forces(&mut self, forces: Vec<Force>) -> Result<()> {
         forces::validate(&forces, self.len())?;
+        self.wake_all();
+        self.drifts.clear();
         self.forces = forces;
         Ok(())
     }
 
-    /// Adds particles after the others and returns their rows.
+    /// Adds particles after the others and returns their rows. An immovable one wakes all.
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
@@ -229,21 +253,30 @@ impl World {
         if new > MOST_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
+        if !particles.movable.iter().all(|&movable| movable) {
+            self.wake_all();
+        }
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
-        self.wall_pushes.resize(new, [0.0; MAX_WALLS]);
+        let awake = self.rows.len();
+        self.wall_pushes.resize(awake, [0.0; MAX_WALLS]);
         if !self.wall_frictions.is_empty() {
-            self.wall_frictions.resize(new, [0.0; MAX_WALLS]);
+            self.wall_frictions.resize(awake, [0.0; MAX_WALLS]);
+        }
+        if !self.drifts.is_empty() {
+            self.drifts.resize(awake, Drift::UNKNOWN);
         }
         Ok(old as u32..new as u32)
     }
 
     /// Removes the particles in `rows`; the rows after them move up. Springs and
-    /// attractors of a removed particle are removed too.
+    /// attractors of a removed particle are removed too. The islands of removed particles wake; all
+    /// wake if an immovable one is removed.
     pub fn remove(&mut self, rows: &[u32]) -> Result<()> {
         self.check_rows(rows)?;
         let mut gone = vec![false; self.len()];
         rows.iter().for_each(|&row| gone[row as usize] = true);
+        self.wake_changed(&gone);
         let shifted = self.take_out(&gone);
         let moved: Vec<Option<u32>> =
             gone.iter().zip(shifted).map(|(&gone, new)| (!gone).then_some(new)).collect();
@@ -261,21 +294,23 @@ impl World {
             left += u32::from(!gone);
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
-        self.particles.retain(|place| keep[place]);
-        self.particles.simplify();
-        for pushes in [&mut self.wall_pushes, &mut self.wall_frictions] {
-            let mut place = 0;
-            pushes.retain(|_| {
-                place += 1;
-                keep[place - 1]
-            });
-        }
-        self.contacts.retain(&keep);
         self.wall_impulses.retain(|of| !gone[of.row as usize]);
         self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
-        self.rows.retain(|&row| !gone[row as usize]);
+        self.keep(&keep);
+        self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         shifted
+    }
+
+    /// Keeps some places of all columns, and the contacts between them.
+    fn keep(&mut self, keep: &[bool]) {
+        self.particles.retain(|place| keep[place]);
+        self.particles.simplify();
+        self.contacts.retain(keep);
+        retain(&mut self.rows, keep);
+        retain(&mut self.wall_pushes, keep);
+        retain(&mut self.wall_frictions, keep);
+        retain(&mut self.drifts, keep);
     }
 
     /// The new row of each old one, after rows were removed or merged since the last reset:
@@ -289,79 +324,12 @@ impl World {
         self.renumbered = None;
     }
 
-    /// A copy of all particles in the order of adding.
-    pub fn particles(&self) -> Particles {
-        let mut copy = Particles::default();
-        copy.gather(&self.particles, &self.places(), Some(1));
-        copy
-    }
-
-    /// Centres in the order of adding.
-    pub fn positions(&self) -> Vec<[f32; 2]> {
-        self.column(&self.particles.positions)
-    }
-
-    /// Velocities in the order of adding.
-    pub fn velocities(&self) -> Vec<[f32; 2]> {
-        self.column(&self.particles.velocities)
-    }
-
-    /// Radii in the order of adding.
-    pub fn radii(&self) -> Vec<f32> {
-        self.column(&self.particles.radii)
-    }
-
-    /// Masses in the order of adding.
-    pub fn masses(&self) -> Vec<f32> {
-        self.column(&self.particles.masses)
-    }
-
-    /// Restitutions in the order of adding.
-    pub fn restitutions(&self) -> Vec<f32> {
-        self.column(&self.particles.restitutions)
-    }
-
-    /// Whether each particle can be moved, in the order of adding.
-    pub fn movable(&self) -> Vec<bool> {
-        self.column(&self.particles.movable)
-    }
-
-    /// Coefficients of friction in the order of adding.
-    pub fn friction(&self) -> Vec<f32> {
-        self.spins(|spin| spin.friction)
-    }
-
-    /// Angles in radians, −π to π without π, in the order of adding.
-    pub fn angles(&self) -> Vec<f32> {
-        // Rounded to float32 an angle below π may be π.
-        let last = std::f32::consts::PI;
-        let rounded = |angle: f32| if angle >= last { -last } else { angle };
-        self.spins(|spin| rounded(spin.angle as f32))
-    }
-
-    /// Angular velocities in the order of adding.
-    pub fn angular_velocities(&self) -> Vec<f32> {
-        self.spins(|spin| spin.velocity)
-    }
-
-    fn spins(&self, of: impl Fn(Spin) -> f32) -> Vec<f32> {
-        let values: Vec<f32> = (0..self.len()).map(|at| of(self.particles.spin(at))).collect();
-        self.column(&values)
-    }
-
-    fn column<V: Copy + Default>(&self, values: &[V]) -> Vec<V> {
-        let mut column = vec![V::default(); values.len()];
-        for (&row, &value) in self.rows.iter().zip(values) {
-            column[row as usize] = value;
-        }
-        column
-    }
-
     /// Changes columns of the particles: `change` gets a copy of them in the order of
     /// adding. A particle with a new position has no residual. Refused values change nothing.
+    /// The islands of changed particles wake; all wake if an immovable one changes.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
         let mut copy = self.particles();
-        let before = copy.positions.clone();
+        let before = copy.clone();
         change(&mut copy)?;
         if copy.len() != self.len() {
             let (found, expected) = (copy.len(), self.len());
@@ -370,10 +338,18 @@ impl World {
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
         copy.simplify();
-        let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before));
+        let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = rows.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
+        let changed: Vec<bool> = (0..copy.len()).map(|row| !copy.is_same(row, &before)).collect();
+        self.wake_changed(&changed);
+        for (drift, &row) in self.drifts.iter_mut().zip(&self.rows) {
+            if changed[row as usize] {
+                *drift = Drift::UNKNOWN;
+            }
+        }
         self.particles.gather(&copy, &self.rows, Some(1));
+        self.particles.simplify();
         Ok(())
     }
 
@@ -393,15 +369,6 @@ impl World {
         Ok(())
     }
 
-    /// The place of each row.
-    fn places(&self) -> Vec<u32> {
-        let mut places = vec![0; self.len()];
-        for (place, &row) in self.rows.iter().enumerate() {
-            places[row as usize] = place as u32;
-        }
-        places
-    }
-
     /// Simulated seconds.
     pub fn time(&self) -> f64 {
         self.time
@@ -411,4 +378,10 @@ impl World {
     pub fn stats(&self) -> Stats {
         self.stats
     }
+}
+
+/// Keeps some values of a column, which may be empty.
+fn retain<V>(column: &mut Vec<V>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    column.retain(|_| keep.next().is_some_and(|&keep| keep));
 }

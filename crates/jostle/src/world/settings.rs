@@ -36,6 +36,9 @@ pub struct WorldSettings {
     /// Sub-steps of a step, in which forces act and resting contacts are solved, at least 1.
     /// None: 1 if flights are exact and nothing can rest, otherwise [`DEFAULT_SUBSTEPS`].
     pub substeps: Option<usize>,
+    /// Whether islands that have been slow for half a second fall asleep under gravity, if
+    /// collisions are inelastic.
+    pub sleeping: bool,
     /// Leaf capacity, maximum depth and threads.
     pub tree: Settings,
 }
@@ -53,6 +56,7 @@ impl Default for WorldSettings {
             on_touch: OnTouch::Bounce,
             method: Method::Quadtree,
             substeps: None,
+            sleeping: true,
             tree: Settings::default(),
         }
     }

@@ -18,6 +18,9 @@ use crate::particles::{FARTHEST, Particles, Spin, wrap_angle};
 /// about four GiB.
 pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 
+/// Repetitions of a step that wake only islands that would be touched. One more wakes all.
+const MOST_ATTEMPTS: usize = 8;
+
 /// Fewer particles than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 12_000;
 
@@ -41,7 +44,7 @@ impl World {
 
     /// The threads to use: one for a small world.
     pub(super) fn threads(&self) -> Option<usize> {
-        if self.len() < WORTH_WAKING { Some(1) } else { self.settings.tree.threads }
+        if self.rows.len() < WORTH_WAKING { Some(1) } else { self.settings.tree.threads }
     }
 
     fn step_often(
@@ -52,14 +55,48 @@ impl World {
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         for _ in 0..steps {
-            self.check_displacements(single)?;
-            self.begin();
-            if let Err(error) = self.step_in_parts(single, watch) {
-                self.undo();
-                return Err(error);
+            if self.is_still() {
+                interrupt::check()?;
+                self.wall_impulses.clear();
+                self.stats = Stats::default();
+            } else {
+                self.step_until_complete(single, dt, watch)?;
             }
-            touches::add_up(&mut self.wall_impulses);
             self.time += dt;
+        }
+        Ok(())
+    }
+
+    /// Makes a step. If particles would meet sleeping ones, wakes these and makes it anew.
+    fn step_until_complete(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut (dyn FnMut(Stage) + Send),
+    ) -> Result<()> {
+        self.check_displacements(single)?;
+        let awake = self.rows.len();
+        for attempt in 0.. {
+            self.begin();
+            let mut done = self.step_in_parts(single, watch);
+            let mut touched = std::mem::take(&mut self.memory.touched);
+            if done.is_ok() && touched.is_empty() {
+                touches::add_up(&mut self.wall_impulses);
+                done = self.fall_asleep(dt);
+                if done.is_ok() {
+                    self.asleep.forget_woken();
+                    return Ok(());
+                }
+            }
+            self.undo();
+            if done.is_err() {
+                self.cancel_waking(awake);
+                return done;
+            }
+            if attempt == MOST_ATTEMPTS {
+                touched = self.asleep.islands().collect();
+            }
+            self.wake(&touched);
         }
         Ok(())
     }
@@ -77,6 +114,9 @@ impl World {
             let part = left / parts as f32;
             for _ in 0..if is_torus { 1 } else { parts } {
                 self.step_once(part, substeps, watch)?;
+                if !self.memory.touched.is_empty() {
+                    return Ok(());
+                }
             }
             if !is_torus || parts == 1 {
                 return Ok(());
@@ -87,7 +127,7 @@ impl World {
 
     /// The first row with this `number`, for an error.
     pub(super) fn row_of(&self, number: f32, of: impl Fn(usize) -> f32) -> u32 {
-        let places = (0..self.len()).filter(|&place| of(place) == number);
+        let places = (0..self.rows.len()).filter(|&place| of(place) == number);
         places.map(|place| self.rows[place]).min().unwrap_or(0)
     }
 
@@ -101,7 +141,7 @@ impl World {
 
     /// The largest of these displacements.
     fn longest_displacement(&self, dt: f32) -> f32 {
-        largest((0..self.len()).map(|place| self.displacement(place, dt)))
+        largest((0..self.rows.len()).map(|place| self.displacement(place, dt)))
     }
 
     /// Refuses a step in which a particle would move too far.
@@ -135,7 +175,8 @@ impl World {
     }
 
     /// The order of a step: forces → bounds → tree → candidate pairs → order of particles → contacts →
-    /// sub-steps (kicks, flights, position correction).
+    /// sub-steps (kicks, flights, position correction). It ends early if particles meet sleeping
+    /// ones, and lists these.
     pub(super) fn step_once(
         &mut self,
         dt: f32,
@@ -154,6 +195,9 @@ impl World {
         self.build()?;
         watch(Stage::Build);
         interrupt::check()?;
+        if self.is_near_sleepers()? {
+            return Ok(());
+        }
         self.candidates()?;
         watch(Stage::Pairs);
         interrupt::check()?;
@@ -161,6 +205,10 @@ impl World {
         self.prepare();
         watch(Stage::Contacts);
         self.fly(dt, watch)?;
+        if self.has_strayed_to_sleepers()? {
+            return Ok(());
+        }
+        self.record()?;
         self.break_springs();
         self.merge();
         watch(Stage::Store);
@@ -183,7 +231,7 @@ impl World {
         let order = memory.tree.rows();
         let spare =
             if memory.before.arranged { &mut memory.spare } else { &mut memory.before.ordered };
-        let Ordered { particles, rows, wall_pushes, wall_frictions } = spare;
+        let Ordered { particles, rows, wall_pushes, wall_frictions, drifts } = spare;
         particles.gather(&self.particles, order, threads);
         std::mem::swap(particles, &mut self.particles);
         gather(rows, &mut self.rows, order, threads);
@@ -193,6 +241,12 @@ impl World {
             std::mem::swap(wall_frictions, &mut self.wall_frictions);
         } else {
             gather(wall_frictions, &mut self.wall_frictions, order, threads);
+        }
+        drifts.clear();
+        if self.drifts.is_empty() {
+            std::mem::swap(drifts, &mut self.drifts);
+        } else {
+            gather(drifts, &mut self.drifts, order, threads);
         }
         memory.touched_before.clear();
         if memory.before.arranged {
@@ -301,7 +355,7 @@ impl World {
         let bad = |&place: &usize| {
             !is_finite(&motion(place), &self.wall_pushes[place]) || !spin(place).is_finite()
         };
-        let place = (0..self.len()).filter(bad).min_by_key(|&place| self.rows[place]);
+        let place = (0..self.rows.len()).filter(bad).min_by_key(|&place| self.rows[place]);
         let place = place.expect("only called if there is one");
         let Motion { position, velocity, .. } = motion(place);
         let columns: [(&str, &[f32]); 4] = [

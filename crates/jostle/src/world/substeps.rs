@@ -84,7 +84,7 @@ impl World {
         self.contacts.collect(overlaps, particles, moving, restitution, tree.rows(), threads);
     }
 
-    /// Makes the sub-steps and stores positions and velocities.
+    /// Makes the sub-steps.
     pub(super) fn fly(&mut self, dt: f32, watch: &mut (dyn FnMut(Stage) + Send)) -> Result<()> {
         let (threads, substeps) = (self.threads(), self.memory.substeps);
         let (is_elastic, may_rest) = (self.is_elastic(), self.may_rest());
@@ -100,6 +100,10 @@ impl World {
         });
         memory.spins.fill(&particles.spins);
         let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
+        memory.limits.clear();
+        if !self.asleep.is_empty() {
+            memory.limits.extend_from_slice(&memory.reaches);
+        }
         let mut bounds = StepBounds::new(
             &memory.tree,
             particles,
@@ -112,9 +116,8 @@ impl World {
         }
         let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
         self.wall_frictions.resize(with_friction, Default::default());
-        memory.events.bounced.clear();
+        memory.events.begin_step();
         memory.wall_impulses.clear();
-        memory.events.exhausted.clear();
         let is_bounded = memory.bounded && !may_rest && springs(&self.forces).next().is_none();
         let h = f64::from(dt) / substeps as f64;
         let flow = Flow::new(h, settings.gravity, settings.drag);
@@ -174,6 +177,7 @@ impl World {
                 thermostat: forces::thermostat(&self.forces),
                 pairs: settings.on_touch == OnTouch::Bounce,
                 candidates: &memory.pairs,
+                limits: &memory.limits,
                 threads,
             };
             memory.events.fly(&flight, &mut bounds)?;
@@ -183,6 +187,14 @@ impl World {
             merge::note(&mut memory.meetings, motions, threads);
             watch(Stage::Correction);
         }
+        Ok(())
+    }
+
+    /// Stores the results of the sub-steps: positions and velocities, what touched, and who had too
+    /// many events.
+    pub(super) fn record(&mut self) -> Result<()> {
+        let (threads, settings, memory) = (self.threads(), &self.settings, &mut self.memory);
+        let (motions, particles) = (&memory.motions, &self.particles);
         let exhausted = memory.events.exhausted.iter().map(|&place| self.rows[place as usize]);
         memory.exhausted.extend(exhausted);
         memory.exhausted.sort_unstable();

@@ -7,7 +7,7 @@ use crate::parallel;
 use crate::particles::{Particles, Spin};
 
 impl World {
-    /// Sum of mass times velocity.
+    /// Sum of mass times velocity. Sleeping particles have none.
     pub fn momentum(&self) -> [f64; 2] {
         let Particles { masses, velocities, .. } = &self.particles;
         let all = masses.iter().zip(velocities);
@@ -32,13 +32,16 @@ impl World {
     /// Energy of all movable particles in the field of gravity, and of all forces that have
     /// a potential: attractors (with poles taken as fixed), springs and gravitation.
     pub fn potential_energy(&self) -> f64 {
-        let Particles { masses, positions, movable, .. } = &self.particles;
         let [gx, gy] = self.settings.gravity.map(f64::from);
-        let all = masses.iter().zip(positions).zip(movable);
-        let energy = |((&m, p), _): ((&f32, &[f32; 2]), &bool)| {
-            -f64::from(m) * (gx * f64::from(p[0]) + gy * f64::from(p[1]))
+        let energy = |all: &Particles, at: usize| {
+            let p = all.positions[at].map(f64::from);
+            -f64::from(all.masses[at]) * (gx * p[0] + gy * p[1])
         };
-        let gravity = all.filter(|&(_, &movable)| movable).map(energy).sum::<f64>();
+        let awake = (0..self.rows.len()).filter(|&at| self.particles.movable[at]);
+        let awake = awake.map(|at| energy(&self.particles, at));
+        let asleep = self.asleep.indices();
+        let asleep = asleep.map(|at| energy(&self.asleep.sleepers().particles, at));
+        let gravity = awake.chain(asleep).sum::<f64>();
         if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
 
@@ -76,7 +79,7 @@ impl World {
             mass * forces::attractor::energy(attractor, offset, bodies.radii[place])
         };
         let felt = |&place: &usize| self.particles.movable[place] && own != Some(place);
-        (0..self.len()).filter(felt).map(energy).sum()
+        (0..self.rows.len()).filter(felt).map(energy).sum()
     }
 
     /// A 64-bit hash of the particles, the same on every platform.

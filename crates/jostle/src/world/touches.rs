@@ -1,6 +1,7 @@
 //! What touched during the last step, and with which impulses.
 
 use super::{OnTouch, World};
+use crate::contacts::Contact;
 use crate::error::Result;
 use crate::motion::exact;
 use crate::trajectory::wall_normal;
@@ -61,15 +62,13 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
 }
 
 impl World {
-    /// The pairs that touched during the last step, in canonical order. If nothing
-    /// bounces, those that overlap now; an error if there are too many.
+    /// The pairs that touched during the last step, in canonical order; then sleeping ones, as in the
+    /// last step in which they were awake. If nothing bounces, those that overlap now; an error if there are too many.
     pub fn contacts(&self) -> Result<Vec<Touch>> {
         if self.settings.on_touch != OnTouch::Bounce {
             return self.overlaps();
         }
-        let row = |place: u32| self.rows[place as usize];
-        let touch = |contact: &crate::contacts::Contact| {
-            let [i, j] = contact.places.map(row);
+        let touch = |contact: &Contact, [i, j]: [u32; 2]| {
             let sign = if i < j { 1.0 } else { -1.0 };
             let normal = contact.normal.map(|v| v * sign);
             // If the two are exchanged, normal and impulse change their signs, and the sums do not.
@@ -77,15 +76,22 @@ impl World {
             let pair = [i.min(j), i.max(j)];
             Touch { pair, normal, depth: -contact.gap, normal_impulse, friction_impulse }
         };
-        Ok(self.contacts.touching().map(touch).collect())
+        let row = |place: u32| self.rows[place as usize];
+        let awake = self.contacts.touching().map(|of| touch(of, of.places.map(row)));
+        let asleep = self.asleep.contacts().filter(|contact| contact.touched);
+        Ok(awake.chain(asleep.map(|of| touch(of, of.places))).collect())
     }
 
-    /// The particles to which walls gave an impulse during the last step, by row.
+    /// The particles to which walls gave an impulse during the last step, by row; sleeping ones as in
+    /// the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
         let (places, container) = (self.places(), &self.settings.container);
         let touch = |&WallImpulse { row, wall, impulses }: &WallImpulse| {
             let place = places[row as usize] as usize;
-            let all = &self.particles;
+            let (all, place) = match place.checked_sub(self.rows.len()) {
+                None => (&self.particles, place),
+                Some(at) => (&self.asleep.sleepers().particles, at),
+            };
             let position = exact(all.positions[place], all.residuals[place]);
             let gap = container.gaps(position, f64::from(all.radii[place]))[usize::from(wall)]?;
             let normal = wall_normal(container, wall, position).map(|v| v as f32);
@@ -93,6 +99,9 @@ impl World {
             let depth = -gap as f32;
             Some(WallTouch { row, wall, normal, depth, normal_impulse, friction_impulse })
         };
-        self.wall_impulses.iter().filter_map(touch).collect()
+        let all = self.wall_impulses.iter().chain(self.asleep.wall_impulses());
+        let mut all: Vec<WallTouch> = all.filter_map(touch).collect();
+        all.sort_by_key(|touch| (touch.row, touch.wall));
+        all
     }
 }

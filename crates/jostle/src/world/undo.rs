@@ -1,5 +1,6 @@
 //! Restores the state before a step that is refused or interrupted.
 
+use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
@@ -14,6 +15,7 @@ pub(super) struct Ordered {
     pub(super) rows: Vec<u32>,
     pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
     pub(super) wall_frictions: Vec<[f32; MAX_WALLS]>,
+    pub(super) drifts: Vec<Drift>,
 }
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
@@ -58,11 +60,13 @@ impl World {
     pub(super) fn undo(&mut self) {
         let before = &mut self.memory.before;
         if before.arranged {
-            let Ordered { particles, rows, wall_pushes, wall_frictions } = &mut before.ordered;
+            let Ordered { particles, rows, wall_pushes, wall_frictions, drifts } =
+                &mut before.ordered;
             std::mem::swap(&mut self.particles, particles);
             std::mem::swap(&mut self.rows, rows);
             std::mem::swap(&mut self.wall_pushes, wall_pushes);
             std::mem::swap(&mut self.wall_frictions, wall_frictions);
+            std::mem::swap(&mut self.drifts, drifts);
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
         }

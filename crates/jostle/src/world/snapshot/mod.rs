@@ -4,21 +4,28 @@
 //! their canonical order, and the impulses of resting contacts with walls and particles. A
 //! column with the same value for all particles is stored as one value.
 
+mod forces;
+mod sleepers;
+
+use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{OnTouch, Stats, World, WorldSettings};
 use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
-use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
+use forces::{get_force, put_force};
+use sleepers::{get_sleepers, put_sleepers};
 
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction.
-const VERSION: u32 = 4;
+/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction, version
+/// 4 no sleeping.
+const VERSION: u32 = 5;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -41,18 +48,18 @@ impl World {
         [nodes, leaves, depth].into_iter().for_each(|number| to.put_count(number));
         to.put(tests);
         to.put(unresolved);
-        to.put_count(self.len());
+        to.put_count(self.rows.len());
+        to.put_count(self.asleep.len());
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
         put_wall_pushes(&mut to, &self.wall_pushes);
         put_wall_pushes(&mut to, &self.wall_frictions);
         put_contacts(&mut to, self.contacts.lasting().collect());
-        to.put_count(self.wall_impulses.len());
-        for WallImpulse { row, wall, impulses } in &self.wall_impulses {
-            to.put(*row);
-            to.put(*wall);
-            to.put(*impulses);
-        }
+        put_wall_impulses(&mut to, &self.wall_impulses);
+        to.put(u8::from(!self.drifts.is_empty()));
+        let drifts = self.drifts.iter().map(|of| [of.before, of.now[0], of.now[1], of.now[2]]);
+        to.put_all(&drifts.collect::<Vec<[f32; 4]>>());
+        put_sleepers(&mut to, &self.asleep.copy());
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
         to.finish(MAGIC, VERSION)
@@ -63,7 +70,7 @@ impl World {
         let (mut from, version) = Reader::open(bytes, MAGIC, 2..=VERSION)?;
         let valid = |error: Error| damaged(&error.to_string());
         let mut world = Self::default();
-        world.configure(get_settings(&mut from)?).map_err(valid)?;
+        world.configure(get_settings(&mut from, version)?).map_err(valid)?;
         world.time = from.get()?;
         if !world.time.is_finite() {
             return Err(damaged("its time is not finite"));
@@ -76,9 +83,9 @@ impl World {
             unresolved: from.get()?,
         };
         let len = from.get_count()?;
+        let sleeping = if version > 4 { from.get_count()? } else { 0 };
         let rows: Vec<u32> = from.get_all(len)?;
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
-        world.check_rows(&rows).map_err(valid)?;
         world.rows = rows;
         get_wall_pushes(&mut from, &mut world.wall_pushes, 0.0)?;
         if version > 3 {
@@ -87,12 +94,29 @@ impl World {
         }
         world.contacts.recall(get_contacts(&mut from, len, version)?, len);
         if version > 3 {
-            world.wall_impulses = get_wall_impulses(&mut from, len)?;
+            // Rows are checked below.
+            world.wall_impulses = get_wall_impulses(&mut from, len.saturating_add(sleeping))?;
         }
+        if version > 4 {
+            if from.get::<u8>()? > 0 {
+                let drifts: Vec<[f32; 4]> = from.get_all(len)?;
+                let drift = |[before, x, y, turn]: [f32; 4]| Drift { before, now: [x, y, turn] };
+                world.drifts = drifts.into_iter().map(drift).collect();
+            }
+            let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
+            world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
+        }
+        let all_rows: Vec<u32> = world.rows.iter().copied().chain(world.asleep.rows()).collect();
+        world.check_rows(&all_rows).map_err(valid)?;
+        world.check_sleeping()?;
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
-        world.set_forces(forces?).map_err(valid)?;
+        world.forces = forces?;
+        all_forces::validate(&world.forces, world.len()).map_err(valid)?;
+        if !world.asleep.is_empty() && !world.may_sleep() {
+            return Err(damaged("nothing can sleep in it"));
+        }
         from.close()?;
         Ok(world)
     }
@@ -121,9 +145,10 @@ fn put_settings(to: &mut Writer, settings: &WorldSettings) {
     let Settings { leaf_capacity, max_depth, threads } = settings.tree;
     let numbers = [settings.substeps.unwrap_or(0), leaf_capacity, max_depth, threads.unwrap_or(0)];
     numbers.into_iter().for_each(|number| to.put_count(number));
+    to.put(u8::from(settings.sleeping));
 }
 
-fn get_settings(from: &mut Reader<'_>) -> Result<WorldSettings> {
+fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
     let gravity = from.get()?;
     let [drag, restitution] = from.get()?;
     let (kind, [a, b, c, d]): (u8, [f32; 4]) = (from.get()?, from.get()?);
@@ -149,7 +174,9 @@ fn get_settings(from: &mut Reader<'_>) -> Result<WorldSettings> {
     let (leaf_capacity, max_depth) = (from.get_count()?, from.get_count()?);
     let threads = Some(from.get_count()?).filter(|&threads| threads > 0);
     let tree = Settings { leaf_capacity, max_depth, threads };
-    Ok(WorldSettings { gravity, drag, restitution, container, on_touch, method, substeps, tree })
+    let sleeping = version < 5 || from.get::<u8>()? > 0;
+    let base = WorldSettings { gravity, drag, restitution, container, ..WorldSettings::default() };
+    Ok(WorldSettings { on_touch, method, substeps, sleeping, tree, ..base })
 }
 
 fn put_particles(to: &mut Writer, all: &Particles) {
@@ -257,83 +284,24 @@ fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<C
     Ok(contacts)
 }
 
+fn put_wall_impulses(to: &mut Writer, all: &[WallImpulse]) {
+    to.put_count(all.len());
+    for WallImpulse { row, wall, impulses } in all {
+        to.put(*row);
+        to.put(*wall);
+        to.put(*impulses);
+    }
+}
+
 fn get_wall_impulses(from: &mut Reader<'_>, len: usize) -> Result<Vec<WallImpulse>> {
     let mut all = Vec::new();
     for _ in 0..from.get_count()? {
         let (row, wall, impulses) = (from.get()?, from.get()?, from.get::<[f32; 2]>()?);
-        let is_known = row < len as u32 && usize::from(wall) < MAX_WALLS;
+        let is_known = (row as usize) < len && usize::from(wall) < MAX_WALLS;
         if !is_known || impulses.iter().any(|impulse| impulse.is_nan()) {
             return Err(damaged("a wall pushes nothing"));
         }
         all.push(WallImpulse { row, wall, impulses });
     }
     Ok(all)
-}
-
-fn put_force(to: &mut Writer, force: &Force) {
-    match force {
-        Force::Attractor(Attractor { pole, strength, law }) => {
-            to.put(0u8);
-            match *pole {
-                Pole::Point(point) => {
-                    to.put(0u8);
-                    to.put(point);
-                }
-                Pole::Particle(row) => {
-                    to.put(1u8);
-                    to.put(row);
-                }
-            }
-            to.put(*strength);
-            to.put(u8::from(*law == Law::InverseSquare));
-        }
-        Force::Gravitation(Gravitation { g, softening, theta }) => {
-            to.put(1u8);
-            to.put([*g, *softening, *theta]);
-        }
-        Force::Springs(Springs(springs)) => {
-            to.put(2u8);
-            to.put_count(springs.len());
-            for spring in springs {
-                to.put(spring.pair);
-                to.put([spring.length, spring.stiffness, spring.damping, spring.max_stretch]);
-            }
-        }
-        Force::Thermostat(Thermostat { speed, rate }) => {
-            to.put(3u8);
-            to.put([*speed, *rate]);
-        }
-    }
-}
-
-fn get_force(from: &mut Reader<'_>) -> Result<Force> {
-    Ok(match from.get()? {
-        0u8 => {
-            let pole = match from.get()? {
-                0u8 => Pole::Point(from.get()?),
-                _ => Pole::Particle(from.get()?),
-            };
-            let strength = from.get()?;
-            let law = if from.get::<u8>()? > 0 { Law::InverseSquare } else { Law::Harmonic };
-            Force::Attractor(Attractor { pole, strength, law })
-        }
-        1 => {
-            let [g, softening, theta] = from.get()?;
-            Force::Gravitation(Gravitation { g, softening, theta })
-        }
-        2 => {
-            let mut springs = Vec::new();
-            for _ in 0..from.get_count()? {
-                let pair = from.get()?;
-                let [length, stiffness, damping, max_stretch] = from.get()?;
-                springs.push(Spring { pair, length, stiffness, damping, max_stretch });
-            }
-            Force::Springs(Springs(springs))
-        }
-        3 => {
-            let [speed, rate] = from.get()?;
-            Force::Thermostat(Thermostat { speed, rate })
-        }
-        _ => return Err(damaged("there is no such force")),
-    })
 }

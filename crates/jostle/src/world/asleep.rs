@@ -1,0 +1,279 @@
+//! Sleeping islands, apart from the columns that a step works on.
+//!
+//! An island that falls asleep is appended. One that wakes is only marked; the marked ones are removed
+//! when they are more than half. So both cost as much as the island is large. Trees over ranges of
+//! the particles find those that others touch. The tree of a new range takes in those before that
+//! are not much larger, so there are few.
+
+use std::iter;
+use std::ops::Range;
+
+use super::touches::WallImpulse;
+use super::{MAX_CANDIDATES, WorldSettings};
+use crate::contacts::Contact;
+use crate::container::MAX_WALLS;
+use crate::error::{Error, Result};
+use crate::pairs::{self, JoinScratch};
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::settings::{Method, Settings};
+use crate::shapes::{Each, Shapes};
+
+/// Where the parts of an island are in the columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Island {
+    pub(super) particles: Range<u32>,
+    pub(super) contacts: Range<u32>,
+    pub(super) wall_impulses: Range<u32>,
+}
+
+/// Islands with all that they need to continue when they wake.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sleepers {
+    pub(super) particles: Particles,
+    pub(super) rows: Vec<u32>,
+    pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
+    pub(super) wall_frictions: Vec<[f32; MAX_WALLS]>,
+    /// Those of the last step in which they were awake. Their places are rows: the other
+    /// particle may be immovable, and is awake then.
+    pub(super) contacts: Vec<Contact>,
+    /// Those of that step.
+    pub(super) wall_impulses: Vec<WallImpulse>,
+    pub(super) islands: Vec<Island>,
+}
+
+impl Sleepers {
+    /// Appends islands.
+    fn extend(&mut self, other: &Self) {
+        let moved = |range: &Range<u32>, by: usize| range.start + by as u32..range.end + by as u32;
+        let Self { rows, contacts, wall_impulses, .. } = &*self;
+        let [first, first_contact, first_impulse] =
+            [rows.len(), contacts.len(), wall_impulses.len()];
+        self.islands.extend(other.islands.iter().map(|island| Island {
+            particles: moved(&island.particles, first),
+            contacts: moved(&island.contacts, first_contact),
+            wall_impulses: moved(&island.wall_impulses, first_impulse),
+        }));
+        self.particles.extend(&other.particles);
+        self.rows.extend_from_slice(&other.rows);
+        self.wall_pushes.extend_from_slice(&other.wall_pushes);
+        self.wall_frictions.extend_from_slice(&other.wall_frictions);
+        self.contacts.extend_from_slice(&other.contacts);
+        self.wall_impulses.extend_from_slice(&other.wall_impulses);
+    }
+
+    /// A copy of some islands.
+    fn select(&self, islands: impl Iterator<Item = u32>) -> Self {
+        let mut copy = Self::default();
+        let mut order = Vec::new();
+        let range = |range: &Range<u32>| range.start as usize..range.end as usize;
+        for island in islands.map(|number| &self.islands[number as usize]) {
+            let starts = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
+            order.extend(island.particles.clone());
+            copy.contacts.extend_from_slice(&self.contacts[range(&island.contacts)]);
+            copy.wall_impulses.extend_from_slice(&self.wall_impulses[range(&island.wall_impulses)]);
+            let ends = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
+            let [particles, contacts, wall_impulses] =
+                [0, 1, 2].map(|k| starts[k] as u32..ends[k] as u32);
+            copy.islands.push(Island { particles, contacts, wall_impulses });
+        }
+        copy.particles.gather(&self.particles, &order, Some(1));
+        copy.particles.simplify();
+        copy.rows.extend(order.iter().map(|&at| self.rows[at as usize]));
+        copy.wall_pushes.extend(order.iter().map(|&at| self.wall_pushes[at as usize]));
+        copy.wall_frictions.extend(order.iter().map(|&at| self.wall_frictions[at as usize]));
+        copy
+    }
+}
+
+/// The tree of the circles of some particles.
+#[derive(Debug)]
+struct Layer {
+    /// The number of the first particle.
+    first: usize,
+    tree: Quadtree<f32>,
+}
+
+/// All sleeping islands.
+#[derive(Debug, Default)]
+pub(super) struct Asleep {
+    /// With islands that are awake, but not removed yet.
+    sleepers: Sleepers,
+    /// The island of each particle.
+    island_of: Vec<u32>,
+    /// Whether each island is awake.
+    is_awake: Vec<bool>,
+    /// The number of particles of islands that are awake.
+    awake: usize,
+    /// The islands that have been woken since the last call of [`Asleep::forget_woken`].
+    woken: Vec<u32>,
+    layers: Vec<Layer>,
+}
+
+impl Asleep {
+    /// Number of sleeping particles.
+    pub(super) fn len(&self) -> usize {
+        self.sleepers.rows.len() - self.awake
+    }
+
+    /// Whether no particle sleeps.
+    pub(super) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The columns, also of islands that are awake.
+    pub(super) fn sleepers(&self) -> &Sleepers {
+        &self.sleepers
+    }
+
+    /// The numbers of the sleeping islands.
+    pub(super) fn islands(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..).zip(&self.is_awake).filter(|(_, is_awake)| !**is_awake).map(|(island, _)| island)
+    }
+
+    /// The indices of the sleeping particles in the columns.
+    pub(super) fn indices(&self) -> impl Iterator<Item = usize> + '_ {
+        let range = |island: u32| self.sleepers.islands[island as usize].particles.clone();
+        self.islands().flat_map(range).map(|at| at as usize)
+    }
+
+    /// The rows of the sleeping particles.
+    pub(super) fn rows(&self) -> impl Iterator<Item = u32> + '_ {
+        self.indices().map(|at| self.sleepers.rows[at])
+    }
+
+    /// The contacts of the sleeping particles; their places are rows.
+    pub(super) fn contacts(&self) -> impl Iterator<Item = &Contact> {
+        let range = |island: u32| self.sleepers.islands[island as usize].contacts.clone();
+        self.islands().flat_map(range).map(|at| &self.sleepers.contacts[at as usize])
+    }
+
+    /// The impulses that walls gave to the sleeping particles.
+    pub(super) fn wall_impulses(&self) -> impl Iterator<Item = &WallImpulse> {
+        let range = |island: u32| self.sleepers.islands[island as usize].wall_impulses.clone();
+        self.islands().flat_map(range).map(|at| &self.sleepers.wall_impulses[at as usize])
+    }
+
+    /// A copy of the sleeping islands.
+    pub(super) fn copy(&self) -> Sleepers {
+        self.sleepers.select(self.islands())
+    }
+
+    /// Appends islands that fall asleep. If there is an error, nothing changes.
+    pub(super) fn append(&mut self, new: &Sleepers, settings: Settings) -> Result<()> {
+        let end = self.sleepers.rows.len() + new.rows.len();
+        let mut first = self.sleepers.rows.len();
+        let mut kept = self.layers.len();
+        while kept > 0 && self.layers[kept - 1].tree.len() <= 2 * (end - first) {
+            kept -= 1;
+            first = self.layers[kept].first;
+        }
+        let Particles { positions, radii, .. } = &self.sleepers.particles;
+        let centers = [&positions[first..], &new.particles.positions].concat();
+        let radii = Each::Rows([&radii[first..], &new.particles.radii].concat());
+        let tree = Quadtree::new(&Shapes { centers, radii, ..Shapes::default() }, settings)?;
+        self.layers.truncate(kept);
+        self.layers.push(Layer { first, tree });
+        for island in &new.islands {
+            let number = self.is_awake.len() as u32;
+            self.island_of.extend(iter::repeat_n(number, island.particles.len()));
+            self.is_awake.push(false);
+        }
+        self.sleepers.extend(new);
+        Ok(())
+    }
+
+    /// The islands of which a particle overlaps one of the circles in a tree, ascending; only
+    /// circles for whose rows `counts` returns true.
+    pub(super) fn touched(
+        &self,
+        circles: &Quadtree<f32>,
+        counts: impl Fn(u32) -> bool,
+        settings: &WorldSettings,
+        join: &mut JoinScratch,
+    ) -> Result<Vec<u32>> {
+        let mut islands = Vec::new();
+        let images = settings.container.images().flat_map(|[x, y]| [[x, y], [-x, -y]]);
+        for image in iter::once([0.0; 2]).chain(images) {
+            for Layer { first, tree } in &self.layers {
+                let max = MAX_CANDIDATES;
+                let found = match settings.method {
+                    Method::Quadtree => pairs::places_between(circles, tree, image, max, join),
+                    Method::Brute => {
+                        pairs::brute_between(circles.columns(), tree.columns(), image, max)
+                    }
+                };
+                let found = found.map_err(|error| match error {
+                    Error::TooManyPairs { max_pairs } => {
+                        Error::TooManyCandidates { most: max_pairs }
+                    }
+                    other => other,
+                })?;
+                let new =
+                    found.pairs.iter().filter(|pair| counts(circles.rows()[pair[0] as usize]));
+                let new =
+                    new.map(|pair| self.island_of[first + tree.rows()[pair[1] as usize] as usize]);
+                islands.extend(new.filter(|&island| !self.is_awake[island as usize]));
+                join.pairs = found.pairs;
+            }
+        }
+        islands.sort_unstable();
+        islands.dedup();
+        Ok(islands)
+    }
+
+    /// The islands of which a row is marked, ascending.
+    pub(super) fn islands_of(&self, marked: &[bool]) -> Vec<u32> {
+        let has_marked = |&island: &u32| {
+            let Range { start, end } = self.sleepers.islands[island as usize].particles.clone();
+            let rows = &self.sleepers.rows[start as usize..end as usize];
+            rows.iter().any(|&row| marked[row as usize])
+        };
+        self.islands().filter(has_marked).collect()
+    }
+
+    /// Wakes islands and returns a copy of them.
+    pub(super) fn wake(&mut self, islands: &[u32]) -> Sleepers {
+        self.mark(islands, true);
+        self.woken.extend_from_slice(islands);
+        self.sleepers.select(islands.iter().copied())
+    }
+
+    /// Puts the islands that have been woken to sleep again.
+    pub(super) fn cancel_waking(&mut self) {
+        let woken = std::mem::take(&mut self.woken);
+        self.mark(&woken, false);
+    }
+
+    fn mark(&mut self, islands: &[u32], is_awake: bool) {
+        for &island in islands {
+            let count = self.sleepers.islands[island as usize].particles.len();
+            self.is_awake[island as usize] = is_awake;
+            self.awake = if is_awake { self.awake + count } else { self.awake - count };
+        }
+    }
+
+    /// Makes waking final. Removes the islands that are awake if they are more than half.
+    pub(super) fn forget_woken(&mut self) {
+        self.woken.clear();
+        if 2 * self.awake <= self.sleepers.rows.len() {
+            return;
+        }
+        let mut rest = Self::default();
+        let settings = self.layers.first().map_or(Settings::default(), |of| of.tree.settings());
+        // If the tree cannot be built, they are removed later.
+        if self.is_empty() || rest.append(&self.copy(), settings).is_ok() {
+            *self = rest;
+        }
+    }
+
+    /// Renumbers the rows.
+    pub(super) fn renumber(&mut self, new: &[u32]) {
+        let Sleepers { rows, contacts, wall_impulses, .. } = &mut self.sleepers;
+        // Of islands that are awake, rows may be gone. Nothing reads them.
+        let renumber = |row: &mut u32| *row = new.get(*row as usize).copied().unwrap_or(0);
+        rows.iter_mut().for_each(renumber);
+        contacts.iter_mut().flat_map(|contact| &mut contact.places).for_each(renumber);
+        wall_impulses.iter_mut().for_each(|of| renumber(&mut of.row));
+    }
+}

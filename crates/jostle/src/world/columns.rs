@@ -1,0 +1,104 @@
+//! The columns of the particles in the order of adding, awake and asleep ones together.
+
+use super::World;
+use crate::particles::{Particles, Spin};
+
+impl World {
+    /// A copy of all particles in the order of adding.
+    pub fn particles(&self) -> Particles {
+        let mut copy = Particles::default();
+        if self.asleep.is_empty() {
+            copy.gather(&self.particles, &self.places(), Some(1));
+            return copy;
+        }
+        let mut all = self.particles.clone();
+        all.extend(&self.asleep.sleepers().particles);
+        copy.gather(&all, &self.places(), Some(1));
+        copy.simplify();
+        copy
+    }
+
+    /// Centres in the order of adding.
+    pub fn positions(&self) -> Vec<[f32; 2]> {
+        self.column(|all, at| all.positions[at])
+    }
+
+    /// Velocities in the order of adding.
+    pub fn velocities(&self) -> Vec<[f32; 2]> {
+        self.column(|all, at| all.velocities[at])
+    }
+
+    /// Radii in the order of adding.
+    pub fn radii(&self) -> Vec<f32> {
+        self.column(|all, at| all.radii[at])
+    }
+
+    /// Masses in the order of adding.
+    pub fn masses(&self) -> Vec<f32> {
+        self.column(|all, at| all.masses[at])
+    }
+
+    /// Restitutions in the order of adding.
+    pub fn restitutions(&self) -> Vec<f32> {
+        self.column(|all, at| all.restitutions[at])
+    }
+
+    /// Whether each particle can be moved, in the order of adding.
+    pub fn movable(&self) -> Vec<bool> {
+        self.column(|all, at| all.movable[at])
+    }
+
+    /// Coefficients of friction in the order of adding.
+    pub fn friction(&self) -> Vec<f32> {
+        self.spins(|spin| spin.friction)
+    }
+
+    /// Angles in radians, −π to π without π, in the order of adding.
+    pub fn angles(&self) -> Vec<f32> {
+        // Rounded to float32 an angle below π may be π.
+        let last = std::f32::consts::PI;
+        let rounded = |angle: f32| if angle >= last { -last } else { angle };
+        self.spins(|spin| rounded(spin.angle as f32))
+    }
+
+    /// Angular velocities in the order of adding.
+    pub fn angular_velocities(&self) -> Vec<f32> {
+        self.spins(|spin| spin.velocity)
+    }
+
+    /// Whether each particle is asleep, in the order of adding.
+    pub fn asleep(&self) -> Vec<bool> {
+        let mut asleep = vec![false; self.len()];
+        self.asleep.rows().for_each(|row| asleep[row as usize] = true);
+        asleep
+    }
+
+    fn spins(&self, of: impl Fn(Spin) -> f32) -> Vec<f32> {
+        self.column(|all, at| of(all.spin(at)))
+    }
+
+    fn column<V: Copy + Default>(&self, value: impl Fn(&Particles, usize) -> V) -> Vec<V> {
+        let mut column = vec![V::default(); self.len()];
+        for (at, &row) in self.rows.iter().enumerate() {
+            column[row as usize] = value(&self.particles, at);
+        }
+        let sleepers = self.asleep.sleepers();
+        for at in self.asleep.indices() {
+            column[sleepers.rows[at] as usize] = value(&sleepers.particles, at);
+        }
+        column
+    }
+
+    /// The place of each row; those of sleeping particles come after those of all others.
+    pub(super) fn places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.len()];
+        for (place, &row) in self.rows.iter().enumerate() {
+            places[row as usize] = place as u32;
+        }
+        let awake = self.rows.len();
+        for at in self.asleep.indices() {
+            places[self.asleep.sleepers().rows[at] as usize] = (awake + at) as u32;
+        }
+        places
+    }
+}

@@ -1,0 +1,276 @@
+//! Falling asleep: islands that rest are taken out of the columns that a step works on.
+//!
+//! The unit of speed is √(g r), with the radius r. A particle is slow in a quarter of a second if its
+//! mean velocity is at most [`SLOW`] and its speed never more than [`FAST`], and the same holds for
+//! the velocity of its surface. So small vibrations count less than motion in one direction. At the
+//! end of each quarter, an island falls asleep if each of its members rests on a particle or a wall
+//! and has been slow in this quarter and in the previous one, and if the largest mean speed, in this
+//! unit, has not grown from one to the other. Discs that begin to topple move slowly for longer, but
+//! faster and faster.
+
+use super::asleep::{Island, Sleepers};
+use super::{OnTouch, World};
+use crate::error::Result;
+use crate::forces::Force;
+use crate::groups::Groups;
+use crate::parallel;
+use crate::particles::Particles;
+
+/// Limit of the mean speed of a quarter of a second, in units of √(g r).
+const SLOW: f64 = 0.01;
+
+/// Limit of the speed at the end of a step, in the same units.
+const FAST: f64 = 0.1;
+
+/// Squares of mean speeds over their limit below this are due to rounding, and may grow.
+const ROUNDING: f32 = 1e-10;
+
+/// Seconds of which the mean speeds are compared.
+const QUARTER: f64 = 0.25;
+
+/// The first quarter is shorter by this, so that at usual lengths of a step the rounding of the time does not
+/// decide in which step a quarter ends.
+const SHORTER: f64 = 0.001_234_5;
+
+/// How a particle moved in the previous quarter of a second and in this one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drift {
+    /// Square of the mean speed of the previous quarter over its limit.
+    pub(super) before: f32,
+    /// Displacement of the particle and of its surface in this quarter; infinite if it was too fast.
+    pub(super) now: [f32; 3],
+}
+
+impl Drift {
+    /// Of a particle that has not been observed for a whole quarter.
+    pub(super) const UNKNOWN: Self = Self { before: f32::INFINITY, now: [f32::INFINITY; 3] };
+
+    /// At the beginning of a quarter; `before` is the square of the previous one.
+    fn after(before: f32) -> Self {
+        Self { before, now: [0.0; 3] }
+    }
+}
+
+impl Default for Drift {
+    fn default() -> Self {
+        Self::UNKNOWN
+    }
+}
+
+/// Stands for no island.
+const NONE: u32 = u32::MAX;
+
+/// Scratch.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    groups: Groups,
+    /// The largest squares of the mean speeds of each particle, then of each island at the place of its first
+    /// member, over their limits: in the previous quarter and in this one.
+    squares: Vec<[f32; 2]>,
+    of_islands: Vec<[f32; 2]>,
+    /// Whether each particle rests on another one or on a wall.
+    rests: Vec<bool>,
+    /// The number of the sleeping island of each place.
+    island_of: Vec<u32>,
+    /// The first member of the island and the place, of all that fall asleep.
+    members: Vec<[u32; 2]>,
+}
+
+impl World {
+    /// Whether anything may fall asleep with the present settings and forces.
+    pub(super) fn may_sleep(&self) -> bool {
+        let settings = &self.settings;
+        let is_thermostat = |force: &Force| matches!(force, Force::Thermostat(_));
+        settings.sleeping
+            && settings.on_touch == OnTouch::Bounce
+            && settings.gravity != [0.0; 2]
+            && self.forces.iter().all(is_thermostat)
+    }
+
+    /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an error, the
+    /// step can be undone.
+    pub(super) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
+        if !self.may_sleep() || self.is_elastic() {
+            self.drifts.clear();
+            return Ok(());
+        }
+        self.note_velocities(dt);
+        let quarter = |time: f64| ((time + SHORTER) / QUARTER).floor();
+        if quarter(self.time) == quarter(self.time + dt) {
+            return Ok(());
+        }
+        self.end_quarter();
+        if self.list_sleepers() {
+            let sleepers = self.take_sleepers();
+            self.asleep.append(&sleepers, self.settings.tree)?;
+            let island_of = &self.memory.sleeping.island_of;
+            let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
+            let mut rows = sleepers.rows;
+            rows.sort_unstable();
+            self.wall_impulses.retain(|of| rows.binary_search(&of.row).is_err());
+            self.keep(&keep);
+        }
+        Ok(())
+    }
+
+    /// The acceleration of gravity.
+    fn gravity(&self) -> f64 {
+        let [x, y] = self.settings.gravity.map(f64::from);
+        (x * x + y * y).sqrt()
+    }
+
+    /// Adds the displacements of a step of `dt` seconds to the drifts of all particles.
+    fn note_velocities(&mut self, dt: f64) {
+        let (threads, gravity) = (self.threads(), self.gravity());
+        let Self { particles, settings, drifts, rows, .. } = self;
+        let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
+        drifts.resize(rows.len(), Drift::UNKNOWN);
+        parallel::for_chunks(threads, drifts, |first, drifts| {
+            for (drift, place) in drifts.iter_mut().zip(first..) {
+                let surface = spins.get(place).map_or(0.0, |spin| spin.velocity * radii[place]);
+                let [u, v] = velocities[place];
+                let [x, y, turn] = [u, v, surface].map(f64::from);
+                let square = (x * x + y * y).max(turn * turn);
+                let is_elastic = settings.restitution * restitutions[place] == 1.0;
+                if is_elastic || square > FAST * FAST * gravity * f64::from(radii[place]) {
+                    drift.now = [f32::INFINITY; 3];
+                } else {
+                    let moved = [x, y, turn].map(|speed| (speed * dt) as f32);
+                    drift.now = [0, 1, 2].map(|k| drift.now[k] + moved[k]);
+                }
+            }
+        });
+        if !self.memory.exhausted.is_empty() {
+            for (drift, row) in drifts.iter_mut().zip(&*rows) {
+                if self.memory.exhausted.binary_search(row).is_ok() {
+                    *drift = Drift::UNKNOWN;
+                }
+            }
+        }
+    }
+
+    /// Computes the mean speeds of the quarter that ends, and begins the next one.
+    fn end_quarter(&mut self) {
+        let gravity = self.gravity();
+        let Self { particles, drifts, memory, .. } = self;
+        let squares = &mut memory.sleeping.squares;
+        squares.clear();
+        squares.extend(drifts.iter_mut().zip(&particles.radii).map(|(drift, &radius)| {
+            let [x, y, turn] = drift.now.map(f64::from);
+            let square = (x * x + y * y).max(turn * turn) / (QUARTER * QUARTER);
+            let now = if square == 0.0 {
+                0.0
+            } else {
+                (square / (SLOW * SLOW * gravity * f64::from(radius))) as f32
+            };
+            let before = std::mem::replace(drift, Drift::after(now)).before;
+            [before, now]
+        }));
+    }
+
+    /// Lists the members of the islands that fall asleep; returns whether there are any. Movable
+    /// particles that touched in the step or whose bounds overlapped belong together.
+    fn list_sleepers(&mut self) -> bool {
+        let Self { particles, contacts, wall_pushes, memory, .. } = self;
+        let super::Memory { pairs, sleeping, .. } = memory;
+        let Scratch { groups, squares, rests, of_islands, members, .. } = sleeping;
+        let movable = &particles.movable;
+        let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
+        members.clear();
+        if !(0..squares.len()).any(|place| movable[place] && is_slow(squares[place])) {
+            return false;
+        }
+        groups.reset(squares.len());
+        let touching = contacts.touching().map(|contact| contact.places);
+        for [a, b] in pairs.iter().flat_map(|(_, pairs)| pairs).copied().chain(touching) {
+            if movable[a as usize] && movable[b as usize] {
+                groups.join(a, b);
+            }
+        }
+        rests.clear();
+        rests.extend(wall_pushes.iter().map(|pushes| pushes.iter().any(|&push| push > 0.0)));
+        for contact in contacts.lasting().filter(|contact| contact.impulse > 0.0) {
+            contact.places.iter().for_each(|&place| rests[place as usize] = true);
+        }
+        of_islands.clear();
+        of_islands.resize(squares.len(), [0.0; 2]);
+        let movables = || (0..squares.len() as u32).filter(|&place| movable[place as usize]);
+        for place in movables() {
+            let all = &mut of_islands[groups.root(place) as usize];
+            let place = place as usize;
+            let own = if rests[place] { squares[place] } else { [f32::INFINITY; 2] };
+            *all = [0, 1].map(|k| all[k].max(own[k]));
+        }
+        for place in movables() {
+            let first = groups.root(place);
+            let [before, now] = of_islands[first as usize];
+            if is_slow([before, now]) && now <= before.max(ROUNDING) {
+                members.push([first, place]);
+            }
+        }
+        members.sort_unstable();
+        !members.is_empty()
+    }
+
+    /// The islands that fall asleep, at rest. They are still among the others, too.
+    fn take_sleepers(&mut self) -> Sleepers {
+        let Self { particles, rows, wall_pushes, wall_frictions, contacts, memory, .. } =
+            &mut *self;
+        let Scratch { members, island_of, .. } = &mut memory.sleeping;
+        let mut new = Sleepers::default();
+        let order: Vec<u32> = members.iter().map(|&[_, place]| place).collect();
+        new.particles.gather(particles, &order, Some(1));
+        new.particles.velocities.fill([0.0; 2]);
+        new.particles.spins.iter_mut().for_each(|spin| spin.velocity = 0.0);
+        new.particles.simplify();
+        let places = || order.iter().map(|&place| place as usize);
+        new.rows.extend(places().map(|place| rows[place]));
+        new.wall_pushes.extend(places().map(|place| wall_pushes[place]));
+        let friction = |place: usize| wall_frictions.get(place).copied().unwrap_or_default();
+        new.wall_frictions.extend(places().map(friction));
+        island_of.clear();
+        island_of.resize(rows.len(), NONE);
+        let mut start = 0;
+        for (island, members) in (0..).zip(members.chunk_by(|a, b| a[0] == b[0])) {
+            members.iter().for_each(|&[_, place]| island_of[place as usize] = island);
+            let particles = start..start + members.len() as u32;
+            start = particles.end;
+            new.islands.push(Island { particles, ..Island::default() });
+        }
+        let island = |place: u32| island_of[place as usize];
+        let lasting = contacts.lasting().filter_map(|contact| {
+            // An immovable particle has no island.
+            let island = contact.places.map(island).into_iter().min().filter(|&of| of != NONE);
+            let places = contact.places.map(|place| rows[place as usize]);
+            island.map(|island| (island, crate::contacts::Contact { places, ..*contact }))
+        });
+        let mut of_islands: Vec<_> = lasting.collect();
+        of_islands.sort_by_key(|&(island, _)| island);
+        let mut of_rows: Vec<[u32; 2]> =
+            places().map(|place| [rows[place], island_of[place]]).collect();
+        of_rows.sort_unstable();
+        let mut impulses: Vec<_> = self
+            .wall_impulses
+            .iter()
+            .filter_map(|of| {
+                let found = of_rows.binary_search_by_key(&of.row, |&[row, _]| row);
+                found.ok().map(|at| (of_rows[at][1], *of))
+            })
+            .collect();
+        impulses.sort_by_key(|&(island, _)| island);
+        let (mut contacts, mut wall_impulses) = (0..0, 0..0);
+        for (number, island) in (0..).zip(&mut new.islands) {
+            let count = |all: &mut dyn Iterator<Item = u32>| {
+                all.take_while(|&island| island == number).count() as u32
+            };
+            let mut rest = of_islands[contacts.end as usize..].iter().map(|of| of.0);
+            contacts = contacts.end..contacts.end + count(&mut rest);
+            let mut rest = impulses[wall_impulses.end as usize..].iter().map(|of| of.0);
+            wall_impulses = wall_impulses.end..wall_impulses.end + count(&mut rest);
+            (island.contacts, island.wall_impulses) = (contacts.clone(), wall_impulses.clone());
+        }
+        new.contacts = of_islands.into_iter().map(|(_, contact)| contact).collect();
+        new.wall_impulses = impulses.into_iter().map(|(_, of)| of).collect();
+        new
+    }
+}

@@ -1,0 +1,73 @@
+//! Forces as bytes.
+
+use crate::bytes::{Reader, Writer, damaged};
+use crate::error::Result;
+use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+
+pub(super) fn put_force(to: &mut Writer, force: &Force) {
+    match force {
+        Force::Attractor(Attractor { pole, strength, law }) => {
+            to.put(0u8);
+            match *pole {
+                Pole::Point(point) => {
+                    to.put(0u8);
+                    to.put(point);
+                }
+                Pole::Particle(row) => {
+                    to.put(1u8);
+                    to.put(row);
+                }
+            }
+            to.put(*strength);
+            to.put(u8::from(*law == Law::InverseSquare));
+        }
+        Force::Gravitation(Gravitation { g, softening, theta }) => {
+            to.put(1u8);
+            to.put([*g, *softening, *theta]);
+        }
+        Force::Springs(Springs(springs)) => {
+            to.put(2u8);
+            to.put_count(springs.len());
+            for spring in springs {
+                to.put(spring.pair);
+                to.put([spring.length, spring.stiffness, spring.damping, spring.max_stretch]);
+            }
+        }
+        Force::Thermostat(Thermostat { speed, rate }) => {
+            to.put(3u8);
+            to.put([*speed, *rate]);
+        }
+    }
+}
+
+pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
+    Ok(match from.get()? {
+        0u8 => {
+            let pole = match from.get()? {
+                0u8 => Pole::Point(from.get()?),
+                _ => Pole::Particle(from.get()?),
+            };
+            let strength = from.get()?;
+            let law = if from.get::<u8>()? > 0 { Law::InverseSquare } else { Law::Harmonic };
+            Force::Attractor(Attractor { pole, strength, law })
+        }
+        1 => {
+            let [g, softening, theta] = from.get()?;
+            Force::Gravitation(Gravitation { g, softening, theta })
+        }
+        2 => {
+            let mut springs = Vec::new();
+            for _ in 0..from.get_count()? {
+                let pair = from.get()?;
+                let [length, stiffness, damping, max_stretch] = from.get()?;
+                springs.push(Spring { pair, length, stiffness, damping, max_stretch });
+            }
+            Force::Springs(Springs(springs))
+        }
+        3 => {
+            let [speed, rate] = from.get()?;
+            Force::Thermostat(Thermostat { speed, rate })
+        }
+        _ => return Err(damaged("there is no such force")),
+    })
+}

@@ -1,0 +1,105 @@
+//! Sleeping islands as bytes.
+
+use std::ops::Range;
+
+use super::super::World;
+use super::super::asleep::{Island, Sleepers};
+use super::{
+    get_contacts, get_particles, get_wall_impulses, get_wall_pushes, put_contacts, put_particles,
+    put_wall_impulses, put_wall_pushes,
+};
+use crate::bytes::{Reader, Writer, damaged};
+use crate::container::MAX_WALLS;
+use crate::error::Result;
+use crate::particles::Spin;
+use crate::shapes::MOST_ROWS;
+
+impl World {
+    /// Refuses restored drifts and sleeping particles that no world can have.
+    pub(super) fn check_sleeping(&self) -> Result<()> {
+        if !self.drifts.iter().all(|of| of.before >= 0.0 && !of.now.iter().any(|v| v.is_nan())) {
+            return Err(damaged("a mean speed is not possible"));
+        }
+        let Sleepers { particles, contacts, wall_impulses, islands, rows, .. } =
+            self.asleep.sleepers();
+        let container = &self.settings.container;
+        container.check_fit(&particles.radii).map_err(|error| damaged(&error.to_string()))?;
+        let places = self.places();
+        let is_still = |spin: &Spin| spin.velocity == 0.0;
+        let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
+            && particles.spins.iter().all(is_still)
+            && particles.movable.iter().all(|&movable| movable);
+        let slice = |range: &Range<u32>| range.start as usize..range.end as usize;
+        let are_own = |island: &Island| {
+            let first = self.rows.len() as u32;
+            let own = first + island.particles.start..first + island.particles.end;
+            let place = |row: u32| places[row as usize];
+            let is_own = |&row: &u32| own.contains(&place(row));
+            let is_fixed = |&row: &u32| {
+                self.particles.movable.get(place(row) as usize).is_some_and(|&movable| !movable)
+            };
+            let contacts = &contacts[slice(&island.contacts)];
+            contacts.iter().all(|contact| {
+                contact.places.iter().any(is_own)
+                    && contact.places.iter().all(|row| is_own(row) || is_fixed(row))
+            }) && wall_impulses[slice(&island.wall_impulses)].iter().all(|of| is_own(&of.row))
+        };
+        debug_assert_eq!(rows.len(), self.asleep.len());
+        if at_rest && islands.iter().all(are_own) {
+            return Ok(());
+        }
+        Err(damaged("a sleeping particle moves, or touches one that is not in its island"))
+    }
+}
+
+pub(super) fn put_sleepers(to: &mut Writer, all: &Sleepers) {
+    to.put_count(all.islands.len());
+    for Island { particles, contacts, wall_impulses } in &all.islands {
+        to.put([particles, contacts, wall_impulses].map(|range| range.len() as u32));
+    }
+    to.put_all(&all.rows);
+    put_particles(to, &all.particles);
+    put_wall_pushes(to, &all.wall_pushes);
+    put_wall_pushes(to, &all.wall_frictions);
+    put_contacts(to, all.contacts.iter().collect());
+    put_wall_impulses(to, &all.wall_impulses);
+}
+
+/// The sleeping islands, of `len` particles together, beside `awake` others.
+pub(super) fn get_sleepers(
+    from: &mut Reader<'_>,
+    len: usize,
+    awake: usize,
+    version: u32,
+) -> Result<Sleepers> {
+    let count = from.get_count()?;
+    let sizes: Vec<[u32; 3]> = from.get_all(count)?;
+    let mut ends = [0u32; 3];
+    let mut islands = Vec::with_capacity(count);
+    for size in sizes {
+        let starts = ends;
+        for (end, size) in ends.iter_mut().zip(size) {
+            *end = end.checked_add(size).ok_or_else(|| damaged("an island is too large"))?;
+        }
+        if size[0] == 0 {
+            return Err(damaged("an island is empty"));
+        }
+        let [particles, contacts, wall_impulses] = [0, 1, 2].map(|k| starts[k]..ends[k]);
+        islands.push(Island { particles, contacts, wall_impulses });
+    }
+    let total = len.saturating_add(awake);
+    let mut all = Sleepers { rows: from.get_all(len)?, islands, ..Sleepers::default() };
+    all.particles = get_particles(from, len, version)?;
+    all.particles.validate().map_err(|error| damaged(&error.to_string()))?;
+    all.wall_pushes = vec![[0.0; MAX_WALLS]; len];
+    get_wall_pushes(from, &mut all.wall_pushes, 0.0)?;
+    all.wall_frictions = vec![[0.0; MAX_WALLS]; len];
+    get_wall_pushes(from, &mut all.wall_frictions, f32::MIN)?;
+    all.contacts = get_contacts(from, total, version)?;
+    all.wall_impulses = get_wall_impulses(from, total)?;
+    let found = [len, all.contacts.len(), all.wall_impulses.len()];
+    if ends.map(|end| end as usize) != found || total > MOST_ROWS {
+        return Err(damaged("the sizes of its islands are wrong"));
+    }
+    Ok(all)
+}

@@ -1,0 +1,203 @@
+"""Islands that rest fall asleep, and wake when something touches them or changes."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jostle
+
+STEP = 1 / 60
+BOX = jostle.Box(-13, 0, 13, 100)
+
+
+def triangle(x: float) -> list[tuple[float, float]]:
+    return [(x - 1, 1), (x + 1, 1), (x, 1 + math.sqrt(3))]
+
+
+def world_of(centers: Any, **rules: Any) -> jostle.World:
+    usual: dict[str, Any] = {"gravity": (0, -9.8), "restitution": 0.3, "container": BOX}
+    usual["friction"] = 0.6
+    return jostle.World(centers, np.zeros((len(centers), 2)), 1.0, **(usual | rules))
+
+
+def asleep(*centers: float) -> jostle.World:
+    """Return triangles that sleep."""
+    world = world_of([disc for x in centers for disc in triangle(x)])
+    world.step(STEP, steps=90)
+    assert world.asleep.all()
+    return world
+
+
+def test_a_sleeping_world_does_not_search() -> None:
+    world = asleep(0)
+    before = world.state_hash(), world.contacts.pairs.tolist(), world.wall_contacts.ids.tolist()
+    energy = world.potential_energy
+    assert before[1] and before[2]
+    world.step(STEP, steps=1000)
+    after = world.state_hash(), world.contacts.pairs.tolist(), world.wall_contacts.ids.tolist()
+    assert after == before
+    assert world.kinetic_energy == 0 and world.momentum == (0, 0)
+    assert world.potential_energy == energy
+    assert world.stats.tests == world.stats.nodes == 0
+    assert sum(world.profile.values()) == 0
+    assert world.time == pytest.approx(1090 * STEP)
+
+
+def test_the_column_is_a_read_only_copy() -> None:
+    world = asleep(-5, 5)
+    assert world.asleep.shape == (6,) and world.asleep.dtype == bool
+    with pytest.raises(ValueError, match="read-only"):
+        world.asleep[0] = False
+    with pytest.raises(AttributeError):
+        world.asleep = True  # type: ignore[misc]
+
+
+def test_sleeping_can_be_turned_off() -> None:
+    off = world_of(triangle(0), sleeping=False)
+    assert not off.sleeping and not copy.copy(off).sleeping
+    off.step(STEP, steps=90)
+    assert not off.asleep.any()
+    off.sleeping = True
+    off.step(STEP, steps=60)
+    assert off.asleep.all()
+    off.sleeping = False
+    assert not off.asleep.any()
+    assert world_of(triangle(0)).sleeping
+    for wrong in (None, 2, "no"):
+        with pytest.raises(TypeError, match="sleeping must be True or False"):
+            world_of(triangle(0), sleeping=wrong)
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [{"restitution": 1.0}, {"gravity": (0, 0)}, {"on_touch": "ignore"}],
+    ids=["elastic", "weightless", "no contacts"],
+)
+def test_nothing_sleeps_where_nothing_rests(rules: dict[str, Any]) -> None:
+    world = world_of([(-5, 1), (5, 1)], **rules)
+    world.step(STEP, steps=120)
+    assert world.sleeping and not world.asleep.any()
+
+
+def test_a_ball_wakes_the_island_that_it_touches() -> None:
+    world = asleep(-9, 0, 9)
+    world.add([(0, 9)], [(0, -1)], radii=0.5)
+    assert world.asleep.tolist() == [True] * 9 + [False]
+    world.step(STEP, steps=90)
+    assert world.asleep.tolist() == [True] * 3 + [False] * 3 + [True] * 3 + [False]
+
+
+CHANGES: dict[str, Callable[[jostle.World], object]] = {
+    "gravity": lambda world: setattr(world, "gravity", (0, -5)),
+    "container": lambda world: setattr(world, "container", None),
+    "drag": lambda world: setattr(world, "drag", 1),
+    "forces": lambda world: setattr(world, "forces", [jostle.Thermostat(1, 1)]),
+    "a wall": lambda world: world.add([(0, 50)], [(0, 0)], 1, movable=False),
+    "all positions": lambda world: setattr(world, "positions", world.positions + 0.5),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
+def test_changes_wake_all(change: Callable[[jostle.World], object]) -> None:
+    world = asleep(-5, 5)
+    change(world)
+    assert not world.asleep.any()
+
+
+def test_other_changes_wake_islands_or_nothing() -> None:
+    world = asleep(-5, 5)
+    world.method, world.threads, world.leaf_capacity, world.max_depth = "brute", 2, 5, 50
+    world.velocities = world.velocities
+    world.set([0], radii=1.0)
+    assert world.asleep.all(), "nothing has changed"
+    world.set([4], velocities=[(0, 2)])
+    assert world.asleep.tolist() == [True] * 3 + [False] * 3
+    world.remove([0])
+    assert world.asleep.tolist() == [False] * 5
+
+
+def test_a_disc_falls_when_the_one_under_it_is_gone() -> None:
+    world = world_of([(0, 20), (0, 22)], movable=[False, True])
+    world.step(STEP, steps=90)
+    assert world.asleep.tolist() == [False, True]
+    assert world.contacts.pairs.tolist() == [[0, 1]]
+    world.remove(0)
+    world.step(STEP, steps=60)
+    assert world.positions[0, 1] < 18
+
+
+@pytest.mark.parametrize(("radius", "gravity"), [(1, 9.8), (3, 980), (100, 9.8)])
+def test_two_discs_topple(radius: float, gravity: float) -> None:
+    """0.001 radii off the axis they move slower than the limit for longer than half a second."""
+    world = jostle.World(
+        [(0, radius), (0.001 * radius, 2.999999 * radius)],
+        np.zeros((2, 2)),
+        radius,
+        gravity=(0, -gravity),
+        restitution=0.3,
+        container=jostle.Box(-50 * radius, 0, 50 * radius, 50 * radius),
+    )
+    world.step(STEP, steps=90 + int(1200 * math.sqrt(radius / gravity)))
+    assert world.positions[1, 1] < 2 * radius
+
+
+def bits(world: jostle.World) -> tuple[Any, ...]:
+    return (
+        world.state_hash(),
+        world.asleep.tolist(),
+        world.contacts.pairs.tolist(),
+        world.contacts.normal_impulses.tolist(),
+        world.wall_contacts.normal_impulses.tolist(),
+        world.potential_energy,
+    )
+
+
+def act(world: jostle.World, deed: int, rng: np.random.Generator) -> None:
+    """Change something."""
+    n = len(world)
+    if deed == 0:
+        world.add([(rng.uniform(-9, 9), 30)], [(0, -rng.choice([1, 50, 900]))], radii=0.8)
+    elif deed == 1 and n > 5:
+        world.remove(rng.choice(n, 2, replace=False))
+    elif deed == 2:
+        world.set(int(rng.integers(n)), velocities=(1, 4))
+    elif deed == 3:
+        world.add([(rng.uniform(-9, 9), 40)], [(0, 0)], radii=0.8, movable=False)
+    elif deed == 4:
+        world.friction = 0.4
+
+
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 10**6), deeds=st.lists(st.integers(0, 9), min_size=3, max_size=6))
+def test_how_it_is_computed_does_not_show(seed: int, deeds: list[int]) -> None:
+    """Threads, brute force, and restoring at every moment change no bit."""
+    rng = np.random.default_rng(seed)
+    start = np.array([(2.1 * (k % 10) - 10, 1 + 2.1 * (k // 10)) for k in range(30)])
+    start += rng.uniform(0, 0.1, start.shape)
+    worlds = [world_of(start) for _ in range(3)]
+    worlds[1].method, worlds[2].threads = "brute", 3
+    for deed in deeds:
+        for world in worlds:
+            act(world, deed, np.random.default_rng(seed + deed))
+        for _ in range(4):
+            for world in worlds:
+                world.step(STEP, steps=31)
+            restored = jostle.World.restore(worlds[2].snapshot())
+            assert restored.snapshot() == worlds[2].snapshot()
+            worlds[2] = restored
+            first, *others = map(bits, worlds)
+            assert all(other == first for other in others)
+
+
+def test_a_million_steps_of_a_sleeping_world() -> None:
+    world = asleep(0)
+    world.step(STEP, steps=1_000_000)
+    assert world.asleep.all()
