@@ -194,29 +194,90 @@ def rms_speed(world: jostle.World) -> float:
     return math.sqrt((np.hypot(*world.velocities.T) ** 2).mean())
 
 
-def test_a_pile_comes_to_rest_in_five_seconds() -> None:
-    world = scenes.create("pile", n=1000)
-    world.step(1 / 60, steps=300)
-    assert rms_speed(world) <= 1.0
+def a_pile(kind: str, friction: float, n: int, seed: int = 0) -> jostle.World:
+    """Discs that fall into a box: of the scene, or with other radii or masses."""
+    world = scenes.create("pile", n=n, seed=seed)
+    world.friction, world.sleeping = friction, False
+    if kind == "masses 100:1":
+        world.set(range(0, n, 2), masses=100 * world.masses[::2])
+    elif kind.startswith("radii"):
+        radii = np.where(np.arange(n) % 50 == 0, 10, 10 / float(kind[6:-2]))
+        world.set(range(n), radii=radii, masses=math.pi * radii**2)
+    return world
+
+
+def deepest_overlap(world: jostle.World) -> float:
+    """The largest depth of a contact over the smaller radius."""
     contacts = world.contacts
     smaller = world.radii[contacts.pairs].min(axis=1)
-    assert (contacts.depths / smaller).max() <= 0.01
+    return float((contacts.depths / smaller).max())
 
 
-def measure_piles(friction: float, count: int) -> None:
+def test_a_pile_comes_to_rest_in_five_seconds() -> None:
+    world = a_pile("as in the scene", 0, 1000)
+    world.step(1 / 60, steps=300)
+    assert rms_speed(world) <= 1.0
+    assert deepest_overlap(world) <= 0.01
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize(
+    ("kind", "n", "dt"),
+    [
+        ("as in the scene", 4000, 1 / 60),
+        ("as in the scene", 1000, 1 / 30),
+        ("masses 100:1", 1000, 1 / 60),
+        ("radii 10:1", 1000, 1 / 60),
+    ],
+)
+def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: float) -> None:
+    world = a_pile(kind, friction, n)
+    world.step(dt, steps=round(5 / dt))
+    assert deepest_overlap(world) <= 0.03
+
+
+def measure_speeds(friction: float, count: int) -> None:
     """Print the rms speeds of piles of 1,000 discs, from as many seeds."""
-    worlds = [scenes.create("pile", n=1000, seed=seed) for seed in range(count)]
-    for world in worlds:
-        world.friction = friction
+    worlds = [a_pile("as in the scene", friction, 1000, seed) for seed in range(count)]
     for seconds, steps in (5, 300), (6, 60):
         for world in worlds:
             world.step(1 / 60, steps=steps)
         speeds = np.array([rms_speed(world) for world in worlds])
         mean = np.exp(np.log(speeds).mean())
         above = (speeds > 1).sum()
-        print(f"μ = {friction}, {seconds} s: {mean:.2f} px/s (geometric mean), {above} above 1")
+        overlap = 100 * max(map(deepest_overlap, worlds))
+        print(
+            f"μ = {friction}, {seconds} s: {mean:.2f} px/s (geometric mean), {above} of {count} "
+            f"above 1, deepest overlap {overlap:.1f} %",
+            flush=True,
+        )
+
+
+def measure_overlaps() -> None:
+    """Print the overlaps in piles after 5 seconds."""
+    cases = [
+        ("as in the scene", 4_000, 1 / 60),
+        ("as in the scene", 20_000, 1 / 60),
+        ("as in the scene", 1_000, 1 / 30),
+        ("masses 100:1", 1_000, 1 / 60),
+        ("radii 10:1", 1_000, 1 / 60),
+        ("radii 25:1", 1_000, 1 / 60),
+    ]
+    for kind, n, dt in cases:
+        for friction in (0, 0.1, 0.5):
+            overlaps = []
+            for seed in range(1 if n > 4000 else 4):
+                world = a_pile(kind, friction, n, seed)
+                world.step(dt, steps=round(5 / dt))
+                overlaps.append(f"{100 * deepest_overlap(world):.1f}")
+            print(
+                f"{n} discs, {kind}, steps of {dt:.3f} s, μ = {friction}: overlap "
+                f"{' '.join(overlaps)} %, {rms_speed(world):.2f} px/s",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":
     for friction in (0, 0.3, 0.6, 1):
-        measure_piles(friction, 64)
+        measure_speeds(friction, 64)
+    measure_overlaps()
