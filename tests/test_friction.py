@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from event_driven import Floats, simulate
 from gases import lattice, random_velocities
+from tilted_pile import TiltedPile
 
 import jostle
 
@@ -217,6 +218,17 @@ def test_the_walls_carry_the_weight(friction: float) -> None:
     assert abs(on_floor - weight) <= friction * on_sides + 0.001 * weight
     assert (np.diff(contacts.ids) >= 0).all()
     assert (contacts.friction_impulses != 0).any() == (friction > 0)
+
+
+def test_a_tilted_pile_flows_at_the_angle_of_an_avalanche() -> None:
+    """`python tests/tilted_pile.py` measures the angles in the scene of a published simulation."""
+    pile = TiltedPile(1000, 60.0, seed=0)
+    level = pile.angle()
+    pile.tilt_by(0.02, 650)
+    assert pile.angle() == pytest.approx(13 + level, abs=1)
+    before, after = pile.avalanche(0.02)
+    assert 17 < before < 26
+    assert 13 < after < before
 
 
 @pytest.mark.parametrize("degrees", [10, 50])
