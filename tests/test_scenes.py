@@ -99,6 +99,15 @@ def test_the_other_scenes_have_what_makes_them() -> None:
     assert len(scenes.create("billiards")) == 16
 
 
+def test_the_cue_ball_passes_its_spin_on() -> None:
+    world = scenes.create("billiards")
+    spins = world.angular_velocities
+    assert spins[0] > 0 and (spins[1:] == 0).all()
+    world.step(1 / 60, steps=60)
+    assert (world.angular_velocities[1:] != 0).sum() > 5
+    assert 0 < world.angular_velocities[0] < spins[0]
+
+
 def test_springs_hang_from_what_nothing_moves() -> None:
     world = scenes.create("springs")
     (springs,) = world.forces

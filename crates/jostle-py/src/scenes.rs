@@ -47,7 +47,7 @@ pub fn names() -> Vec<&'static str> {
 /// --------
 /// >>> import jostle
 /// >>> print(jostle.scenes.describe("billiards"))
-/// A cue ball breaks a rack of balls. Follow how the momentum of one spreads over all.
+/// A cue ball with side spin breaks a rack of balls. Follow how its momentum and its spin spread over all.
 #[pyfunction]
 pub fn describe(name: &Bound<'_, PyAny>) -> PyResult<&'static str> {
     Ok(scene(name)?.about)

@@ -21,7 +21,7 @@ const PINNED: [(&str, u64); 17] = [
     ("mixed", 0xdd89_36ac_1b18_a8fc),
     ("clusters", 0x3b36_d4a2_2b5a_e11b),
     ("shots", 0x0b52_1f3e_99fb_af24),
-    ("billiards", 0xf88f_e197_01ab_3b17),
+    ("billiards", 0x288b_d307_d70d_ee87),
     ("orbit", 0x36b2_07d1_4cf2_77b6),
     ("springs", 0x3a09_e9eb_3707_e8dc),
     ("stars", 0x680b_902f_5f68_e3ec),

@@ -42,6 +42,13 @@ pub fn shots(n: usize, random: &mut Random) -> Start {
 
 const BALL_RADIUS: f32 = 10.0;
 
+/// Coefficient of friction of the balls with each other and with the cushions.
+const BALL_FRICTION: f32 = 0.1;
+
+/// Speed of the cue ball, and its angular velocity: side spin of half the speed on its surface.
+const CUE_SPEED: f32 = 1500.0;
+const CUE_SPIN: f32 = 0.5 * CUE_SPEED / BALL_RADIUS;
+
 /// Rows of the triangle that holds all balls but the cue ball.
 fn rack_rows(n: usize) -> usize {
     let balls = n.saturating_sub(1);
@@ -56,7 +63,7 @@ pub fn billiards_view(n: usize) -> Area {
 pub fn billiards(n: usize, random: &mut Random) -> Start {
     let area = billiards_view(n);
     let [width, height] = [area[2], area[3]];
-    // A hair of room, so that the rack does not start out overlapping.
+    // Small gaps, so that the balls do not overlap at the beginning.
     let pitch = 2.0 * BALL_RADIUS * 1.002;
     let rack = (0..).flat_map(|row| (0..=row).map(move |ball| (row, ball)));
     let depth = pitch * 3f32.sqrt() / 2.0;
@@ -69,12 +76,17 @@ pub fn billiards(n: usize, random: &mut Random) -> Start {
         .collect();
     let mut velocities = vec![[0.0; 2]; places.len()];
     if n > 0 {
-        // Slightly off the axis: a perfect break is a boring one.
+        // Slightly off the axis, so that the break is not symmetric.
         places.insert(0, [width * 0.2, height / 2.0 + random.between(-1.0, 1.0)]);
-        velocities.insert(0, [1500.0, 0.0]);
+        velocities.insert(0, [CUE_SPEED, 0.0]);
+    }
+    let mut particles = Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0);
+    for (ball, spin) in particles.spins_mut().iter_mut().enumerate() {
+        spin.friction = BALL_FRICTION;
+        spin.velocity = if ball == 0 { CUE_SPIN } else { 0.0 };
     }
     let settings = WorldSettings { drag: 0.25, restitution: 0.95, ..boxed(area) };
-    Start::new(Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0), settings)
+    Start::new(particles, settings)
 }
 
 const ORBIT_RADIUS: f32 = 4.0;

@@ -63,8 +63,8 @@ pub const SCENES: [Scene; 17] = [
     Scene {
         name: "billiards",
         default_count: 16,
-        about: "A cue ball breaks a rack of balls. \
-                Follow how the momentum of one spreads over all.",
+        about: "A cue ball with side spin breaks a rack of balls. \
+                Follow how its momentum and its spin spread over all.",
         make: games::billiards,
         view: games::billiards_view,
     },
