@@ -95,6 +95,20 @@ def test_a_snapshot_of_format_4_can_be_loaded() -> None:
     assert again.state_hash() == world.state_hash()
 
 
+def test_a_snapshot_of_format_5_can_be_loaded() -> None:
+    """It has no walls; its particles sleep on the floor of a box and on each other."""
+    world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-5.jostle")
+    assert world.state_hash() == 0x1514658B24C51B68
+    assert world.asleep.all() and len(world.walls) == 0
+    assert world.wall_contacts.ids.tolist() == [0, 1, 3]
+    again = jostle.World.restore(world.snapshot())
+    for of in (world, again):
+        of.gravity = (1, -9.8)
+        of.step(STEP, steps=150)
+    assert not world.asleep.any()
+    assert again.state_hash() == world.state_hash()
+
+
 def test_other_bytes_like_objects() -> None:
     data = pile().snapshot()
     assert isinstance(data, bytes)
