@@ -6,10 +6,12 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{COLOURS, Contact, Contacts};
-use crate::container::Container;
-use crate::motion::{Motions, Vectors};
+use crate::container::{Container, size};
+use crate::motion::{Motions, Vectors, exact};
 use crate::parallel;
 use crate::particles::Particles;
+use crate::trajectory::Vector;
+use crate::walls::Around;
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
 /// contacts persist.
@@ -35,6 +37,9 @@ const TOLERANCE: f32 = 0.001;
 
 /// Pairs that are tested before the first of them is moved apart.
 const TESTED_AT_ONCE: usize = 32;
+
+/// Smaller radii, as a share of the coordinates, count as this where discs are pushed out of walls.
+const WIDE: f64 = 1e-5;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that separates neighbours.
@@ -81,13 +86,13 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// Corrects the positions of the particles of `contacts`, and of particles that overlap a wall.
+    /// Corrects the positions of the particles of `contacts`, and of particles that overlap the container or a wall.
     pub fn run(
         &mut self,
         contacts: &mut Contacts,
         motions: &Motions,
         particles: &Particles,
-        container: &Container,
+        (container, walls): (&Container, Around<'_>),
         threads: Option<usize>,
     ) {
         let radii = &particles.radii;
@@ -105,8 +110,19 @@ impl Correction {
                 }
             });
         }
+        if !walls.is_empty() {
+            parallel::for_rows(threads, particles.len(), |index| {
+                if particles.movable[index] {
+                    let by = pushed_out(walls, motions, index as u32, [0.0; 2]);
+                    if by != [0.0; 2] {
+                        motions.displace(index as u32, by);
+                    }
+                }
+            });
+        }
         // The displacement that walls allow.
         let inside = |place: u32, by: [f32; 2]| {
+            let by = if walls.is_empty() { by } else { pushed_out(walls, motions, place, by) };
             let position = motions.position(place);
             let wanted = [0, 1].map(|k| position[k] + by[k]);
             let allowed = container.clamp(wanted, radii[place as usize]);
@@ -237,4 +253,23 @@ impl Near {
             }
         }
     }
+}
+
+/// The displacement of a particle that is to move `by`, with the least change that lets it overlap no
+/// wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
+fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) -> [f32; 2] {
+    let radius = f64::from(walls.particles.radii[place as usize]);
+    let from = exact(motions.position(place), motions.residual(place));
+    let to: Vector = [0, 1].map(|k| from[k] + f64::from(by[k]));
+    // Points are moved away from walls, too.
+    let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
+    let corners = [0, 1].map(|k| [from[k].min(to[k]), from[k].max(to[k])]);
+    let area = [0, 1].map(|end| [corners[0][end], corners[1][end]]);
+    let mut near = Vec::new();
+    walls.each(place, area, most, |wall| near.push(wall));
+    if near.is_empty() {
+        return by;
+    }
+    let allowed = walls.walls.push_out(&near, [from, to], radius, most);
+    if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }
 }

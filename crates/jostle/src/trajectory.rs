@@ -261,11 +261,11 @@ pub fn wall_impact(
     container: &Container,
     gravity: Vector,
     limits: &Limits,
-) -> Option<(Impact, u8)> {
+) -> Option<(Impact, u32)> {
     match container {
         Container::None | Container::Torus { .. } => None,
         Container::Box { min, max } => {
-            let mut first = None::<(Impact, u8)>;
+            let mut first = None::<(Impact, u32)>;
             for (axis, sign, wall) in
                 [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])]
             {
@@ -275,7 +275,7 @@ pub fn wall_impact(
                 if let Some(impact) = flat_impact(gap, speed, pull, segment.time, limits)
                     && first.is_none_or(|(before, _)| impact.time < before.time)
                 {
-                    first = Some((impact, 2 * axis as u8 + u8::from(sign < 0.0)));
+                    first = Some((impact, 2 * axis as u32 + u32::from(sign < 0.0)));
                 }
             }
             first
@@ -292,7 +292,13 @@ pub fn wall_impact(
 
 /// The impact on a flat wall at the distance `gap`, from which the disc moves away with `speed`
 /// and to which it accelerates with `pull`.
-fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> Option<Impact> {
+pub fn flat_impact(
+    gap: f64,
+    speed: f64,
+    pull: f64,
+    start: f64,
+    limits: &Limits,
+) -> Option<Impact> {
     let span = limits.until - start;
     // Far from the wall all the time.
     let lowest = gap + speed.min(0.0) * span - 0.5 * pull.max(0.0) * span * span;
@@ -364,13 +370,13 @@ fn round_impact(
 }
 
 /// Unit normal of a wall at a position, pointing inwards.
-pub fn wall_normal(container: &Container, wall: u8, position: Vector) -> Vector {
+pub fn wall_normal(container: &Container, wall: u32, position: Vector) -> Vector {
     match container {
         Container::Circle { center, .. } => {
             let out = vector(|k| f64::from(center[k]) - position[k]);
             let length = dot(out, out).sqrt();
             if length > 0.0 { out.map(|v| v / length) } else { [1.0, 0.0] }
         }
-        _ => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]][usize::from(wall)],
+        _ => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]][wall as usize],
     }
 }

@@ -16,3 +16,4 @@ mod sleeping;
 mod snapshot;
 mod space;
 mod tree;
+mod walls;

@@ -1,7 +1,7 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
 use super::queue::Event;
-use crate::container::{Container, MAX_WALLS, ROUNDING, size};
+use crate::container::{Container, ROUNDING, size};
 use crate::flow::{Flow, Kick};
 use crate::forces::Thermostat;
 use crate::motion::{Motions, Spins, exact};
@@ -10,6 +10,7 @@ use crate::particles::Particles;
 use crate::trajectory::{
     Impact, Limits, Relative, Segment, Vector, dot, vector, wall_impact, wall_normal,
 };
+use crate::walls::{Around, Contact, FIRST};
 
 /// Relative size of the rounding of positions with residuals, with a reserve for sums.
 const PRECISION: f64 = ROUNDING / (1 << 24) as f64;
@@ -72,8 +73,10 @@ pub struct Flight<'a> {
     pub kicks: &'a [Kick],
     /// Whether the window is the first of the sub-step.
     pub is_first: bool,
-    /// The walls.
+    /// The container.
     pub container: Container,
+    /// The walls.
+    pub walls: Around<'a>,
     /// Coefficient of restitution of the world.
     pub restitution: f32,
     /// Whether all coefficients of restitution are 1.
@@ -214,8 +217,9 @@ impl Window<'_> {
         own.falls != other.falls
     }
 
-    /// A test in float32 that is false only if a disc certainly does not get to a flat wall.
-    pub fn may_hit_walls(&self, start: &Start) -> bool {
+    /// A test in float32 that is false only if a disc certainly does not get to a flat wall of the
+    /// container.
+    pub fn may_hit_container(&self, start: &Start) -> bool {
         let Container::Box { min, max } = self.flight.container else {
             return self.flight.container.has_walls();
         };
@@ -260,8 +264,9 @@ impl Window<'_> {
     }
 
     /// Coefficient of restitution of a disc and a wall.
-    pub fn wall_restitution(&self, index: u32) -> f64 {
-        f64::from(self.flight.restitution * self.flight.particles.restitutions[index as usize])
+    pub fn wall_restitution(&self, index: u32, wall: u32) -> f64 {
+        let own = self.flight.restitution * self.flight.particles.restitutions[index as usize];
+        f64::from(own * self.flight.walls.walls.restitution(wall))
     }
 
     /// The limits for surfaces at `position` that are `reach` from the centre; whether resting
@@ -309,10 +314,11 @@ impl Window<'_> {
     }
 
     #[inline(always)]
-    fn wall_limits(&self, position: Vector, index: u32) -> Limits {
+    fn wall_limits(&self, position: Vector, index: u32, wall: u32) -> Limits {
         let start = &self.starts[index as usize];
-        let surfaces = || (start.is_supported, self.wall_restitution(index));
-        self.limits(self.end, position, f64::from(start.radius), surfaces)
+        let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
+        let reach = self.flight.walls.walls.reach(wall, f64::from(start.radius));
+        self.limits(self.end, position, reach, surfaces)
     }
 
     #[inline(always)]
@@ -343,16 +349,31 @@ impl Window<'_> {
 
     /// The next impact of a disc on a wall.
     pub fn wall_event(&self, index: u32, segment: &Segment, count: u32) -> Option<Event> {
-        let (start, container) = (&self.starts[index as usize], &self.flight.container);
-        let radius = f64::from(start.radius);
-        let span = self.end - segment.time;
-        let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
-        if !start.is_movable || container.is_far(segment.position, radius, [far(0), far(1)]) {
+        if !self.starts[index as usize].is_movable {
             return None;
         }
-        let limits = self.wall_limits(segment.position, index);
-        let hit = wall_impact(segment, radius, container, self.flight.gravity, &limits);
+        let mut hit = self.container_impact(index, segment);
+        if !self.flight.walls.is_empty() {
+            let other = self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
+                self.wall_limits(segment.position, index, wall)
+            });
+            let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
+            hit = if is_first { other.or(hit) } else { hit };
+        }
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
+    }
+
+    /// The next impact of a disc on a wall of the container.
+    fn container_impact(&self, index: u32, segment: &Segment) -> Option<(Impact, u32)> {
+        let container = &self.flight.container;
+        let radius = f64::from(self.starts[index as usize].radius);
+        let span = self.end - segment.time;
+        let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
+        if container.is_far(segment.position, radius, [far(0), far(1)]) {
+            return None;
+        }
+        let limits = self.wall_limits(segment.position, index, 0);
+        wall_impact(segment, radius, container, self.flight.gravity, &limits)
     }
 
     /// Whether two discs that begin segments now touch and approach.
@@ -376,25 +397,50 @@ impl Window<'_> {
         limits.kind(approach / square.sqrt(), 0.0, first.time).is_some()
     }
 
-    /// The walls that a disc touches and approaches as it begins a segment.
-    pub fn touched_walls(&self, index: u32, now: &Segment) -> [Option<u8>; MAX_WALLS] {
-        let container = &self.flight.container;
-        let mut touched = [None; MAX_WALLS];
-        let radius = f64::from(self.starts[index as usize].radius);
-        if container.is_far(now.position, radius, [0.0; 2]) {
-            return touched;
+    /// Calls `act` with each wall that a disc touches and approaches as it begins a segment.
+    pub fn each_touched_wall(&self, index: u32, now: &Segment, mut act: impl FnMut(u32)) {
+        self.each_touched_side(index, now, &mut act);
+        if self.flight.walls.is_empty() {
+            return;
         }
-        let limits = self.wall_limits(now.position, index);
-        let gaps = container.gaps(now.position, radius);
-        for (wall, gap) in gaps.into_iter().enumerate() {
-            let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
-            debug_assert!(gap.is_finite());
-            let normal = wall_normal(container, wall as u8, now.position);
+        let radius = f64::from(self.starts[index as usize].radius);
+        let rounding = self.wall_limits(now.position, index, FIRST).rounding;
+        let mut contacts = Vec::new();
+        self.flight.walls.contacts(index, now.position, radius, rounding, &mut contacts);
+        for Contact { wall, normal, .. } in contacts {
+            let limits = self.wall_limits(now.position, index, wall);
             if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
-                touched[wall] = Some(wall as u8);
+                act(wall);
             }
         }
-        touched
+    }
+
+    /// The same for the container.
+    fn each_touched_side(&self, index: u32, now: &Segment, act: &mut impl FnMut(u32)) {
+        let container = &self.flight.container;
+        let radius = f64::from(self.starts[index as usize].radius);
+        if container.is_far(now.position, radius, [0.0; 2]) {
+            return;
+        }
+        let limits = self.wall_limits(now.position, index, 0);
+        let gaps = container.gaps(now.position, radius);
+        for (wall, gap) in (0..).zip(gaps) {
+            let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
+            debug_assert!(gap.is_finite());
+            let normal = wall_normal(container, wall, now.position);
+            if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
+                act(wall);
+            }
+        }
+    }
+
+    /// Unit normal of a wall at a position, towards the disc.
+    pub fn wall_normal(&self, index: u32, wall: u32, position: Vector) -> Vector {
+        if wall < FIRST {
+            return wall_normal(&self.flight.container, wall, position);
+        }
+        let radius = f64::from(self.starts[index as usize].radius);
+        self.flight.walls.walls.contact(wall, position, radius).normal
     }
 
     /// Square of the longest distance from its position at the beginning of the step that a disc

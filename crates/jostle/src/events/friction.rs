@@ -159,12 +159,16 @@ impl Window<'_> {
         if !self.flight.has_friction {
             return 0.0;
         }
-        let [a, b] = pair.map(|index| self.wall_friction(index));
+        let [a, b] = pair.map(|index| self.friction(index));
         (a * b).sqrt()
     }
 
     /// Coefficient of friction of a disc and a wall.
-    pub fn wall_friction(&self, index: u32) -> f64 {
+    pub fn wall_friction(&self, index: u32, wall: u32) -> f64 {
+        self.flight.walls.walls.friction(wall, self.friction(index))
+    }
+
+    fn friction(&self, index: u32) -> f64 {
         f64::from(self.flight.particles.spin(index as usize).friction)
     }
 

@@ -581,8 +581,12 @@ impl Block {
     /// Finds the impacts on walls along the first segments.
     fn find_first_wall_impacts(&mut self, window: &Window<'_>) {
         let start = |index: u32| &window.starts[index as usize];
-        if window.flight.container.has_walls() {
-            for index in self.range.clone().filter(|&index| window.may_hit_walls(start(index))) {
+        let Flight { container, walls, .. } = window.flight;
+        if walls.is_empty() && !container.has_walls() {
+            return;
+        }
+        for index in self.range.clone() {
+            if !walls.is_empty() || window.may_hit_container(start(index)) {
                 self.first.extend(window.wall_event(index, &window.segment(index), 0));
             }
         }

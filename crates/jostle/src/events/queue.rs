@@ -32,8 +32,8 @@ impl Event {
     }
 
     /// The impact of a disc on a wall.
-    pub fn with_wall(impact: Impact, index: u32, wall: u8, count: u32) -> Self {
-        Self::of_discs(impact, [index, WALL], u32::from(wall), [count, 0])
+    pub fn with_wall(impact: Impact, index: u32, wall: u32, count: u32) -> Self {
+        Self::of_discs(impact, [index, WALL], wall, [count, 0])
     }
 }
 

@@ -14,7 +14,8 @@ use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
 use crate::interrupt::Stop;
-use crate::trajectory::{Kind, Segment, Vector, dot, vector, wall_normal};
+use crate::trajectory::{Kind, Segment, Vector, dot, vector};
+use crate::walls::FIRST;
 
 /// Events of one disc in a window at most: if its collisions are elastic, and if not. A disc that
 /// has had them stands still for the rest of the step.
@@ -176,7 +177,7 @@ impl Simulation<'_> {
         let Event { time, kind, code, pair: [index, partner], .. } = *event;
         self.join(index, time);
         if partner == WALL {
-            self.touch_wall(index, code as u8);
+            self.touch_wall(index, code);
         } else {
             self.touch_disc(index, partner, code, time);
         }
@@ -275,9 +276,7 @@ impl Simulation<'_> {
             if self.history.courses[number as usize].stopped.is_some() {
                 continue;
             }
-            for wall in window.touched_walls(index, &now).into_iter().flatten() {
-                self.touch_wall(index, wall);
-            }
+            window.each_touched_wall(index, &now, |wall| self.touch_wall(index, wall));
             for at in near {
                 let Nearby { index: partner, image: code, now: there, .. } =
                     &self.scratch.nearby[at];
@@ -302,16 +301,20 @@ impl Simulation<'_> {
         Some((position, &self.scratch.group[position], course))
     }
 
-    fn touch_wall(&mut self, index: u32, wall: u8) {
+    fn touch_wall(&mut self, index: u32, wall: u32) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
-        let normal = wall_normal(&self.window.flight.container, wall, own.now.position);
+        let normal = self.window.wall_normal(index, wall, own.now.position);
+        // Between walls at an acute angle, too, there can be infinitely many collisions.
+        let collapses = wall >= FIRST && course.count >= COLLAPSE;
+        let restitution =
+            if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
         let touch = Touch {
-            key: [index, WALL, u32::from(wall)],
+            key: [index, WALL, wall],
             bodies: [Some(position), None],
             normal: normal.map(|v| -v),
             inverse_masses: [course.inverse_mass, 0.0],
-            restitution: self.window.wall_restitution(index),
-            friction: self.window.wall_friction(index),
+            restitution,
+            friction: self.window.wall_friction(index, wall),
         };
         self.add(touch);
     }

@@ -10,6 +10,7 @@
 mod circle;
 mod frontier;
 mod nearest;
+mod overlapping;
 mod point;
 mod polygon;
 mod ray;
@@ -19,6 +20,7 @@ mod window;
 
 pub use circle::Circle;
 pub use nearest::{Nearest, Neighbors, check_nearest, distance, nearest, nearest_by};
+pub use overlapping::each_overlap;
 pub use point::Point;
 pub use polygon::Polygon;
 pub use ray::{FirstHit, Ray, RayHits, first_hits, first_hits_by, hit};

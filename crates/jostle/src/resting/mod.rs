@@ -28,6 +28,7 @@ use crate::parallel;
 use crate::particles::Particles;
 use crate::simd::LANES;
 use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
+use crate::walls::{self as segments, Around};
 use pairs::{Block, Pair, Pass, Sweep};
 use walls::Walls;
 
@@ -72,8 +73,14 @@ pub struct Support<'a> {
     pub has_friction: bool,
     /// The sub-step.
     pub flow: &'a Flow,
-    /// The walls.
+    /// The container.
     pub container: Container,
+    /// The walls.
+    pub walls: Around<'a>,
+    /// The row of each particle.
+    pub rows: &'a [u32],
+    /// The pushes of walls in the sub-step before, sorted by row and wall.
+    pub pushes: &'a [WallPush],
     /// Coefficient of restitution of the world.
     pub restitution: f32,
     /// Threads to use.
@@ -101,6 +108,8 @@ pub struct Resting {
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
     walls: Vec<Walls>,
+    /// The contacts of a particle and walls.
+    found: Vec<segments::Contact>,
     /// How many of these, the first, belong to particles that have contacts of uneven masses.
     uneven_walls: usize,
 }
@@ -119,8 +128,21 @@ pub struct WallPushes<'a> {
     pub normal: &'a mut [[f32; MAX_WALLS]],
     /// Of friction; empty if there is none.
     pub friction: &'a mut [[f32; MAX_WALLS]],
+    /// Those of walls that are not the container's.
+    pub walls: &'a mut Vec<WallPush>,
     /// The impulses of the step: the place of the particle, the wall, along the normal, of friction.
-    pub impulses: &'a mut Vec<(u32, u8, [f32; 2])>,
+    pub impulses: &'a mut Vec<(u32, u32, [f32; 2])>,
+}
+
+/// The impulses over mass that a wall gives to a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallPush {
+    /// The row of the particle.
+    pub row: u32,
+    /// The number of the wall.
+    pub wall: u32,
+    /// Along the normal, and of friction.
+    pub pushes: [f32; 2],
 }
 
 impl Support<'_> {
@@ -128,6 +150,12 @@ impl Support<'_> {
     fn free_velocity(&self, place: usize, kick: &Kick) -> [f32; 2] {
         let velocity = self.motions.velocity(place as u32);
         [0, 1].map(|k| velocity[k] + self.change(kick, k) as f32)
+    }
+
+    /// The pushes of a wall in the sub-step before.
+    fn pushes_before(&self, row: u32, wall: u32) -> [f32; 2] {
+        let found = self.pushes.binary_search_by_key(&(row, wall), |of| (of.row, of.wall));
+        found.map_or([0.0; 2], |at| self.pushes[at].pushes)
     }
 
     /// Angular velocity times radius at the beginning of the sub-step.
@@ -282,7 +310,7 @@ impl Resting {
             friction.store(block, &mut contacts.list);
         }
         for walls in &*walls {
-            walls.store(wall_pushes.normal, wall_pushes.friction);
+            walls.store(scene.rows[walls.place as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.place as usize];
             let impulses = walls.impulses(mass);
             wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.place, wall, of)));
@@ -380,20 +408,20 @@ impl Resting {
         kicks: &[Kick],
     ) {
         let WallPushes { normal, friction, .. } = wall_pushes;
-        let Self { walls, uneven_walls, .. } = self;
+        let Self { walls, uneven_walls, found, .. } = self;
         walls.clear();
         let mut list = |uneven| {
             let is_listed =
                 |place: &usize| scene.moving[*place] && contacts.is_uneven(*place as u32) == uneven;
-            let found = (0..kicks.len()).filter(is_listed).filter_map(|place| {
+            let resting = (0..kicks.len()).filter(is_listed).filter_map(|place| {
                 let friction = friction.get(place).copied().unwrap_or_default();
-                Walls::of(place, normal[place], friction, scene, &kicks[place])
+                Walls::of(place, normal[place], friction, scene, &kicks[place], found)
             });
-            walls.extend(found);
+            walls.extend(resting);
             walls.len()
         };
         *uneven_walls = 0;
-        if scene.container.has_walls() {
+        if scene.container.has_walls() || !scene.walls.is_empty() {
             if contacts.has_uneven() {
                 *uneven_walls = list(true);
             }

@@ -1,17 +1,16 @@
 //! Resting contacts of a particle with walls.
 
 use super::pairs::{Pass, Phase};
-use super::{FARTHEST, RELAXATION, Start, Support, Surfaces};
+use super::{FARTHEST, RELAXATION, Start, Support, Surfaces, WallPush, WallPushes};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
-use crate::motion::{Scalars, Vectors};
+use crate::motion::{Scalars, Vectors, exact};
+use crate::walls::{self, FIRST};
 
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Walls {
     pub place: u32,
-    /// Coefficient of friction.
-    friction: f32,
     /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for points.
     softness: f32,
     contacts: [Option<WallContact>; MAX_WALLS],
@@ -20,7 +19,11 @@ pub struct Walls {
 /// A wall on which a particle rests.
 #[derive(Clone, Copy, Debug)]
 struct WallContact {
+    /// The number of the wall.
+    wall: u32,
     inward: [f32; 2],
+    /// Coefficient of friction.
+    friction: f32,
     start: Start,
     /// Speeds given by the wall along the normal and along itself, in the impact at the beginning and
     /// after it.
@@ -29,40 +32,45 @@ struct WallContact {
 
 impl Walls {
     /// The particle, if a wall contact of it may rest in this sub-step; `pushes` and those of friction
-    /// are from the sub-step before.
+    /// are from the sub-step before, at the container.
     pub fn of(
         place: usize,
         pushes: [f32; MAX_WALLS],
         frictions: [f32; MAX_WALLS],
         scene: &Support<'_>,
         kick: &Kick,
+        found: &mut Vec<walls::Contact>,
     ) -> Option<Self> {
         let motions = scene.motions;
         let (position, radius) = (motions.position(place as u32), scene.particles.radii[place]);
         let h = scene.flow.duration as f32;
         let far = f64::from(FARTHEST * kick.speed * h);
-        if scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
-            return None;
+        let mut contacts = [None; MAX_WALLS];
+        if !scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
+            let walls = scene.container.walls(position, radius);
+            contacts = [0, 1, 2, 3].map(|k| {
+                WallContact::of(place, k as u32, walls[k]?, [pushes[k], frictions[k]], scene, kick)
+            });
         }
-        let velocity = motions.velocity(place as u32);
-        let contact = |wall: Wall, push: f32, friction: f32| {
-            let surfaces = Surfaces {
-                gap: wall.gap,
-                reach: radius,
-                normal_speed: wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1],
-                restitution: scene.restitution * scene.particles.restitutions[place],
-                speeds: [kick.speed, 0.0],
-                has_pushed: push > 0.0,
-            };
-            let start = surfaces.start(h)?;
-            Some(WallContact { inward: wall.inward, start, pushes: [[0.0; 2], [push, friction]] })
-        };
-        let walls = scene.container.walls(position, radius);
-        let contacts = [0, 1, 2, 3].map(|k| contact(walls[k]?, pushes[k], frictions[k]));
+        if !scene.walls.is_empty() {
+            let position = exact(position, motions.residual(place as u32));
+            scene.walls.contacts(place as u32, position, f64::from(radius), far, found);
+            let velocity = motions.velocity(place as u32);
+            let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
+            // As for two particles, the normal at an end is taken as constant.
+            found.retain(|contact| !contact.is_end || speed * h <= 0.5 * radius);
+            let row = scene.rows[place];
+            let resting = found.iter().filter_map(|of| {
+                let wall = Wall { inward: of.normal.map(|v| v as f32), gap: of.gap as f32 };
+                let pushes = scene.pushes_before(row, of.wall);
+                WallContact::of(place, of.wall, wall, pushes, scene, kick)
+            });
+            let free = contacts.iter_mut().filter(|contact| contact.is_none());
+            free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
+        }
         let rests = contacts.iter().any(Option::is_some);
-        let friction = scene.particles.spin(place).friction;
         let softness = if radius == 0.0 { 0.0 } else { 2.0 };
-        rests.then_some(Self { place: place as u32, friction, softness, contacts })
+        rests.then_some(Self { place: place as u32, softness, contacts })
     }
 
     /// Whether the particle touches a wall and approaches it too fast to rest.
@@ -77,7 +85,7 @@ impl Walls {
         for contact in self.contacts.iter().flatten() {
             let [push, friction] = contact.pushes[Phase::Rest as usize];
             velocity = pushed(velocity, contact.inward, push);
-            if self.friction > 0.0 {
+            if contact.friction > 0.0 {
                 velocity = pushed(velocity, turned(contact.inward), friction);
                 surface_speed -= friction * self.softness;
             }
@@ -100,14 +108,15 @@ impl Walls {
                 Phase::Impact => contact.start.bounce,
                 Phase::Rest => -contact.start.closing_speed,
             };
+            let coefficient = contact.friction;
             let [push, friction] = &mut contact.pushes[phase as usize];
             let new = (*push + relaxation * (least_speed - normal_speed)).max(0.0);
             velocity = pushed(velocity, inward, new - *push);
             *push = new;
-            if self.friction > 0.0 {
+            if coefficient > 0.0 {
                 let along = turned(inward);
                 let sliding = along[0] * velocity[0] + along[1] * velocity[1] - surface_speed;
-                let most = self.friction * *push;
+                let most = coefficient * *push;
                 let wanted = *friction - sliding / (1.0 + self.softness);
                 let new = wanted.max(-most).min(most);
                 velocity = pushed(velocity, along, new - *friction);
@@ -120,28 +129,55 @@ impl Walls {
     }
 
     /// The walls that push the particle, and the sums of the impulses of both phases.
-    pub fn impulses(&self, mass: f32) -> impl Iterator<Item = (u8, [f32; 2])> {
-        let contacts = (0..).zip(&self.contacts);
-        let found = contacts.filter_map(|(wall, contact)| Some((wall, contact.as_ref()?.pushes)));
-        let sums = found.map(move |(wall, [impact, rest])| {
-            (wall, [0, 1].map(|k| mass * (impact[k] + rest[k])))
+    pub fn impulses(&self, mass: f32) -> impl Iterator<Item = (u32, [f32; 2])> {
+        let sums = self.contacts.iter().flatten().map(move |contact| {
+            let [impact, rest] = contact.pushes;
+            (contact.wall, [0, 1].map(|k| mass * (impact[k] + rest[k])))
         });
         sums.filter(|(_, [normal, _])| *normal > 0.0)
     }
 
     /// Stores the impulses.
-    pub fn store(
-        &self,
-        wall_pushes: &mut [[f32; MAX_WALLS]],
-        wall_frictions: &mut [[f32; MAX_WALLS]],
-    ) {
-        let pushes = self.contacts.map(|contact| {
-            contact.map_or([0.0; 2], |contact| contact.pushes[Phase::Rest as usize])
-        });
-        wall_pushes[self.place as usize] = pushes.map(|[push, _]| push);
-        if let Some(frictions) = wall_frictions.get_mut(self.place as usize) {
-            *frictions = pushes.map(|[_, friction]| friction);
+    pub fn store(&self, row: u32, to: &mut WallPushes<'_>) {
+        let place = self.place as usize;
+        for contact in self.contacts.iter().flatten() {
+            let pushes = contact.pushes[Phase::Rest as usize];
+            if contact.wall >= FIRST {
+                to.walls.push(WallPush { row, wall: contact.wall, pushes });
+                continue;
+            }
+            to.normal[place][contact.wall as usize] = pushes[0];
+            if let Some(frictions) = to.friction.get_mut(place) {
+                frictions[contact.wall as usize] = pushes[1];
+            }
         }
+    }
+}
+
+impl WallContact {
+    /// The contact, if it may rest in this sub-step.
+    fn of(
+        place: usize,
+        number: u32,
+        wall: Wall,
+        pushes: [f32; 2],
+        scene: &Support<'_>,
+        kick: &Kick,
+    ) -> Option<Self> {
+        let velocity = scene.motions.velocity(place as u32);
+        let own = scene.restitution * scene.particles.restitutions[place];
+        let surfaces = Surfaces {
+            gap: wall.gap,
+            reach: scene.particles.radii[place],
+            normal_speed: wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1],
+            restitution: own * scene.walls.walls.restitution(number),
+            speeds: [kick.speed, 0.0],
+            has_pushed: pushes[0] > 0.0,
+        };
+        let start = surfaces.start(scene.flow.duration as f32)?;
+        let own = f64::from(scene.particles.spin(place).friction);
+        let friction = scene.walls.walls.friction(number, own) as f32;
+        Some(Self { wall: number, inward: wall.inward, friction, start, pushes: [[0.0; 2], pushes] })
     }
 }
 

@@ -18,6 +18,7 @@ use crate::interrupt::Pulse;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
+use crate::query::each_overlap;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Shapes};
 use crate::trajectory::{Segment, Vector, dot};
 
@@ -378,11 +379,11 @@ impl StepBounds<'_> {
                         pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
                     }
                 };
-                let work = each_overlap(self.tree, &of, stack, |place| {
+                let work = each_overlap(self.tree, &of, 0.0, stack, |place| {
                     add(place as u32, [0; 2], true);
                 });
                 pulse.check(work)?;
-                let work = each_overlap(tree, &of, stack, |place| {
+                let work = each_overlap(tree, &of, 0.0, stack, |place| {
                     let other = &circles[tree.rows()[place] as usize];
                     let [start, end] = other.times;
                     if start <= circle.times[1] && circle.times[0] <= end {
@@ -397,33 +398,4 @@ impl StepBounds<'_> {
         }
         Ok(())
     }
-}
-
-/// Calls `act` with the place of each circle of a tree that overlaps another one. Returns the number
-/// of tests.
-fn each_overlap(
-    tree: &Quadtree<f32>,
-    circle: &Cover<f32>,
-    stack: &mut Vec<u32>,
-    mut act: impl FnMut(usize),
-) -> usize {
-    let mut tests = 0;
-    stack.clear();
-    stack.extend((!tree.is_empty()).then_some(0));
-    while let Some(index) = stack.pop() {
-        tests += 1;
-        if !tree.covers()[index as usize].meets(circle, [0.0; 2], 0.0) {
-            continue;
-        }
-        let node = &tree.nodes()[index as usize];
-        stack.extend(node.children().map(|child| child as u32));
-        if node.is_leaf() {
-            let meets = |place: &usize| {
-                Cover::of(&tree.columns().shape(*place)).meets(circle, [0.0; 2], 0.0)
-            };
-            node.range().filter(meets).for_each(&mut act);
-            tests += node.len();
-        }
-    }
-    tests
 }

@@ -25,7 +25,7 @@ mod waking;
 use std::ops::Range;
 
 use crate::contacts::Contacts;
-use crate::container::MAX_WALLS;
+use crate::container::{Container, MAX_WALLS};
 use crate::correction::Correction;
 use crate::error::{Error, Result};
 use crate::events::Events;
@@ -34,8 +34,9 @@ use crate::forces::{self, Force};
 use crate::motion::{Motions, Spins};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
-use crate::resting::Resting;
+use crate::resting::{Resting, WallPush};
 use crate::shapes::{MOST_ROWS, Shapes};
+use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
 use feel::ForceMemory;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
@@ -114,6 +115,7 @@ pub struct Stats {
 pub struct World {
     settings: WorldSettings,
     forces: Vec<Force>,
+    walls: Walls,
     /// Those that are awake, in canonical order, like `rows`, `wall_pushes` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
@@ -165,7 +167,13 @@ struct Memory {
     /// The new place of each particle, while these are renamed.
     indices: Vec<u32>,
     /// The impulses of resting contacts with walls in a part of the step: place, wall, impulses.
-    wall_impulses: Vec<(u32, u8, [f32; 2])>,
+    wall_impulses: Vec<(u32, u32, [f32; 2])>,
+    /// The pushes of walls in the last sub-step, sorted by row and wall.
+    wall_pushes: Vec<WallPush>,
+    /// Those of the sub-step that is computed.
+    new_wall_pushes: Vec<WallPush>,
+    /// The walls near each particle.
+    near_walls: walls::Near,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     motions: Motions,
@@ -215,6 +223,7 @@ impl World {
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
+        check_plane(settings.container, self.walls.all().len())?;
         let WorldSettings { method, tree, .. } = settings;
         if settings != (WorldSettings { method, tree, ..self.settings }) {
             self.wake_all();
@@ -226,6 +235,23 @@ impl World {
             self.wall_impulses.clear();
         }
         self.settings = settings;
+        Ok(())
+    }
+
+    /// The walls, without those of the container.
+    pub fn walls(&self) -> &[Wall] {
+        self.walls.all()
+    }
+
+    /// Changes the walls. If they are refused, the old ones stay. All particles wake. Particles that
+    /// overlap a wall are pushed out in several steps.
+    pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
+        check_plane(self.settings.container, walls.len())?;
+        let walls = Walls::new(walls, self.settings.tree)?;
+        self.wake_all();
+        self.drifts.clear();
+        self.wall_impulses.retain(|of| of.wall < FIRST);
+        self.walls = walls;
         Ok(())
     }
 
@@ -378,6 +404,15 @@ impl World {
     pub fn stats(&self) -> Stats {
         self.stats
     }
+}
+
+/// Refuses walls on a torus.
+fn check_plane(container: Container, walls: usize) -> Result<()> {
+    if walls > 0 && matches!(container, Container::Torus { .. }) {
+        let rule = "on a torus there can be no walls";
+        return Err(Error::of("walls", format!("{walls} walls"), rule));
+    }
+    Ok(())
 }
 
 /// Keeps some values of a column, which may be empty.

@@ -8,6 +8,8 @@
 //! unit, has not grown from one to the other. Discs that begin to topple move slowly for longer, but
 //! faster and faster.
 
+use std::collections::HashSet;
+
 use super::asleep::{Island, Sleepers};
 use super::{OnTouch, World};
 use crate::error::Result;
@@ -171,7 +173,7 @@ impl World {
     /// Lists the members of the islands that fall asleep; returns whether there are any. Movable
     /// particles that touched in the step or whose bounds overlapped belong together.
     fn list_sleepers(&mut self) -> bool {
-        let Self { particles, contacts, wall_pushes, memory, .. } = self;
+        let Self { particles, contacts, wall_pushes, wall_impulses, rows, memory, .. } = self;
         let super::Memory { pairs, sleeping, .. } = memory;
         let Scratch { groups, squares, rests, of_islands, members, .. } = sleeping;
         let movable = &particles.movable;
@@ -189,6 +191,12 @@ impl World {
         }
         rests.clear();
         rests.extend(wall_pushes.iter().map(|pushes| pushes.iter().any(|&push| push > 0.0)));
+        let on_walls = wall_impulses.iter().filter(|of| of.pushes[0] > 0.0).map(|of| of.row);
+        let on_walls: HashSet<u32> = on_walls.collect();
+        if !on_walls.is_empty() {
+            let rows = rests.iter_mut().zip(&*rows);
+            rows.for_each(|(rests, row)| *rests |= on_walls.contains(row));
+        }
         for contact in contacts.lasting().filter(|contact| contact.impulse > 0.0) {
             contact.places.iter().for_each(|&place| rests[place as usize] = true);
         }

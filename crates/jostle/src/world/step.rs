@@ -81,6 +81,7 @@ impl World {
             let mut done = self.step_in_parts(single, watch);
             let mut touched = std::mem::take(&mut self.memory.touched);
             if done.is_ok() && touched.is_empty() {
+                self.keep_wall_pushes();
                 touches::add_up(&mut self.wall_impulses);
                 done = self.fall_asleep(dt);
                 if done.is_ok() {
@@ -203,6 +204,7 @@ impl World {
         interrupt::check()?;
         self.arrange();
         self.prepare();
+        self.find_near_walls()?;
         watch(Stage::Contacts);
         self.fly(dt, watch)?;
         if self.has_strayed_to_sleepers()? {
@@ -213,6 +215,12 @@ impl World {
         self.merge();
         watch(Stage::Store);
         Ok(())
+    }
+
+    /// Finds the walls near each particle.
+    fn find_near_walls(&mut self) -> Result<()> {
+        let Memory { near_walls, tree, reaches, .. } = &mut self.memory;
+        near_walls.fill(&self.walls, tree, reaches, self.settings.method, MAX_CANDIDATES)
     }
 
     /// Builds the tree of the bounds.

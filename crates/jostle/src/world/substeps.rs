@@ -13,6 +13,7 @@ use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
 use crate::resting::{Support, WallPushes};
+use crate::walls::Around;
 
 use super::bounds::StepBounds;
 
@@ -23,7 +24,9 @@ impl World {
     /// Whether all collisions are elastic, so that nothing comes to rest.
     pub(super) fn is_elastic(&self) -> bool {
         let elastic = |&restitution: &f32| restitution == 1.0;
-        self.settings.restitution == 1.0 && self.particles.restitutions.iter().all(elastic)
+        self.settings.restitution == 1.0
+            && self.particles.restitutions.iter().all(elastic)
+            && self.walls.are_elastic()
     }
 
     /// Whether forces give kicks before and after the flights of a step.
@@ -118,6 +121,10 @@ impl World {
         self.wall_frictions.resize(with_friction, Default::default());
         memory.events.begin_step();
         memory.wall_impulses.clear();
+        if !may_rest {
+            memory.wall_pushes.clear();
+        }
+        let walls = Around { walls: &self.walls, near: &memory.near_walls, particles };
         let is_bounded = memory.bounded && !may_rest && springs(&self.forces).next().is_none();
         let h = f64::from(dt) / substeps as f64;
         let flow = Flow::new(h, settings.gravity, settings.drag);
@@ -148,6 +155,9 @@ impl World {
                     has_friction,
                     flow: &flow,
                     container: settings.container,
+                    walls,
+                    rows: &self.rows,
+                    pushes: &memory.wall_pushes,
                     restitution: settings.restitution,
                     threads,
                 };
@@ -155,8 +165,12 @@ impl World {
                 let contacts = &mut self.contacts;
                 let (normal, friction) = (&mut self.wall_pushes[..], &mut self.wall_frictions[..]);
                 let impulses = &mut memory.wall_impulses;
-                let pushes = WallPushes { normal, friction, impulses };
+                let new = &mut memory.new_wall_pushes;
+                new.clear();
+                let pushes = WallPushes { normal, friction, walls: new, impulses };
                 memory.resting.support(&support, contacts, pushes, kicks)?;
+                new.sort_unstable_by_key(|of| (of.row, of.wall));
+                std::mem::swap(new, &mut memory.wall_pushes);
                 watch(Stage::Resting);
             }
             let flight = Flight {
@@ -172,6 +186,7 @@ impl World {
                 is_first: true,
                 bounded: substep == 0 && is_bounded,
                 container: settings.container,
+                walls,
                 restitution: settings.restitution,
                 is_elastic,
                 thermostat: forces::thermostat(&self.forces),
@@ -183,7 +198,7 @@ impl World {
             memory.events.fly(&flight, &mut bounds)?;
             watch(Stage::Events);
             let (contacts, container) = (&mut self.contacts, &settings.container);
-            memory.correction.run(contacts, motions, particles, container, threads);
+            memory.correction.run(contacts, motions, particles, (container, walls), threads);
             merge::note(&mut memory.meetings, motions, threads);
             watch(Stage::Correction);
         }
@@ -207,12 +222,13 @@ impl World {
         memory.events.bounced.sort_unstable_by(order);
         let bounced = &memory.events.bounced;
         let off_walls = bounced.iter().filter(|of| of.pair[1] == WALL);
-        let off_walls = off_walls.map(|of| (of.pair[0], of.code as u8, of.impulses));
+        let off_walls = off_walls.map(|of| (of.pair[0], of.code, of.impulses));
         let off_walls = off_walls.chain(memory.wall_impulses.drain(..));
         self.wall_impulses.extend(off_walls.map(|(place, wall, impulses)| WallImpulse {
             row: self.rows[place as usize],
             wall,
             impulses,
+            pushes: [0.0; 2],
         }));
         let pairs = bounced.iter().filter(|of| of.pair[1] != WALL).map(|of| (of.pair, of.impulses));
         let touched = pairs.chain(memory.touched_before.iter().copied());

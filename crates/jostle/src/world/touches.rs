@@ -4,7 +4,9 @@ use super::{OnTouch, World};
 use crate::contacts::Contact;
 use crate::error::Result;
 use crate::motion::exact;
+use crate::resting::WallPush;
 use crate::trajectory::wall_normal;
+use crate::walls::FIRST;
 
 /// Two particles that touched during the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +28,9 @@ pub struct Touch {
 pub struct WallTouch {
     /// The row of the particle.
     pub row: u32,
-    /// The number of the wall: 0 to 3 at min x, max x, min y and max y of a box; 0 of a circle.
-    pub wall: u8,
+    /// The number of the wall: 0 to 3 at min x, max x, min y and max y of a box; 0 of a circle;
+    /// 4 + k of the wall k of [`World::walls`].
+    pub wall: u32,
     /// Unit vector from the wall into the container.
     pub normal: [f32; 2],
     /// Penetration at the end of the step; negative if they had separated.
@@ -42,9 +45,11 @@ pub struct WallTouch {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct WallImpulse {
     pub(super) row: u32,
-    pub(super) wall: u8,
+    pub(super) wall: u32,
     /// Along the normal, and of friction.
     pub(super) impulses: [f32; 2],
+    /// Those over mass of the last sub-step, at rest; only of walls that are not the container's.
+    pub(super) pushes: [f32; 2],
 }
 
 /// Sorts the impulses of a step, and adds up those of the same particle and wall.
@@ -55,6 +60,7 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
         let is_same = (next.row, next.wall) == (sum.row, sum.wall);
         if is_same {
             sum.impulses = [0, 1].map(|k| sum.impulses[k] + next.impulses[k]);
+            sum.pushes = [0, 1].map(|k| sum.pushes[k] + next.pushes[k]);
         }
         is_same
     });
@@ -62,6 +68,14 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
 }
 
 impl World {
+    /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
+    pub(super) fn keep_wall_pushes(&mut self) {
+        let pushes = self.memory.wall_pushes.iter();
+        self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| {
+            WallImpulse { row, wall, impulses: [0.0; 2], pushes }
+        }));
+    }
+
     /// The pairs that touched during the last step, in canonical order; then sleeping ones, as in the
     /// last step in which they were awake. If nothing bounces, those that overlap now; an error if there are too many.
     pub fn contacts(&self) -> Result<Vec<Touch>> {
@@ -86,15 +100,22 @@ impl World {
     /// the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
         let (places, container) = (self.places(), &self.settings.container);
-        let touch = |&WallImpulse { row, wall, impulses }: &WallImpulse| {
+        let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
             let place = places[row as usize] as usize;
             let (all, place) = match place.checked_sub(self.rows.len()) {
                 None => (&self.particles, place),
                 Some(at) => (&self.asleep.sleepers().particles, at),
             };
             let position = exact(all.positions[place], all.residuals[place]);
-            let gap = container.gaps(position, f64::from(all.radii[place]))[usize::from(wall)]?;
-            let normal = wall_normal(container, wall, position).map(|v| v as f32);
+            let radius = f64::from(all.radii[place]);
+            let (gap, normal) = if wall < FIRST {
+                let gap = container.gaps(position, radius)[wall as usize]?;
+                (gap, wall_normal(container, wall, position))
+            } else {
+                let contact = self.walls.contact(wall, position, radius);
+                (contact.gap, contact.normal)
+            };
+            let normal = normal.map(|v| v as f32);
             let [normal_impulse, friction_impulse] = impulses;
             let depth = -gap as f32;
             Some(WallTouch { row, wall, normal, depth, normal_impulse, friction_impulse })

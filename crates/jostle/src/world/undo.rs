@@ -7,6 +7,7 @@ use crate::contacts::Contacts;
 use crate::container::MAX_WALLS;
 use crate::forces::Force;
 use crate::particles::Particles;
+use crate::resting::WallPush;
 
 /// The columns that a step reorders.
 #[derive(Debug, Default)]
@@ -42,6 +43,10 @@ impl World {
         before.forces.clone_from(&self.forces);
         std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
         self.wall_impulses.clear();
+        let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
+        let pushes = pushes.map(|&WallImpulse { row, wall, pushes, .. }| WallPush { row, wall, pushes });
+        self.memory.wall_pushes.clear();
+        self.memory.wall_pushes.extend(pushes);
         before.stats = self.stats;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;

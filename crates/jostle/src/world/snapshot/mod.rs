@@ -9,7 +9,7 @@ mod sleepers;
 
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
-use super::{OnTouch, Stats, World, WorldSettings};
+use super::{OnTouch, Stats, Walls, World, WorldSettings, check_plane};
 use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
+use crate::walls::{FIRST, Wall};
 use forces::{get_force, put_force};
 use sleepers::{get_sleepers, put_sleepers};
 
@@ -24,8 +25,8 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction, version
-/// 4 no sleeping.
-const VERSION: u32 = 5;
+/// 4 no sleeping, version 5 no walls beside the container.
+const VERSION: u32 = 6;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -62,6 +63,7 @@ impl World {
         put_sleepers(&mut to, &self.asleep.copy());
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
+        put_walls(&mut to, self.walls());
         to.finish(MAGIC, VERSION)
     }
 
@@ -95,7 +97,8 @@ impl World {
         world.contacts.recall(get_contacts(&mut from, len, version)?, len);
         if version > 3 {
             // Rows are checked below.
-            world.wall_impulses = get_wall_impulses(&mut from, len.saturating_add(sleeping))?;
+            let known = len.saturating_add(sleeping);
+            world.wall_impulses = get_wall_impulses(&mut from, known, version)?;
         }
         if version > 4 {
             if from.get::<u8>()? > 0 {
@@ -114,6 +117,12 @@ impl World {
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
         world.forces = forces?;
         all_forces::validate(&world.forces, world.len()).map_err(valid)?;
+        if version > 5 {
+            let walls = get_walls(&mut from)?;
+            check_plane(world.settings.container, walls.len()).map_err(valid)?;
+            world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
+        }
+        world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
         }
@@ -286,22 +295,59 @@ fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<C
 
 fn put_wall_impulses(to: &mut Writer, all: &[WallImpulse]) {
     to.put_count(all.len());
-    for WallImpulse { row, wall, impulses } in all {
-        to.put(*row);
-        to.put(*wall);
+    for WallImpulse { row, wall, impulses, pushes } in all {
+        to.put([*row, *wall]);
         to.put(*impulses);
+        to.put(*pushes);
     }
 }
 
-fn get_wall_impulses(from: &mut Reader<'_>, len: usize) -> Result<Vec<WallImpulse>> {
+fn get_wall_impulses(
+    from: &mut Reader<'_>,
+    len: usize,
+    version: u32,
+) -> Result<Vec<WallImpulse>> {
     let mut all = Vec::new();
     for _ in 0..from.get_count()? {
-        let (row, wall, impulses) = (from.get()?, from.get()?, from.get::<[f32; 2]>()?);
-        let is_known = (row as usize) < len && usize::from(wall) < MAX_WALLS;
-        if !is_known || impulses.iter().any(|impulse| impulse.is_nan()) {
+        let row: u32 = from.get()?;
+        let wall = if version > 5 { from.get()? } else { u32::from(from.get::<u8>()?) };
+        let impulses: [f32; 2] = from.get()?;
+        let pushes: [f32; 2] = if version > 5 { from.get()? } else { [0.0; 2] };
+        let is_push = pushes[0] >= 0.0 && pushes.iter().all(|push| push.is_finite());
+        if row as usize >= len || impulses.iter().any(|impulse| impulse.is_nan()) || !is_push {
             return Err(damaged("a wall pushes nothing"));
         }
-        all.push(WallImpulse { row, wall, impulses });
+        all.push(WallImpulse { row, wall, impulses, pushes });
     }
     Ok(all)
+}
+
+fn put_walls(to: &mut Writer, walls: &[Wall]) {
+    to.put_count(walls.len());
+    for Wall { ends: [[a, b], [c, d]], restitution, friction } in walls {
+        to.put([*a, *b, *c, *d]);
+        // No coefficient is below 0.
+        to.put([*restitution, friction.unwrap_or(-1.0)]);
+    }
+}
+
+fn get_walls(from: &mut Reader<'_>) -> Result<Vec<Wall>> {
+    let count = from.get_count()?;
+    // Not reserved: a damaged count may be very large.
+    let wall = |_| {
+        let ([a, b, c, d], [restitution, friction]) = (from.get()?, from.get::<[f32; 2]>()?);
+        let friction = (friction != -1.0).then_some(friction);
+        Ok(Wall { ends: [[a, b], [c, d]], restitution, friction })
+    };
+    (0..count).map(wall).collect()
+}
+
+impl World {
+    /// Refuses restored impulses of walls that do not exist.
+    fn check_wall_impulses(&self) -> Result<()> {
+        let count = self.walls.all().len();
+        let mut all = self.wall_impulses.iter().chain(&self.asleep.sleepers().wall_impulses);
+        let is_known = |of: &WallImpulse| (of.wall as usize) < FIRST as usize + count;
+        if all.all(is_known) { Ok(()) } else { Err(damaged("a wall pushes nothing")) }
+    }
 }

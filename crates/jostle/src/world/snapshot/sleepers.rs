@@ -96,7 +96,7 @@ pub(super) fn get_sleepers(
     all.wall_frictions = vec![[0.0; MAX_WALLS]; len];
     get_wall_pushes(from, &mut all.wall_frictions, f32::MIN)?;
     all.contacts = get_contacts(from, total, version)?;
-    all.wall_impulses = get_wall_impulses(from, total)?;
+    all.wall_impulses = get_wall_impulses(from, total, version)?;
     let found = [len, all.contacts.len(), all.wall_impulses.len()];
     if ends.map(|end| end as usize) != found || total > MOST_ROWS {
         return Err(damaged("the sizes of its islands are wrong"));

@@ -1,0 +1,129 @@
+//! The time of impact of a disc and a wall.
+
+use super::{FIRST, Line, Part, Walls};
+use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, flat_impact, vector};
+
+impl Walls {
+    /// The first impact of a disc on the wall with a number.
+    ///
+    /// A part of the wall is tested in the intervals of time in which it acts. At their borders the
+    /// distance to the walls is continuous, so an impact cannot be between two parts.
+    pub fn impact(
+        &self,
+        wall: u32,
+        segment: &Segment,
+        radius: f64,
+        gravity: Vector,
+        limits: &Limits,
+    ) -> Option<Impact> {
+        let index = wall - FIRST;
+        let line = &self.lines[index as usize];
+        let reach = line.reach(radius);
+        let acceleration = if segment.falls { gravity } else { [0.0; 2] };
+        let mut first = None::<Impact>;
+        let parts = [Part::Side, Part::End(0), Part::End(1)];
+        let has = |part: &Part| match *part {
+            Part::Side => true,
+            Part::End(end) => line.has_end[end],
+        };
+        for part in parts.into_iter().filter(has) {
+            let until = first.map_or(limits.until, |impact| impact.time);
+            let found = self.first_while_acting(index, part, segment, gravity, until, |during| {
+                let [start, until] = during;
+                let limits = Limits { until, ..*limits };
+                let [position, velocity] = segment.at(start, gravity);
+                match part {
+                    Part::Side => {
+                        let across = line.across();
+                        let distance = dot(vector(|k| position[k] - line.ends[0][k]), across);
+                        let side = if distance < 0.0 { -1.0 } else { 1.0 };
+                        let speed = side * dot(across, velocity);
+                        let pull = -side * dot(across, acceleration);
+                        flat_impact(side * distance - reach, speed, pull, start, &limits)
+                    }
+                    Part::End(end) => {
+                        let relative = Relative {
+                            start,
+                            offset: vector(|k| line.ends[end][k] - position[k]),
+                            velocity: velocity.map(|v| -v),
+                            acceleration: acceleration.map(|v| -v),
+                        };
+                        relative.impact(reach, &limits)
+                    }
+                }
+            });
+            first = found.or(first);
+        }
+        first
+    }
+
+    /// Calls `test` with the beginning and the end of each interval until `until` in which a part of a wall
+    /// acts on a disc, until it finds an impact.
+    fn first_while_acting(
+        &self,
+        index: u32,
+        part: Part,
+        segment: &Segment,
+        gravity: Vector,
+        until: f64,
+        test: impl Fn([f64; 2]) -> Option<Impact>,
+    ) -> Option<Impact> {
+        let mut start = segment.time;
+        loop {
+            let end = self.next_change(index, part, segment, gravity, start).min(until);
+            let middle = segment.place_at(0.5 * (start + end), gravity);
+            if self.acts(index, part, middle)
+                && let Some(impact) = test([start, end])
+            {
+                return Some(impact);
+            }
+            if end >= until {
+                return None;
+            }
+            start = end;
+        }
+    }
+
+    /// The first time after `after` at which a part of a wall may begin or cease to act on a disc.
+    fn next_change(
+        &self,
+        index: u32,
+        part: Part,
+        segment: &Segment,
+        gravity: Vector,
+        after: f64,
+    ) -> f64 {
+        let next = |line: &Line, end: usize| line.crossing(end, segment, gravity, after);
+        let own = &self.lines[index as usize];
+        let of_both = |line: &Line| next(line, 0).min(next(line, 1));
+        match part {
+            Part::Side => of_both(own),
+            Part::End(end) => {
+                let others = self.covering(index, end).iter();
+                let others = others.map(|&other| of_both(&self.lines[other as usize]));
+                others.fold(next(own, end), f64::min)
+            }
+        }
+    }
+}
+
+impl Line {
+    /// The first time after `after` at which the centre of a disc crosses the line through an end
+    /// at a right angle to the wall; infinite if there is none.
+    fn crossing(&self, end: usize, segment: &Segment, gravity: Vector, after: f64) -> f64 {
+        let beyond = self.beyond(end, segment.position);
+        let speed = dot(segment.velocity, self.along);
+        let pull = if segment.falls { dot(gravity, self.along) } else { 0.0 };
+        let roots = if pull == 0.0 {
+            [-beyond / speed; 2]
+        } else {
+            // beyond + speed t + ½ pull t² = 0, without cancellation.
+            let root = (speed * speed - 2.0 * pull * beyond).sqrt();
+            let sum = -(speed + if speed < 0.0 { -root } else { root });
+            [sum / pull, 2.0 * beyond / sum]
+        };
+        let times = roots.map(|t| segment.time + t);
+        // What is not a number is no root.
+        times.into_iter().filter(|&time| time > after).fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,280 @@
+//! Walls: static line segments, solid from both sides, with ends.
+//!
+//! A wall has three parts: its side, which acts on discs whose centres are beside it, and its two
+//! ends, which act on the others. An end that lies on other walls does not act on discs beside
+//! these, because they touch those walls first. So for every position of a centre one part of the walls near it
+//! acts, without gaps, and a disc that rolls over the joint of two walls never hits the end of the
+//! second.
+
+mod contact;
+mod impact;
+mod near;
+
+use std::cmp::Ordering;
+
+use crate::container::{MAX_WALLS, ROUNDING, size};
+use crate::error::{Error, Result};
+use crate::particles::FARTHEST;
+use crate::quadtree::Quadtree;
+use crate::settings::Settings;
+use crate::shapes::{Each, Shapes};
+use crate::trajectory::{Vector, dot, vector};
+pub use contact::Contact;
+pub use near::{Around, Near};
+
+/// The number of the first wall among all walls; smaller numbers are those of the container.
+pub const FIRST: u32 = MAX_WALLS as u32;
+
+/// Walls of a world at most.
+pub const MOST_WALLS: usize = 1 << 24;
+
+/// A line segment that discs cannot cross.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// Its ends.
+    pub ends: [[f32; 2]; 2],
+    /// Coefficient of restitution, 0 to 1; multiplied by those of the world and the particle.
+    pub restitution: f32,
+    /// Coefficient of friction. A contact has the square root of the product with that of the
+    /// particle; None: that of the particle, as at the container.
+    pub friction: Option<f32>,
+}
+
+impl Wall {
+    /// A wall that is elastic and has the friction of the particles.
+    pub fn new(ends: [[f32; 2]; 2]) -> Self {
+        Self { ends, restitution: 1.0, friction: None }
+    }
+}
+
+/// A wall in float64.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    ends: [Vector; 2],
+    /// Unit vector from the first end to the second.
+    along: Vector,
+    /// Smaller radii count as this: a point needs a distance from the wall that shows on which side
+    /// it is.
+    least_radius: f64,
+    /// Whether its ends act: of walls that share an end, that of the first does.
+    has_end: [bool; 2],
+}
+
+/// A part of a wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Side,
+    /// The first or the second end.
+    End(usize),
+}
+
+/// All walls, with a tree of them.
+#[derive(Debug, Default)]
+pub struct Walls {
+    all: Vec<Wall>,
+    lines: Vec<Line>,
+    /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
+    /// wall k lies.
+    starts: Vec<u32>,
+    covering: Vec<u32>,
+    tree: Quadtree<f32>,
+}
+
+impl Line {
+    fn of(wall: &Wall) -> Self {
+        let ends = wall.ends.map(|end| end.map(f64::from));
+        let offset = vector(|k| ends[1][k] - ends[0][k]);
+        let length = dot(offset, offset).sqrt();
+        let largest = size(ends[0], 0.0).max(size(ends[1], 0.0));
+        Self {
+            ends,
+            along: offset.map(|v| v / length),
+            least_radius: ROUNDING * largest,
+            has_end: [true; 2],
+        }
+    }
+
+    /// Unit vector a quarter turn from the wall.
+    fn across(&self) -> Vector {
+        [-self.along[1], self.along[0]]
+    }
+
+    /// How far a point is beyond an end, along the wall from the first end to the second.
+    fn beyond(&self, end: usize, point: Vector) -> f64 {
+        dot(vector(|k| point[k] - self.ends[end][k]), self.along)
+    }
+
+    /// The part of the wall that is closest to a point.
+    fn part_at(&self, point: Vector) -> Part {
+        if self.beyond(0, point) < 0.0 {
+            Part::End(0)
+        } else if self.beyond(1, point) > 0.0 {
+            Part::End(1)
+        } else {
+            Part::Side
+        }
+    }
+
+    /// The vector from the closest point of the wall to a point.
+    fn offset(&self, point: Vector) -> Vector {
+        match self.part_at(point) {
+            Part::End(end) => vector(|k| point[k] - self.ends[end][k]),
+            Part::Side => {
+                let across = self.across();
+                let distance = dot(vector(|k| point[k] - self.ends[0][k]), across);
+                across.map(|v| v * distance)
+            }
+        }
+    }
+
+    /// Its distance from a point.
+    fn distance(&self, point: Vector) -> f64 {
+        let offset = self.offset(point);
+        dot(offset, offset).sqrt()
+    }
+
+    /// The distance from centre to wall at which a disc touches it.
+    fn reach(&self, radius: f64) -> f64 {
+        radius.max(self.least_radius)
+    }
+}
+
+impl Walls {
+    /// Walls with a tree. Refuses walls that are not finite, too large or without length.
+    pub fn new(all: Vec<Wall>, settings: Settings) -> Result<Self> {
+        validate(&all)?;
+        let lines: Vec<Line> = all.iter().map(Line::of).collect();
+        let bounds = |&Wall { ends: [a, b], .. }: &Wall| {
+            [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])]
+        };
+        let radii = lines.iter().map(|line| line.least_radius.max(1e-18) as f32).collect();
+        let shapes =
+            Shapes::from_boxes(all.iter().map(bounds).collect(), Each::Rows(radii), None)?;
+        let mut tree = Quadtree::default();
+        tree.rebuild(&shapes, settings, &|a, b| compare(&all, a, b))?;
+        let mut walls = Self { all, lines, tree, ..Self::default() };
+        walls.find_covering();
+        Ok(walls)
+    }
+
+    /// The walls, as given.
+    pub fn all(&self) -> &[Wall] {
+        &self.all
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// Whether all coefficients of restitution are 1.
+    pub fn are_elastic(&self) -> bool {
+        self.all.iter().all(|wall| wall.restitution == 1.0)
+    }
+
+    /// Coefficient of restitution of the wall with a number; 1 at the container.
+    pub fn restitution(&self, wall: u32) -> f32 {
+        self.get(wall).map_or(1.0, |of| of.restitution)
+    }
+
+    /// Coefficient of friction of the wall with a number and a particle with `friction`.
+    pub fn friction(&self, wall: u32, friction: f64) -> f64 {
+        let own = self.get(wall).and_then(|of| of.friction);
+        own.map_or(friction, |own| (f64::from(own) * friction).sqrt())
+    }
+
+    /// The distance from the wall with a number at which a disc touches it.
+    pub fn reach(&self, wall: u32, radius: f64) -> f64 {
+        let line = wall.checked_sub(FIRST).and_then(|index| self.lines.get(index as usize));
+        line.map_or(radius, |line| line.reach(radius))
+    }
+
+    /// The wall with a number; none if the number is that of a wall of the container.
+    fn get(&self, wall: u32) -> Option<&Wall> {
+        wall.checked_sub(FIRST).and_then(|index| self.all.get(index as usize))
+    }
+
+    /// Finds the walls that hide each end, and which of several equal ends acts.
+    fn find_covering(&mut self) {
+        let mut starts = vec![0];
+        let mut covering = Vec::new();
+        let mut stack = Vec::new();
+        let mut shared = Vec::new();
+        for (index, line) in (0u32..).zip(&self.lines) {
+            for (end, &point) in line.ends.iter().enumerate() {
+                let first = covering.len();
+                let tolerance = line.least_radius;
+                self.each_in([point; 2], tolerance, &mut stack, |other| {
+                    let there = &self.lines[other as usize];
+                    if other != index && there.distance(point) <= tolerance {
+                        covering.push(other);
+                        if other < index && there.ends.contains(&point) {
+                            shared.push((index, end));
+                        }
+                    }
+                });
+                covering[first..].sort_unstable();
+                starts.push(covering.len() as u32);
+            }
+        }
+        (self.starts, self.covering) = (starts, covering);
+        shared.into_iter().for_each(|(index, end)| self.lines[index as usize].has_end[end] = false);
+    }
+
+    /// The other walls on which an end lies.
+    fn covering(&self, index: u32, end: usize) -> &[u32] {
+        let at = 2 * index as usize + end;
+        &self.covering[self.starts[at] as usize..self.starts[at + 1] as usize]
+    }
+
+    /// Whether a part of a wall acts on a disc with its centre at a point.
+    fn acts(&self, index: u32, part: Part, point: Vector) -> bool {
+        let line = &self.lines[index as usize];
+        if line.part_at(point) != part {
+            return false;
+        }
+        let Part::End(end) = part else { return true };
+        let is_beside = |&other: &u32| self.lines[other as usize].part_at(point) == Part::Side;
+        line.has_end[end] && !self.covering(index, end).iter().any(is_beside)
+    }
+}
+
+/// Refuses the first wall that is not finite, too large, or without length.
+fn validate(all: &[Wall]) -> Result<()> {
+    if all.len() > MOST_WALLS {
+        let rule = format!("a world holds at most {MOST_WALLS} walls");
+        return Err(Error::of("walls", format!("{} walls", all.len()), &rule));
+    }
+    for (index, wall) in all.iter().enumerate() {
+        let Wall { ends: [[a, b], [c, d]], restitution, friction } = *wall;
+        let refuse =
+            |rule: &str| Err(Error::at("walls", index, format!("(({a}, {b}), ({c}, {d}))"), rule));
+        if ![a, b, c, d].iter().all(|v| v.is_finite() && v.abs() <= FARTHEST) {
+            return refuse("its coordinates must be finite and at most 1e18");
+        }
+        let length = vector(|k| f64::from(wall.ends[1][k]) - f64::from(wall.ends[0][k]));
+        // In float64, so that only equal ends have no distance.
+        if length == [0.0; 2] {
+            return refuse("its ends must differ");
+        }
+        if !(0.0..=1.0).contains(&restitution) {
+            let rule = "it must lie between 0 and 1";
+            return Err(Error::at("wall_restitution", index, restitution, rule));
+        }
+        if let Some(friction) = friction.filter(|v| !(*v >= 0.0 && v.is_finite())) {
+            let rule = "it must be finite and at least 0";
+            return Err(Error::at("wall_friction", index, friction, rule));
+        }
+    }
+    Ok(())
+}
+
+/// Orders walls whose bounds have the same centre.
+fn compare(all: &[Wall], a: usize, b: usize) -> Ordering {
+    let numbers = |index: usize| all[index].ends.into_iter().flatten();
+    let pairs = numbers(a).zip(numbers(b));
+    pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(a.cmp(&b))
+}
+
+#[cfg(test)]
+mod tests;

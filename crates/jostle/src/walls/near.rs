@@ -1,0 +1,245 @@
+//! Which walls each disc may touch during a step.
+
+use super::{FIRST, Walls};
+use crate::container::size;
+use crate::error::{Error, Result};
+use crate::geometry::{Cover, Shape};
+use crate::motion::exact;
+use crate::pairs::{self, JoinScratch};
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::query::each_overlap;
+use crate::settings::Method;
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use crate::trajectory::{Impact, Limits, Segment, Vector, dot, vector};
+
+/// Relative size of the rounding of bounds in float32, with a large reserve.
+const MARGIN: f64 = 1e-6;
+
+/// A disc that leaves its bounds is tested in parts of its trajectory. A part is about as long as this,
+/// in radii.
+const PART: f64 = 32.0;
+
+/// Parts of a trajectory at most.
+const MOST_PARTS: f64 = 256.0;
+
+/// The walls near each disc in the bounds of a step, in one array (compressed sparse rows).
+#[derive(Debug, Default)]
+pub struct Near {
+    /// `walls[starts[i]..starts[i + 1]]` are the numbers of the walls near disc i.
+    starts: Vec<u32>,
+    walls: Vec<u32>,
+    /// Distances from their positions at the beginning of the step within which discs were searched.
+    reaches: Vec<f32>,
+    found: Vec<[u32; 2]>,
+    join: JoinScratch,
+}
+
+impl Near {
+    /// Takes the walls that overlap the circles of `bounds`, which are in the order of the discs.
+    pub fn fill(
+        &mut self,
+        walls: &Walls,
+        bounds: &Quadtree<f32>,
+        reaches: &[f32],
+        method: Method,
+        most: usize,
+    ) -> Result<()> {
+        self.starts.clear();
+        self.walls.clear();
+        if walls.is_empty() {
+            return Ok(());
+        }
+        let Self { join, found, .. } = self;
+        join.pairs = std::mem::take(found);
+        let pairs = match method {
+            Method::Quadtree => pairs::places_between(bounds, &walls.tree, [0.0; 2], most, join),
+            Method::Brute => {
+                pairs::brute_between(bounds.columns(), walls.tree.columns(), [0.0; 2], most)
+            }
+        };
+        *found = pairs
+            .map_err(|error| match error {
+                Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
+                other => other,
+            })?
+            .pairs;
+        self.reaches.clear();
+        self.reaches.extend_from_slice(reaches);
+        // The bounds of a wall that is not parallel to an axis are much larger than the wall.
+        found.retain_mut(|[place, wall]| {
+            *wall = walls.tree.rows()[*wall as usize];
+            let circle = bounds.columns().shape(*place as usize);
+            let line = &walls.lines[*wall as usize];
+            let radius = line.reach(f64::from(circle.radius));
+            line.distance(circle.min.map(f64::from)) <= radius * (1.0 + MARGIN)
+        });
+        self.starts.resize(bounds.len() + 2, 0);
+        found.iter().for_each(|&[place, _]| self.starts[place as usize + 2] += 1);
+        for place in 2..self.starts.len() {
+            self.starts[place] += self.starts[place - 1];
+        }
+        self.walls.resize(found.len(), 0);
+        for &[place, wall] in &*found {
+            let next = &mut self.starts[place as usize + 1];
+            self.walls[*next as usize] = FIRST + wall;
+            *next += 1;
+        }
+        Ok(())
+    }
+
+    fn of(&self, place: u32) -> &[u32] {
+        let [first, end] = [place, place + 1].map(|at| self.starts[at as usize] as usize);
+        &self.walls[first..end]
+    }
+}
+
+/// The walls around discs in a step.
+#[derive(Clone, Copy)]
+pub struct Around<'a> {
+    /// All walls.
+    pub walls: &'a Walls,
+    /// Those near each disc.
+    pub near: &'a Near,
+    /// The discs at the beginning of the step.
+    pub particles: &'a Particles,
+}
+
+impl Around<'_> {
+    /// Whether there are no walls.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.walls.is_empty()
+    }
+
+    /// Calls `act` with the number of each wall that a disc may touch while its centre is in a box
+    /// given by two corners, or that is nearer than `extent` to its surface there; and with others.
+    pub fn each(
+        &self,
+        place: u32,
+        [min, max]: [Vector; 2],
+        extent: f64,
+        mut act: impl FnMut(u32),
+    ) {
+        if self.is_empty() {
+            return;
+        }
+        let Particles { positions, residuals, radii, .. } = self.particles;
+        let at = place as usize;
+        let radius = f64::from(radii[at]);
+        let anchor = exact(positions[at], residuals[at]);
+        let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
+        let moved = dot(far, far).sqrt() + MARGIN * size(anchor, radius);
+        if moved + extent <= f64::from(self.near.reaches[at]) {
+            self.near.of(place).iter().for_each(|&wall| act(wall));
+        } else {
+            let margin = (radius + extent) * (1.0 + MARGIN);
+            self.walls.each_in([min, max], margin, &mut Vec::new(), |index| act(FIRST + index));
+        }
+    }
+
+    /// The first impact of a disc on a wall before `until`, and the number of the wall. `limits` gives
+    /// those of each wall.
+    pub fn impact(
+        &self,
+        place: u32,
+        segment: &Segment,
+        until: f64,
+        gravity: Vector,
+        limits: impl Fn(u32) -> Limits,
+    ) -> Option<(Impact, u32)> {
+        let mut first = None::<(Impact, u32)>;
+        let mut start = segment.time;
+        let radius = f64::from(self.particles.radii[place as usize]);
+        let [_, velocity] = segment.at(start, gravity);
+        let span = until - start;
+        let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
+        let parts = (fastest * span / (PART * radius)).max(1.0).min(MOST_PARTS).ceil();
+        for part in 1..=parts as u32 {
+            let end = start + (until - start) / (parts - f64::from(part - 1));
+            self.each(place, bounds(segment, [start, end], gravity), 0.0, |wall| {
+                let until = first.map_or(until, |(impact, _)| impact.time);
+                let limits = Limits { until, ..limits(wall) };
+                let found = self.walls.impact(wall, segment, radius, gravity, &limits);
+                let is_first = |impact: &Impact| {
+                    first.is_none_or(|(before, other)| {
+                        impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()
+                    })
+                };
+                if let Some(impact) = found.filter(is_first) {
+                    first = Some((impact, wall));
+                }
+            });
+            if first.is_some_and(|(impact, _)| impact.time <= end) {
+                break;
+            }
+            start = end;
+        }
+        first
+    }
+
+    /// Calls `act` with the contact of a disc and each wall that is nearer to its surface than
+    /// `extent`, and that acts on it. Contacts in the same direction are one, that with the smallest gap.
+    pub fn contacts(
+        &self,
+        place: u32,
+        position: Vector,
+        radius: f64,
+        extent: f64,
+        found: &mut Vec<super::Contact>,
+    ) {
+        found.clear();
+        self.each(place, [position; 2], extent, |wall| {
+            let contact = self.walls.acting_contact(wall, position, radius);
+            found.extend(contact.filter(|contact| contact.gap <= extent));
+        });
+        if found.len() > 1 {
+            found.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.wall.cmp(&b.wall)));
+            let mut kept = 0;
+            for at in 0..found.len() {
+                let contact = found[at];
+                if !found[..kept].iter().any(|other| other.is_same(&contact)) {
+                    found[kept] = contact;
+                    kept += 1;
+                }
+            }
+            found.truncate(kept);
+        }
+    }
+}
+
+/// A box that contains the trajectory of a centre between two times.
+fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
+    let [a, b] = times.map(|time| segment.place_at(time, gravity));
+    let span = times[1] - times[0];
+    // A parabola leaves its chord by at most g t² / 8.
+    let bulge = |k: usize| {
+        if segment.falls { 0.125 * gravity[k].abs() * span * span } else { 0.0 }
+    };
+    [vector(|k| a[k].min(b[k]) - bulge(k)), vector(|k| a[k].max(b[k]) + bulge(k))]
+}
+
+impl Walls {
+    /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given by
+    /// two corners, and of a few others.
+    pub(super) fn each_in(
+        &self,
+        [min, max]: [Vector; 2],
+        margin: f64,
+        stack: &mut Vec<u32>,
+        mut act: impl FnMut(u32),
+    ) {
+        let margin = margin + MARGIN * size(min, 0.0).max(size(max, 0.0));
+        let bounds = Cover::of(&Shape {
+            min: min.map(|v| v as f32),
+            max: max.map(|v| v as f32),
+            half_size: [0.0; 2],
+            radius: margin as f32,
+            category: DEFAULT_CATEGORY,
+            mask: DEFAULT_MASK,
+        });
+        each_overlap(&self.tree, &bounds, f32::NEG_INFINITY, stack, |place| {
+            act(self.tree.rows()[place]);
+        });
+    }
+}

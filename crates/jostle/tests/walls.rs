@@ -1,0 +1,409 @@
+//! Walls: line segments that nothing crosses, from both sides, with ends.
+
+use jostle::scenes::random::Random;
+use jostle::{Container, Method, Particles, Wall, World, WorldSettings};
+use proptest::prelude::*;
+
+const STEP: f64 = 1.0 / 60.0;
+
+fn run(world: &mut World, steps: usize) {
+    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn wall(a: [f32; 2], b: [f32; 2]) -> Wall {
+    Wall::new([a, b])
+}
+
+fn chain(points: &[[f32; 2]]) -> Vec<Wall> {
+    points.windows(2).map(|two| wall(two[0], two[1])).collect()
+}
+
+fn closed(points: &[[f32; 2]]) -> Vec<Wall> {
+    let mut all = chain(points);
+    all.push(wall(points[points.len() - 1], points[0]));
+    all
+}
+
+fn discs(rows: &[([f32; 2], [f32; 2])], radius: f32) -> Particles {
+    let (positions, velocities): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
+    Particles::new(positions, velocities, vec![radius; rows.len()], 1.0)
+}
+
+fn world(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> World {
+    let mut world = World::new(all, settings).expect("valid");
+    world.set_walls(walls).expect("valid");
+    world
+}
+
+fn falling(restitution: f32) -> WorldSettings {
+    WorldSettings { gravity: [0.0, -9.8], restitution, ..WorldSettings::default() }
+}
+
+fn distance([[ax, ay], [bx, by]]: [[f32; 2]; 2], [x, y]: [f32; 2]) -> f64 {
+    let [ax, ay, bx, by, x, y] = [ax, ay, bx, by, x, y].map(f64::from);
+    let (u, v) = (bx - ax, by - ay);
+    let t = (((x - ax) * u + (y - ay) * v) / (u * u + v * v)).clamp(0.0, 1.0);
+    let (p, q) = (x - ax - t * u, y - ay - t * v);
+    (p * p + q * q).sqrt()
+}
+
+fn is_inside(points: &[[f32; 2]], [x, y]: [f32; 2]) -> bool {
+    let next = points.iter().cycle().skip(1);
+    let crosses = points.iter().zip(next).filter(|&(&[ax, ay], &[bx, by])| {
+        let at = |y: f32| f64::from(ax) + f64::from(y - ay) / f64::from(by - ay) * f64::from(bx - ax);
+        (ay > y) != (by > y) && f64::from(x) < at(y)
+    });
+    crosses.count() % 2 == 1
+}
+
+#[test]
+fn a_fast_disc_bounces_off_both_sides() {
+    for (y, velocity) in [(5.0, -60_000.0), (-5.0, 60_000.0)] {
+        let disc = discs(&[([0.3, y], [0.0, velocity])], 1.0);
+        let walls = vec![wall([-3.0, 0.0], [4.0, 0.0])];
+        let mut world = world(disc, walls, WorldSettings::default());
+        run(&mut world, 1);
+        // It moves by 1,000 radii, 4 of them before the bounce.
+        let expected = y.signum() * (1.0 + 996.0);
+        assert!((world.positions()[0][1] - expected).abs() < 1e-3, "{:?}", world.positions());
+        assert_eq!(world.velocities()[0], [0.0, -velocity]);
+        let touch = world.wall_contacts()[0];
+        assert_eq!((touch.wall, touch.normal), (4, [0.0, y.signum()]));
+    }
+}
+
+#[test]
+fn an_end_is_an_immovable_point() {
+    for gravity in [[0.0, 0.0], [0.0, -9.8]] {
+        for x in [0.2, 0.7, 0.95, 1.5] {
+            let settings = WorldSettings { gravity, ..WorldSettings::default() };
+            let walls = vec![wall([0.0, 0.0], [-3.0, 0.0])];
+            let start = ([x, 3.0], [0.1, -2.0]);
+            let mut with_wall = world(discs(&[start], 1.0), walls, settings);
+            let mut both = discs(&[start, ([0.0, 0.0], [0.0; 2])], 1.0);
+            (both.radii[1], both.movable[1]) = (0.0, false);
+            let mut with_point = World::new(both, settings).expect("valid");
+            for _ in 0..120 {
+                run(&mut with_wall, 1);
+                run(&mut with_point, 1);
+                let [a, b] = [&with_wall, &with_point].map(|world| world.positions()[0]);
+                assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-4), "{x}: {a:?} {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_polygon_under_gravity_is_a_box() {
+    let rows: Vec<_> = (0..12).map(|k| ([(k % 4) as f32 * 2.3 + 1.2, (k / 4) as f32 * 2.5 + 1.3], [k as f32 - 5.0, 3.0])).collect();
+    let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 9.0], [0.0, 9.0]];
+    let container = Container::Box { min: [0.0; 2], max: [10.0, 9.0] };
+    let mut boxed = World::new(discs(&rows, 1.0), WorldSettings { container, ..falling(1.0) }).unwrap();
+    let mut walled = world(discs(&rows, 1.0), closed(&corners), falling(1.0));
+    run(&mut boxed, 20);
+    run(&mut walled, 20);
+    for (a, b) in boxed.positions().iter().zip(walled.positions()) {
+        assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-3), "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn energy_is_conserved_under_gravity() {
+    let corners = [[0.0, 0.0], [7.0, -3.0], [20.0, 0.0], [17.0, 15.0], [2.0, 12.0]];
+    let rows: Vec<_> =
+        (0..20).map(|k| ([(k % 5) as f32 * 2.5 + 4.0, (k / 5) as f32 * 2.2 + 2.0], [k as f32 - 9.0, 3.0])).collect();
+    let mut world = world(discs(&rows, 1.0), closed(&corners), falling(1.0));
+    let energy = |world: &World| world.kinetic_energy() + world.potential_energy();
+    let before = energy(&world);
+    run(&mut world, 600);
+    let share = (energy(&world) - before) / before.abs().max(world.kinetic_energy());
+    assert!(share.abs() < 1e-4, "{share}");
+    assert!(world.positions().iter().all(|&at| is_inside(&corners, at)));
+}
+
+#[test]
+fn a_disc_rolls_over_joints_without_a_bump() {
+    let points: Vec<[f32; 2]> = (0..=50).map(|k| [k as f32 * 0.73, 0.0]).collect();
+    for (restitution, friction) in [(1.0, 0.0), (1.0, 0.5), (0.5, 0.0), (0.5, 0.5)] {
+        for speed in [0.5, 3.0, 17.0, 200.0] {
+            let mut disc = discs(&[([0.1, 1.0], [speed, 0.0])], 1.0);
+            for spin in disc.spins_mut() {
+                (spin.friction, spin.velocity) = (friction, -speed);
+            }
+            let mut world = world(disc, chain(&points), falling(restitution));
+            let steps = (34.0 / speed / STEP as f32) as usize;
+            for step in 0..steps {
+                run(&mut world, 1);
+                let ([x, y], [u, v]) = (world.positions()[0], world.velocities()[0]);
+                let at = format!("e {restitution} μ {friction} speed {speed} step {step} x {x}");
+                assert!((y - 1.0).abs() < 1e-5, "{at}: height {y}");
+                assert!((u / speed - 1.0).abs() < 1e-5 && v.abs() < 0.2, "{at}: {u} {v}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_disc_rests_in_an_inner_corner() {
+    for restitution in [0.0, 0.5, 0.9] {
+        for (a, b) in [([-5.0, 5.0], [5.0, 5.0]), ([-2.0, 9.0], [2.0, 9.0]), ([-9.0, 1.0], [4.0, 8.0])] {
+            let disc = discs(&[([0.3, 6.0], [1.0, 0.0])], 0.5);
+            let mut world = world(disc, chain(&[a, [0.0, 0.0], b]), falling(restitution));
+            run(&mut world, 900);
+            let [u, v] = world.velocities()[0];
+            assert!((u * u + v * v).sqrt() < 1e-2, "{a:?} {restitution}: {u} {v}");
+            for of in world.walls() {
+                let gap = distance(of.ends, world.positions()[0]) - 0.5;
+                assert!(gap.abs() < 5e-3, "{a:?} {restitution}: {gap} {:?}", world.positions());
+            }
+            assert_eq!(world.wall_contacts().len(), 2);
+        }
+    }
+}
+
+#[test]
+fn a_disc_that_slides_into_an_inner_corner_neither_sticks_nor_hops() {
+    let walls = chain(&[[-20.0, 0.0], [0.0, 0.0], [20.0, 5.0]]);
+    let mut world = world(discs(&[([-5.0, 1.0], [6.0, 0.0])], 1.0), walls, falling(0.3));
+    let mut highest = f64::MIN;
+    for _ in 0..150 {
+        run(&mut world, 1);
+        let gaps = world.walls().iter().map(|of| distance(of.ends, world.positions()[0]) - 1.0);
+        highest = highest.max(gaps.fold(f64::MAX, f64::min));
+    }
+    assert!(highest < 0.05, "{highest}");
+    let [u, _] = world.velocities()[0];
+    assert!(u.abs() > 0.5, "{u}");
+}
+
+#[test]
+fn a_pile_on_walls_weighs_what_it_weighs() {
+    let rows: Vec<_> = (0..60)
+        .map(|k| ([(k % 10) as f32 * 2.05 + 1.1 + 0.01 * (k / 10) as f32, (k / 10) as f32 * 2.05 + 1.05], [0.0; 2]))
+        .collect();
+    let floor: Vec<[f32; 2]> = (0..=30).map(|k| [k as f32 * 0.7, 0.0]).collect();
+    let mut walls = chain(&floor);
+    walls.extend([wall([0.0, 0.0], [0.0, 50.0]), wall([21.0, 0.0], [21.0, 50.0])]);
+    let settings = WorldSettings { sleeping: false, ..falling(0.3) };
+    let mut world = world(discs(&rows, 1.0), walls, settings);
+    run(&mut world, 600);
+    let mut sum = 0.0;
+    for _ in 0..30 {
+        run(&mut world, 1);
+        let touches = world.wall_contacts();
+        sum += touches.iter().map(|of| f64::from(of.normal_impulse * of.normal[1])).sum::<f64>();
+    }
+    let weight = 9.8 * 60.0 * STEP * 30.0;
+    assert!((sum / weight - 1.0).abs() < 2e-3, "{}", sum / weight);
+    let lowest = world.positions().iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+    assert!((lowest - 1.0).abs() < 1e-2, "{lowest}");
+}
+
+#[test]
+fn discs_sleep_on_walls_and_wake_when_these_change() {
+    let rows = [([0.0, 1.0], [0.0; 2]), ([2.0, 1.0], [0.0; 2])];
+    let walls = chain(&[[-5.0, 0.0], [1.0, 0.0], [8.0, 0.0]]);
+    let mut world = world(discs(&rows, 1.0), walls.clone(), falling(0.5));
+    run(&mut world, 120);
+    assert_eq!(world.asleep(), [true, true]);
+    assert_eq!(world.wall_contacts().len(), 2);
+    let mut again = World::restore(&world.snapshot()).expect("valid");
+    assert_eq!(again.asleep(), [true, true]);
+    assert_eq!(again.walls(), world.walls());
+    for world in [&mut world, &mut again] {
+        world.set_walls(walls[..1].to_vec()).expect("valid");
+        assert_eq!(world.asleep(), [false, false]);
+        run(world, 60);
+        assert!(world.positions()[1][1] < -1.0 && world.positions()[0][1] > 0.99);
+    }
+    assert_eq!(world.state_hash(), again.state_hash());
+}
+
+#[test]
+fn walls_bounce_and_brake_with_their_own_coefficients() {
+    let drop = |restitution| {
+        let mut of = wall([-9.0, 0.0], [9.0, 0.0]);
+        of.restitution = restitution;
+        let mut world = world(discs(&[([0.0, 2.0], [0.0, -6.0])], 1.0), vec![of], WorldSettings::default());
+        run(&mut world, 30);
+        world.velocities()[0][1]
+    };
+    assert_eq!([1.0, 0.5, 0.0].map(drop), [6.0, 3.0, 0.0]);
+    let slide = |friction| {
+        let mut of = wall([-9.0, 0.0], [90.0, 0.0]);
+        of.friction = friction;
+        let mut disc = discs(&[([0.0, 1.0], [6.0, 0.0])], 1.0);
+        disc.spins_mut()[0].friction = 0.4;
+        let mut world = world(disc, vec![of], falling(0.5));
+        run(&mut world, 12);
+        f64::from(world.velocities()[0][0])
+    };
+    // The deceleration is μ g.
+    for (friction, expected) in [(None, 0.4), (Some(0.1), 0.2), (Some(0.0), 0.0)] {
+        let found = (6.0 - slide(friction)) / (9.8 * 0.2);
+        assert!((found - expected).abs() < 1e-3, "{friction:?}: {found}");
+    }
+}
+
+#[test]
+fn overlapping_discs_are_pushed_out_to_the_side_of_their_centre() {
+    let walls = vec![wall([-9.0, 0.0], [9.0, 0.0])];
+    let rows = [([0.0, 0.2], [0.0; 2]), ([5.0, -0.4], [0.0; 2])];
+    let mut world = world(discs(&rows, 1.0), walls, WorldSettings::default());
+    run(&mut world, 1);
+    assert!(world.positions()[0][1] < 0.5, "it is gradual");
+    run(&mut world, 10);
+    assert!((world.positions()[0][1] - 1.0).abs() < 1e-6, "{:?}", world.positions());
+    assert!((world.positions()[1][1] + 1.0).abs() < 1e-6, "{:?}", world.positions());
+}
+
+#[test]
+fn points_do_not_cross_walls() {
+    let mut random = Random::new(3);
+    let rows: Vec<_> = (0..200)
+        .map(|_| ([random.between(-4.0, 4.0), random.between(-4.0, 4.0)], [random.between(-9.0, 9.0), random.between(-9.0, 9.0)]))
+        .collect();
+    let mut points = discs(&rows, 1.0);
+    points.radii.fill(0.0);
+    let corners = [[-5.0, -5.0], [6.0, -5.0], [0.0, 0.0], [5.0, 7.0], [-5.0, 5.0]];
+    let outside = rows.iter().filter(|row| !is_inside(&corners, row.0)).count();
+    for settings in [WorldSettings::default(), falling(0.4)] {
+        let mut world = world(points.clone(), closed(&corners), settings);
+        run(&mut world, 200);
+        let left = world.positions().iter().filter(|&&at| !is_inside(&corners, at)).count();
+        assert_eq!(left, outside);
+    }
+}
+
+#[test]
+fn invalid_walls_are_refused() {
+    let refusal = |walls: Vec<Wall>| {
+        let mut world = world(discs(&[([0.0; 2], [0.0; 2])], 1.0), vec![], falling(1.0));
+        world.set_walls(walls).expect_err("they are invalid").to_string()
+    };
+    let good = wall([0.0, 0.0], [1.0, 0.0]);
+    assert_eq!(
+        refusal(vec![good, wall([2.0, 1.0], [2.0, 1.0])]),
+        "walls[1] is ((2, 1), (2, 1)); its ends must differ"
+    );
+    assert_eq!(
+        refusal(vec![wall([2.0, f32::NAN], [2.0, 1.0])]),
+        "walls[0] is ((2, NaN), (2, 1)); its coordinates must be finite and at most 1e18"
+    );
+    assert_eq!(
+        refusal(vec![good, Wall { restitution: 2.0, ..good }]),
+        "wall_restitution[1] is 2; it must lie between 0 and 1"
+    );
+    assert_eq!(
+        refusal(vec![Wall { friction: Some(-1.0), ..good }]),
+        "wall_friction[0] is -1; it must be finite and at least 0"
+    );
+    let torus = WorldSettings { container: Container::Torus { size: [9.0; 2] }, ..falling(1.0) };
+    let mut world = World::new(discs(&[([0.0; 2], [0.0; 2])], 1.0), torus).expect("valid");
+    let error = world.set_walls(vec![good]).expect_err("there is a torus").to_string();
+    assert_eq!(error, "walls is 1 walls; on a torus there can be no walls");
+}
+
+/// Many discs among random walls.
+fn crowd(count: usize, seed: u64, settings: WorldSettings) -> World {
+    let mut random = Random::new(seed);
+    let side = (count as f32).sqrt() * 3.0;
+    let rows: Vec<_> = (0..count)
+        .map(|_| ([random.between(0.0, side), random.between(0.0, side)], [random.between(-9.0, 9.0), random.between(-9.0, 9.0)]))
+        .collect();
+    let walls = (0..count / 4)
+        .map(|_| {
+            let [x, y] = [random.between(0.0, side), random.between(0.0, side)];
+            Wall {
+                friction: Some(0.5),
+                ..wall([x, y], [x + random.between(-4.0, 4.0), y + random.between(0.5, 4.0)])
+            }
+        })
+        .collect();
+    let container = Container::Box { min: [-1.0; 2], max: [side + 1.0; 2] };
+    let mut all = discs(&rows, 0.9);
+    all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.4);
+    world(all, walls, WorldSettings { container, ..settings })
+}
+
+#[test]
+fn walls_do_not_show_how_they_are_computed() {
+    for settings in [falling(0.5), WorldSettings::default()] {
+        let mut expected = crowd(400, 1, settings);
+        run(&mut expected, 60);
+        let mut brute = crowd(400, 1, WorldSettings { method: Method::Brute, ..settings });
+        run(&mut brute, 60);
+        assert_eq!(brute.state_hash(), expected.state_hash(), "brute force");
+        assert_eq!(brute.wall_contacts(), expected.wall_contacts(), "brute force");
+        let mut half = crowd(400, 1, settings);
+        run(&mut half, 30);
+        let mut half = World::restore(&half.snapshot()).expect("valid");
+        run(&mut half, 30);
+        assert_eq!(half.state_hash(), expected.state_hash(), "a snapshot");
+        assert_eq!(half.snapshot(), expected.snapshot(), "a snapshot");
+        let straight = crowd(400, 1, settings);
+        let order: Vec<u32> = (0..400).map(|k| (k * 171 + 5) % 400).collect();
+        let mut particles = Particles::default();
+        particles.gather(&straight.particles(), &order, None);
+        let mut mixed = world(particles, straight.walls().to_vec(), *straight.settings());
+        run(&mut mixed, 60);
+        let mut particles = Particles::default();
+        particles.gather(&expected.particles(), &order, None);
+        assert!(mixed.particles() == particles, "the order of adding");
+    }
+}
+
+#[test]
+fn threads_do_not_show_in_walls() {
+    for settings in [falling(0.5), WorldSettings::default()] {
+        let hashes = [1, 2, 3].map(|threads| {
+            let mut settings = settings;
+            settings.tree.threads = Some(threads);
+            let mut world = crowd(15_000, 2, settings);
+            run(&mut world, 3);
+            (world.state_hash(), world.wall_contacts())
+        });
+        assert!(hashes.iter().all(|of| *of == hashes[0]));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn discs_stay_in_polygons(
+        corners in prop::collection::vec(3.0..30.0f32, 3..=40),
+        seed in any::<u64>(),
+        speed in prop_oneof![0.0..10.0f32, 10.0..10_000.0f32],
+        restitution in prop_oneof![Just(1.0f32), 0.0..1.0f32],
+        falls in any::<bool>(),
+        radius in prop_oneof![Just(0.2f32), 0.01..0.3f32],
+    ) {
+        let count = corners.len() as f32;
+        let points: Vec<[f32; 2]> = (0..).zip(&corners)
+            .map(|(k, out)| {
+                let angle = (k as f32 + 0.3) / count * std::f32::consts::TAU;
+                [out * angle.cos(), out * angle.sin()]
+            })
+            .collect();
+        let mut random = Random::new(seed);
+        let speed = speed * radius;
+        let rows: Vec<_> = (0..5)
+            .map(|k| ([k as f32 * 0.61 - 1.22, 0.0], [random.between(-speed, speed), random.between(-speed, speed)]))
+            .filter(|(at, _)| is_inside(&points, *at)
+                && closed(&points).iter().all(|of| distance(of.ends, *at) > f64::from(radius)))
+            .collect();
+        let settings = if falls { falling(restitution) } else { WorldSettings { restitution, ..WorldSettings::default() } };
+        let mut world = world(discs(&rows, radius), closed(&points), settings);
+        for _ in 0..12 {
+            run(&mut world, 1);
+            for at in world.positions() {
+                prop_assert!(is_inside(&points, at), "{at:?} is outside");
+                for of in closed(&points) {
+                    let gap = distance(of.ends, at) / f64::from(radius) - 1.0;
+                    prop_assert!(gap > -0.02, "{at:?} overlaps {of:?} by {gap}");
+                }
+            }
+        }
+    }
+}
