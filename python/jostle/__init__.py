@@ -9,7 +9,7 @@
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs` and
-    `Thermostat` are its forces.
+    `Thermostat` are its forces. `polyline` makes walls.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldStats`
@@ -46,6 +46,7 @@ from jostle.results import (
     WorldContacts,
     WorldStats,
 )
+from jostle.walls import polyline
 
 __all__ = [
     "Attractor",
@@ -72,5 +73,6 @@ __all__ = [
     "__version__",
     "article",
     "find_pairs",
+    "polyline",
     "scenes",
 ]

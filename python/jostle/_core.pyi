@@ -2066,6 +2066,9 @@ class World:
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
         container: _Container | None = None,
+        walls: ArrayLike | None = None,
+        wall_restitution: ArrayLike = 1.0,
+        wall_friction: ArrayLike | None = None,
         forces: Iterable[_Force] = (),
         on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
         method: Literal["quadtree", "brute"] = "quadtree",
@@ -2359,6 +2362,18 @@ class World:
         """The walls: a Box, Circle, Torus or None."""
     @container.setter
     def container(self, value: _Container | None) -> None: ...
+    @property
+    def walls(self) -> NDArray[np.float32]: ...
+    @walls.setter
+    def walls(self, value: ArrayLike | None) -> None: ...
+    @property
+    def wall_restitution(self) -> NDArray[np.float32]: ...
+    @wall_restitution.setter
+    def wall_restitution(self, value: ArrayLike) -> None: ...
+    @property
+    def wall_friction(self) -> NDArray[np.float32]: ...
+    @wall_friction.setter
+    def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
         """The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign

@@ -218,7 +218,8 @@ class WallContacts(NamedTuple):
     ids : ndarray of int64, shape (m,)
         Ids of the particles, ascending.
     walls : ndarray of int64, shape (m,)
-        0 to 3: the walls of a `Box` at min_x, max_x, min_y and max_y; 0 for a `Circle`.
+        0 to 3: the walls of a `Box` at min_x, max_x, min_y and max_y; 0 for a `Circle`;
+        4 + k: wall k of `World.walls`, at a shared end the first of those that have it.
     normals : ndarray of float32, shape (m, 2)
         Unit vectors from the wall to the particle, at the end of the step.
     depths : ndarray of float32, shape (m,)

@@ -240,6 +240,18 @@ impl<'py> Argument<'py> {
         if self.is_scalar() { Ok(None) } else { self.len().map(Some) }
     }
 
+    /// Line segments: two points each.
+    pub fn segments<T: Scalar + Element>(&self) -> PyResult<Vec<[[T; 2]; 2]>> {
+        match self.array.shape() {
+            [_, 2, 2] => {
+                let points = self.real_pairs()?;
+                Ok(points.chunks_exact(2).map(|two| [two[0], two[1]]).collect())
+            }
+            [0] => Ok(Vec::new()),
+            _ => Err(self.wrong_shape("(m, 2, 2)")),
+        }
+    }
+
     /// A number for all or one for each of `len` rows.
     pub fn real_each<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<T>> {
         self.each(len, "a number", Self::real)

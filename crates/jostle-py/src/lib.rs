@@ -20,6 +20,7 @@ mod sprites;
 mod containers;
 mod particles;
 mod forces;
+mod walls;
 mod world;
 mod scenes;
 

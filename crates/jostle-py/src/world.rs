@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Each, Error, Stage, World, WorldSettings};
-use numpy::{PyArray1, PyArray2};
+use jostle::{Each, Error, Stage, Wall, World, WorldSettings};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
@@ -22,6 +22,7 @@ use crate::particles::{Draft, reals, truths, vectors};
 use crate::queries::told;
 use crate::results;
 use crate::settings;
+use crate::walls;
 
 /// Between whole steps, a long call looks about this often whether the user has
 /// pressed Ctrl-C and lets other threads at the world.
@@ -71,7 +72,18 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
 ///     does not change angular velocities.
 /// container : Box, Circle, Torus or None, optional
-///     The walls. The first step moves particles that are outside to the inside.
+///     The region of the particles. The first step moves particles that are outside to the
+///     inside.
+/// walls : array_like, shape (m, 2, 2), optional
+///     Static line segments, solid from both sides, from one end to the other; `polyline` makes
+///     them from points. A particle stays on the side on which its centre is. One that overlaps
+///     a wall is pushed out in several steps. On a `Torus` there can be no walls.
+/// wall_restitution : array_like, a number or shape (m,), default 1.0
+///     Coefficients of restitution of the walls; at a wall it is multiplied by the world's and that
+///     of the particle.
+/// wall_friction : array_like, a number or shape (m,), optional
+///     Coefficients of friction of the walls. A contact has the square root of the product with
+///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
 ///     Forces beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
@@ -156,13 +168,15 @@ impl PyWorld {
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
             friction=Given::NOTHING, angles=None, angular_velocities=None,
-            container=None, forces=Given::NOTHING, on_touch=Given::NOTHING,
+            container=None, walls=None, wall_restitution=Given::NOTHING, wall_friction=None,
+            forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
             sleeping=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          friction=0.0, angles=None, angular_velocities=None, container=None, forces=(), on_touch='bounce', method='quadtree', \
+                          friction=0.0, angles=None, angular_velocities=None, container=None, walls=None, wall_restitution=1.0, \
+                          wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
@@ -181,6 +195,9 @@ impl PyWorld {
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
+        walls: Option<&Bound<'py, PyAny>>,
+        wall_restitution: Given<'py>,
+        wall_friction: Option<&Bound<'py, PyAny>>,
         forces: Given<'py>,
         on_touch: Given<'py>,
         method: Given<'py>,
@@ -217,9 +234,13 @@ impl PyWorld {
             rows => draft.restitutions = rows,
         }
         let forces = forces.value().map_or(Ok(Vec::new()), forces::read)?;
+        let mut walls = walls::read(walls)?;
+        walls::set_restitution(&mut walls, &wall_restitution)?;
+        walls::set_friction(&mut walls, wall_friction)?;
         let world = py.detach(|| {
             let mut world = World::new(draft.particles(len)?, rules)?;
             world.set_forces(forces)?;
+            world.set_walls(walls)?;
             Ok(world)
         });
         Ok(Self::of(world.map_err(refused)?))
@@ -663,7 +684,7 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.restitution = restitution)
     }
 
-    /// The walls: a Box, Circle, Torus or None.
+    /// The region of the particles: a Box, Circle, Torus or None.
     #[getter]
     fn container(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         containers::show(py, self.rules(py)?.container)
@@ -673,6 +694,82 @@ impl PyWorld {
     fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let container = containers::read(value)?;
         self.change_rules(py, |rules| rules.container = container)
+    }
+
+    /// Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of static line
+    /// segments in units of length.
+    ///
+    /// Assign an array of this shape, or None for no walls. Wall k keeps the coefficients of the
+    /// wall k before; further ones have a restitution of 1 and the friction of the particles. All
+    /// particles wake. Moving walls transfer no momentum: particles that overlap a wall are pushed
+    /// out in several steps, to the side on which their centre is.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
+    ///     equal, or the container is a `Torus`.
+    ///
+    /// See Also
+    /// --------
+    /// jostle.polyline : Walls between consecutive points.
+    /// wall_contacts : The walls that particles touched.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 2)], [(0, -4)], radii=1.0, walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)])
+    /// ... )
+    /// >>> world.step(0.5)
+    /// >>> world.positions, world.wall_contacts.walls  # 4 + the index of the wall
+    /// (array([[0., 2.]], dtype=float32), array([4]))
+    /// >>> world.walls = None
+    /// >>> world.walls.shape
+    /// (0, 2, 2)
+    #[getter]
+    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        walls::ends(py, &self.all_walls(py)?)
+    }
+
+    #[setter]
+    fn set_walls(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let mut new = walls::read(value)?;
+        for (wall, old) in new.iter_mut().zip(self.all_walls(py)?) {
+            *wall = Wall { ends: wall.ends, ..old };
+        }
+        self.change_walls(py, new)
+    }
+
+    /// Coefficients of restitution of the walls: ndarray of float32, shape (m,), a read-only copy.
+    ///
+    /// Assign an array or one number, 0 to 1.
+    #[getter]
+    fn wall_restitution<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(walls::restitution(py, &self.all_walls(py)?))
+    }
+
+    #[setter]
+    fn set_wall_restitution(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let mut all = self.all_walls(py)?;
+        walls::set_restitution(&mut all, &value)?;
+        self.change_walls(py, all)
+    }
+
+    /// Coefficients of friction of the walls: ndarray of float32, shape (m,), a read-only copy.
+    ///
+    /// NaN stands for the coefficient of the particle. Assign an array or one number, or None for
+    /// NaN.
+    #[getter]
+    fn wall_friction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(walls::friction(py, &self.all_walls(py)?))
+    }
+
+    #[setter]
+    fn set_wall_friction(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let mut all = self.all_walls(py)?;
+        walls::set_friction(&mut all, value)?;
+        self.change_walls(py, all)
     }
 
     /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
@@ -833,10 +930,13 @@ impl PyWorld {
         results::world_contacts(py, touches.map_err(refused)?)
     }
 
-    /// The particles to which walls of the container gave an impulse during the last step: a
+    /// The particles to which walls or the container gave an impulse during the last step: a
     /// `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
     /// to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
     /// particle. Divided by the length of the step, impulses are mean forces.
+    ///
+    /// The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls` has
+    /// the number 4 + k.
     ///
     /// See Also
     /// --------
@@ -1101,6 +1201,14 @@ impl PyWorld {
 
     fn rules(&self, py: Python<'_>) -> PyResult<WorldSettings> {
         Ok(*self.state(py)?.world.settings())
+    }
+
+    fn all_walls(&self, py: Python<'_>) -> PyResult<Vec<Wall>> {
+        self.long(py, |state| state.world.walls().to_vec())
+    }
+
+    fn change_walls(&self, py: Python<'_>, walls: Vec<Wall>) -> PyResult<()> {
+        self.long(py, |state| state.world.set_walls(walls))?.map_err(refused)
     }
 
     fn change_rules(

@@ -10,7 +10,7 @@ use crate::container::{Container, size};
 use crate::motion::{Motions, Vectors, exact};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::trajectory::Vector;
+use crate::trajectory::{Vector, vector};
 use crate::walls::Around;
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
@@ -263,13 +263,14 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) ->
     let to: Vector = [0, 1].map(|k| from[k] + f64::from(by[k]));
     // Points are moved away from walls, too.
     let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
-    let corners = [0, 1].map(|k| [from[k].min(to[k]), from[k].max(to[k])]);
-    let area = [0, 1].map(|end| [corners[0][end], corners[1][end]]);
-    let mut near = Vec::new();
-    walls.each(place, area, most, |wall| near.push(wall));
-    if near.is_empty() {
+    let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
+    let mut is_free = true;
+    walls.each(place, area, 0.0, |wall| is_free &= walls.walls.is_free(wall, [from, to], radius));
+    if is_free {
         return by;
     }
+    let mut near = Vec::new();
+    walls.each(place, area, most, |wall| near.push(wall));
     let allowed = walls.walls.push_out(&near, [from, to], radius, most);
     if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }
 }

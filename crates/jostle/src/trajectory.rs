@@ -292,13 +292,7 @@ pub fn wall_impact(
 
 /// The impact on a flat wall at the distance `gap`, from which the disc moves away with `speed`
 /// and to which it accelerates with `pull`.
-pub fn flat_impact(
-    gap: f64,
-    speed: f64,
-    pull: f64,
-    start: f64,
-    limits: &Limits,
-) -> Option<Impact> {
+pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> Option<Impact> {
     let span = limits.until - start;
     // Far from the wall all the time.
     let lowest = gap + speed.min(0.0) * span - 0.5 * pull.max(0.0) * span * span;

@@ -354,9 +354,10 @@ impl Window<'_> {
         }
         let mut hit = self.container_impact(index, segment);
         if !self.flight.walls.is_empty() {
-            let other = self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
-                self.wall_limits(segment.position, index, wall)
-            });
+            let other =
+                self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
+                    self.wall_limits(segment.position, index, wall)
+                });
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
             hit = if is_first { other.or(hit) } else { hit };
         }

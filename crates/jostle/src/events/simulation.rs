@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::Outside;
 use super::flight::Window;
 use super::friction::Rubbing;
-use super::history::{Bounce, Course, History, NONE};
+use super::history::{Bounce, Course, History, NONE, Trajectory};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
@@ -27,6 +27,9 @@ const MOST_EVENTS: [u32; 2] = [1024, 128];
 /// and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas with the
 /// TC model*, 1998).
 const COLLAPSE: u32 = 32;
+
+/// Events of a disc at one moment after which its bounces off walls are inelastic.
+const MOST_AT_ONCE: usize = 8;
 
 /// Impacts between two polls.
 const POLL_EVERY: usize = 256;
@@ -304,10 +307,16 @@ impl Simulation<'_> {
     fn touch_wall(&mut self, index: u32, wall: u32) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
         let normal = self.window.wall_normal(index, wall, own.now.position);
-        // Between walls at an acute angle, too, there can be infinitely many collisions.
-        let collapses = wall >= FIRST && course.count >= COLLAPSE;
-        let restitution =
-            if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
+        let restitution = if wall < FIRST {
+            self.window.wall_restitution(index, wall)
+        } else if self.has_no_room(course, own.now.time) {
+            0.0
+        } else if course.count >= COLLAPSE {
+            // Between walls at an acute angle, too, there can be infinitely many collisions.
+            1.0
+        } else {
+            self.window.wall_restitution(index, wall)
+        };
         let touch = Touch {
             key: [index, WALL, wall],
             bodies: [Some(position), None],
@@ -317,6 +326,13 @@ impl Simulation<'_> {
             friction: self.window.wall_friction(index, wall),
         };
         self.add(touch);
+    }
+
+    /// Whether a disc has had so many events at this moment that it overlaps walls on opposite sides. It
+    /// would bounce between them forever.
+    fn has_no_room(&self, course: &Course, time: f64) -> bool {
+        let mut segments = Trajectory::of(self.history, course, time);
+        segments.by_ref().take_while(|part| part.segment.time == time).count() > MOST_AT_ONCE
     }
 
     fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {

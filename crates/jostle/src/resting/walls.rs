@@ -177,7 +177,13 @@ impl WallContact {
         let start = surfaces.start(scene.flow.duration as f32)?;
         let own = f64::from(scene.particles.spin(place).friction);
         let friction = scene.walls.walls.friction(number, own) as f32;
-        Some(Self { wall: number, inward: wall.inward, friction, start, pushes: [[0.0; 2], pushes] })
+        Some(Self {
+            wall: number,
+            inward: wall.inward,
+            friction,
+            start,
+            pushes: [[0.0; 2], pushes],
+        })
     }
 }
 

@@ -36,7 +36,7 @@ impl Walls {
         let offset = line.offset(position);
         let distance = dot(offset, offset).sqrt();
         let is_end = line.part_at(position) != Part::Side;
-        let normal = if distance > 0.0 {
+        let normal: Vector = if distance > 0.0 {
             // Beside the wall, the normal does not depend on the rounding of the distance.
             let across = line.across();
             let side = if dot(offset, across) < 0.0 { -1.0 } else { 1.0 };
@@ -45,6 +45,8 @@ impl Walls {
         } else {
             line.across()
         };
+        // Without −0.
+        let normal = normal.map(|v| v + 0.0);
         Contact { wall, normal, gap: distance - line.reach(radius), is_end }
     }
 
@@ -68,9 +70,8 @@ impl Walls {
         let mut left = most;
         for _ in 0..MOST_PUSHES {
             let contacts = walls.iter().map(|&wall| self.contact(wall, position, radius));
-            let deepest = contacts.min_by(|a, b| {
-                a.gap.total_cmp(&b.gap).then_with(|| a.wall.cmp(&b.wall))
-            });
+            let deepest =
+                contacts.min_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.wall.cmp(&b.wall)));
             let Some(deepest) = deepest.filter(|of| of.gap < 0.0 && left > 0.0) else { break };
             let by = (-deepest.gap).min(left);
             left -= by;
@@ -78,6 +79,13 @@ impl Walls {
         }
         let crosses = |&wall: &u32| self.is_crossed(wall, from, position);
         if walls.iter().any(crosses) { from } else { position }
+    }
+
+    /// Whether a disc does not overlap a wall at the second point, and its centre does not cross the wall on
+    /// the way from the first.
+    pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
+        let line = &self.lines[(wall - FIRST) as usize];
+        line.distance(to) >= line.reach(radius) && !self.is_crossed(wall, from, to)
     }
 
     /// Whether the way from one point to another crosses a wall.

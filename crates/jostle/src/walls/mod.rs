@@ -148,8 +148,7 @@ impl Walls {
             [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])]
         };
         let radii = lines.iter().map(|line| line.least_radius.max(1e-18) as f32).collect();
-        let shapes =
-            Shapes::from_boxes(all.iter().map(bounds).collect(), Each::Rows(radii), None)?;
+        let shapes = Shapes::from_boxes(all.iter().map(bounds).collect(), Each::Rows(radii), None)?;
         let mut tree = Quadtree::default();
         tree.rebuild(&shapes, settings, &|a, b| compare(&all, a, b))?;
         let mut walls = Self { all, lines, tree, ..Self::default() };

@@ -114,13 +114,7 @@ impl Around<'_> {
 
     /// Calls `act` with the number of each wall that a disc may touch while its centre is in a box
     /// given by two corners, or that is nearer than `extent` to its surface there; and with others.
-    pub fn each(
-        &self,
-        place: u32,
-        [min, max]: [Vector; 2],
-        extent: f64,
-        mut act: impl FnMut(u32),
-    ) {
+    pub fn each(&self, place: u32, [min, max]: [Vector; 2], extent: f64, mut act: impl FnMut(u32)) {
         if self.is_empty() {
             return;
         }
@@ -129,8 +123,8 @@ impl Around<'_> {
         let radius = f64::from(radii[at]);
         let anchor = exact(positions[at], residuals[at]);
         let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
-        let moved = dot(far, far).sqrt() + MARGIN * size(anchor, radius);
-        if moved + extent <= f64::from(self.near.reaches[at]) {
+        // The circles of the bounds and the boxes of the walls have a reserve for rounding.
+        if dot(far, far).sqrt() + extent <= f64::from(self.near.reaches[at]) {
             self.near.of(place).iter().for_each(|&wall| act(wall));
         } else {
             let margin = (radius + extent) * (1.0 + MARGIN);
@@ -157,7 +151,11 @@ impl Around<'_> {
         let parts = (fastest * span / (PART * radius)).max(1.0).min(MOST_PARTS).ceil();
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
-            self.each(place, bounds(segment, [start, end], gravity), 0.0, |wall| {
+            let bounds = bounds(segment, [start, end], gravity);
+            self.each(place, bounds, 0.0, |wall| {
+                if !self.walls.is_near(wall, bounds, radius) {
+                    return;
+                }
                 let until = first.map_or(until, |(impact, _)| impact.time);
                 let limits = Limits { until, ..limits(wall) };
                 let found = self.walls.impact(wall, segment, radius, gravity, &limits);
@@ -211,15 +209,27 @@ impl Around<'_> {
 /// A box that contains the trajectory of a centre between two times.
 fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
     let [a, b] = times.map(|time| segment.place_at(time, gravity));
-    let span = times[1] - times[0];
-    // A parabola leaves its chord by at most g t² / 8.
-    let bulge = |k: usize| {
-        if segment.falls { 0.125 * gravity[k].abs() * span * span } else { 0.0 }
+    // Where a parabola has its vertex along an axis, or one of the ends.
+    let vertex = |k: usize| {
+        let time = segment.time - segment.velocity[k] / gravity[k];
+        let is_between = segment.falls && times[0] < time && time < times[1];
+        if is_between { segment.place_at(time, gravity)[k] } else { a[k] }
     };
-    [vector(|k| a[k].min(b[k]) - bulge(k)), vector(|k| a[k].max(b[k]) + bulge(k))]
+    [vector(|k| a[k].min(b[k]).min(vertex(k))), vector(|k| a[k].max(b[k]).max(vertex(k)))]
 }
 
 impl Walls {
+    /// Whether the bounds of the wall with a number are nearer than a radius to a box.
+    fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
+        let line = &self.lines[(wall - FIRST) as usize];
+        let [a, b] = line.ends;
+        // The skin of points, and a reserve for rounding.
+        let reach = line.reach(radius) + line.least_radius;
+        let is_apart =
+            |k: usize| a[k].min(b[k]) > max[k] + reach || a[k].max(b[k]) < min[k] - reach;
+        !(is_apart(0) || is_apart(1))
+    }
+
     /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given by
     /// two corners, and of a few others.
     pub(super) fn each_in(

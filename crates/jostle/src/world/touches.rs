@@ -71,8 +71,11 @@ impl World {
     /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
     pub(super) fn keep_wall_pushes(&mut self) {
         let pushes = self.memory.wall_pushes.iter();
-        self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| {
-            WallImpulse { row, wall, impulses: [0.0; 2], pushes }
+        self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| WallImpulse {
+            row,
+            wall,
+            impulses: [0.0; 2],
+            pushes,
         }));
     }
 

@@ -44,7 +44,8 @@ impl World {
         std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
         self.wall_impulses.clear();
         let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
-        let pushes = pushes.map(|&WallImpulse { row, wall, pushes, .. }| WallPush { row, wall, pushes });
+        let pushes =
+            pushes.map(|&WallImpulse { row, wall, pushes, .. }| WallPush { row, wall, pushes });
         self.memory.wall_pushes.clear();
         self.memory.wall_pushes.extend(pushes);
         before.stats = self.stats;

@@ -302,11 +302,7 @@ fn put_wall_impulses(to: &mut Writer, all: &[WallImpulse]) {
     }
 }
 
-fn get_wall_impulses(
-    from: &mut Reader<'_>,
-    len: usize,
-    version: u32,
-) -> Result<Vec<WallImpulse>> {
+fn get_wall_impulses(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<WallImpulse>> {
     let mut all = Vec::new();
     for _ in 0..from.get_count()? {
         let row: u32 = from.get()?;

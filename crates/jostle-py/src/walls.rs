@@ -1,0 +1,63 @@
+//! The walls of a world as arrays.
+
+use jostle::{Each, Error, Wall};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{Argument, Given, column, read_only, table};
+use crate::error::refused;
+use crate::particles::reals;
+
+/// Elastic walls with the friction of the particles, from an array of shape (m, 2, 2); None stands
+/// for none.
+pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    let ends = Argument::reals("walls", value)?.segments()?;
+    Ok(ends.into_iter().map(Wall::new).collect())
+}
+
+/// Coefficients of restitution: a number for all walls or one for each.
+pub fn set_restitution(walls: &mut [Wall], given: &Given<'_>) -> PyResult<()> {
+    if let Some(each) = reals("wall_restitution", given.value(), walls.len())? {
+        if let Each::One(one) = each
+            && !(0.0..=1.0).contains(&one)
+        {
+            let rule = "it must lie between 0 and 1";
+            return Err(refused(Error::of("wall_restitution", one, rule)));
+        }
+        (0..).zip(walls).for_each(|(row, wall)| wall.restitution = each.at(row));
+    }
+    Ok(())
+}
+
+/// Coefficients of friction: a number for all walls or one for each; None, or NaN for one wall,
+/// stands for that of the particle.
+pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    let each = reals("wall_friction", value, walls.len())?;
+    if let Some(Each::One(one)) = each
+        && !(one >= 0.0 && one.is_finite())
+    {
+        let rule = "it must be finite and at least 0";
+        return Err(refused(Error::of("wall_friction", one, rule)));
+    }
+    for (row, wall) in (0..).zip(walls) {
+        wall.friction = each.as_ref().map(|each| each.at(row)).filter(|v| !v.is_nan());
+    }
+    Ok(())
+}
+
+/// The ends of walls, shape (m, 2, 2).
+pub fn ends<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let points = walls.iter().flat_map(|wall| wall.ends).collect();
+    Ok(read_only(table(py, points)?.reshape([walls.len(), 2, 2])?))
+}
+
+/// Their coefficients of restitution.
+pub fn restitution<'py>(py: Python<'py>, walls: &[Wall]) -> Bound<'py, PyArray1<f32>> {
+    read_only(column(py, walls.iter().map(|wall| wall.restitution).collect()))
+}
+
+/// Their coefficients of friction; NaN for that of the particle.
+pub fn friction<'py>(py: Python<'py>, walls: &[Wall]) -> Bound<'py, PyArray1<f32>> {
+    read_only(column(py, walls.iter().map(|wall| wall.friction.unwrap_or(f32::NAN)).collect()))
+}
