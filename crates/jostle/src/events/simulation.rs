@@ -28,7 +28,7 @@ const MOST_EVENTS: [u32; 2] = [1024, 128];
 /// TC model*, 1998).
 const COLLAPSE: u32 = 32;
 
-/// Events of a disc at one moment after which its bounces off walls are inelastic.
+/// Events of a disc at one moment after which it stands still if it touches a wall.
 const MOST_AT_ONCE: usize = 8;
 
 /// Impacts between two polls.
@@ -307,16 +307,9 @@ impl Simulation<'_> {
     fn touch_wall(&mut self, index: u32, wall: u32) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
         let normal = self.window.wall_normal(index, wall, own.now.position);
-        let restitution = if wall < FIRST {
-            self.window.wall_restitution(index, wall)
-        } else if self.has_no_room(course, own.now.time) {
-            0.0
-        } else if course.count >= COLLAPSE {
-            // Between walls at an acute angle, too, there can be infinitely many collisions.
-            1.0
-        } else {
-            self.window.wall_restitution(index, wall)
-        };
+        // Between walls at an acute angle, too, there can be infinitely many collisions.
+        let collapses = wall >= FIRST && course.count >= COLLAPSE;
+        let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
         let touch = Touch {
             key: [index, WALL, wall],
             bodies: [Some(position), None],
@@ -325,7 +318,12 @@ impl Simulation<'_> {
             restitution,
             friction: self.window.wall_friction(index, wall),
         };
+        let (number, has_room) = (own.number, !self.has_no_room(course, own.now.time));
         self.add(touch);
+        if wall >= FIRST && !has_room {
+            // It stands still from its next event on, which is this one.
+            self.history.courses[number as usize].count = self.most_events() - 1;
+        }
     }
 
     /// Whether a disc has had so many events at this moment that it overlaps walls on opposite sides. It

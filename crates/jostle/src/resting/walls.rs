@@ -7,6 +7,9 @@ use crate::flow::Kick;
 use crate::motion::{Scalars, Vectors, exact};
 use crate::walls::{self, FIRST};
 
+/// The cosine of the angle of the normals of two walls below which the walls are at an acute angle.
+const OPPOSED: f32 = -0.5;
+
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Walls {
@@ -67,6 +70,7 @@ impl Walls {
             });
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
+            forget_wedges(&mut contacts);
         }
         let rests = contacts.iter().any(Option::is_some);
         let softness = if radius == 0.0 { 0.0 } else { 2.0 };
@@ -174,7 +178,11 @@ impl WallContact {
             speeds: [kick.speed, 0.0],
             has_pushed: pushes[0] > 0.0,
         };
-        let start = surfaces.start(scene.flow.duration as f32)?;
+        let mut start = surfaces.start(scene.flow.duration as f32)?;
+        // Otherwise a disc between walls at an acute angle would be thrown out by its impact on one.
+        if !scene.walls.is_empty() && surfaces.normal_speed > 0.0 && start.bounce == 0.0 {
+            start.bounce = -surfaces.restitution * surfaces.normal_speed;
+        }
         let own = f64::from(scene.particles.spin(place).friction);
         let friction = scene.walls.walls.friction(number, own) as f32;
         Some(Self {
@@ -184,6 +192,19 @@ impl WallContact {
             start,
             pushes: [[0.0; 2], pushes],
         })
+    }
+}
+
+/// Lets the impulses of a particle between walls at an acute angle begin at 0. They are large, and nearly
+/// cancel; from 0 on, each iteration makes the particle slower, also where they do not converge.
+fn forget_wedges(contacts: &mut [Option<WallContact>; MAX_WALLS]) {
+    let inward = |at: usize| contacts[at].map_or([0.0; 2], |contact| contact.inward);
+    let are_opposed = |a: usize, b: usize| {
+        let ([x, y], [u, v]) = (inward(a), inward(b));
+        x * u + y * v < OPPOSED
+    };
+    if (0..MAX_WALLS).any(|a| (0..a).any(|b| are_opposed(a, b))) {
+        contacts.iter_mut().flatten().for_each(|contact| contact.pushes = [[0.0; 2]; 2]);
     }
 }
 
