@@ -112,7 +112,8 @@ impl Correction {
         }
         if !walls.is_empty() {
             parallel::for_rows(threads, particles.len(), |index| {
-                if particles.movable[index] {
+                let position = motions.position(index as u32);
+                if particles.movable[index] && !walls.is_far(index as u32, position, 0.0) {
                     let by = pushed_out(walls, motions, index as u32, [0.0; 2]);
                     if by != [0.0; 2] {
                         motions.displace(index as u32, by);

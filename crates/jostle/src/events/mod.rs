@@ -586,7 +586,8 @@ impl Block {
             return;
         }
         for index in self.range.clone() {
-            if !walls.is_empty() || window.may_hit_container(start(index)) {
+            let may_hit = !walls.is_empty() && window.may_hit_walls(index);
+            if may_hit || window.may_hit_container(start(index)) {
                 self.first.extend(window.wall_event(index, &window.segment(index), 0));
             }
         }

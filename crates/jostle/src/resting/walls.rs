@@ -55,7 +55,8 @@ impl Walls {
                 WallContact::of(place, k as u32, walls[k]?, [pushes[k], frictions[k]], scene, kick)
             });
         }
-        if !scene.walls.is_empty() {
+        let may_rest = || !scene.walls.is_far(place as u32, position, far as f32);
+        if !scene.walls.is_empty() && may_rest() {
             let position = exact(position, motions.residual(place as u32));
             scene.walls.contacts(place as u32, position, f64::from(radius), far, found);
             let velocity = motions.velocity(place as u32);

@@ -112,6 +112,21 @@ impl Around<'_> {
         self.walls.is_empty()
     }
 
+    /// A test in float32 that is true only if a disc at a position is certainly farther than `extent`
+    /// from all walls.
+    #[inline(always)]
+    pub fn is_far(&self, place: u32, [x, y]: [f32; 2], extent: f32) -> bool {
+        let at = place as usize;
+        if self.near.starts[at] != self.near.starts[at + 1] {
+            return false;
+        }
+        let [p, q] = self.particles.positions[at];
+        let square = (x - p) * (x - p) + (y - q) * (y - q);
+        // The circles of the bounds and the boxes of the walls have a reserve for rounding.
+        let left = self.near.reaches[at] - extent;
+        left >= 0.0 && square <= left * left
+    }
+
     /// Calls `act` with the number of each wall that a disc may touch while its centre is in a box
     /// given by two corners, or that is nearer than `extent` to its surface there; and with others.
     pub fn each(&self, place: u32, [min, max]: [Vector; 2], extent: f64, mut act: impl FnMut(u32)) {
@@ -219,15 +234,15 @@ fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
 }
 
 impl Walls {
-    /// Whether the bounds of the wall with a number are nearer than a radius to a box.
+    /// Whether the wall with a number may be nearer than a radius to a box.
     fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
         let line = &self.lines[(wall - FIRST) as usize];
-        let [a, b] = line.ends;
+        let middle = vector(|k| 0.5 * (min[k] + max[k]));
+        let half = vector(|k| 0.5 * (max[k] - min[k]));
+        let offset = line.offset(middle);
         // The skin of points, and a reserve for rounding.
-        let reach = line.reach(radius) + line.least_radius;
-        let is_apart =
-            |k: usize| a[k].min(b[k]) > max[k] + reach || a[k].max(b[k]) < min[k] - reach;
-        !(is_apart(0) || is_apart(1))
+        let near = line.reach(radius) + line.least_radius + dot(half, half).sqrt();
+        dot(offset, offset) <= near * near
     }
 
     /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given by
