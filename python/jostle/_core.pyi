@@ -1982,7 +1982,18 @@ class World:
         movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
         does not change angular velocities.
     container : Box, Circle, Torus or None, optional
-        The walls. The first step moves particles that are outside to the inside.
+        The region of the particles. The first step moves particles that are outside to the
+        inside.
+    walls : array_like, shape (m, 2, 2), optional
+        Static line segments, solid from both sides, from one end to the other; `polyline` makes
+        them from points. A particle stays on the side on which its centre is. One that overlaps
+        a wall is pushed out in several steps. On a `Torus` there can be no walls.
+    wall_restitution : array_like, a number or shape (m,), default 1.0
+        Coefficients of restitution of the walls; at a wall it is multiplied by the world's and that
+        of the particle.
+    wall_friction : array_like, a number or shape (m,), optional
+        Coefficients of friction of the walls. A contact has the square root of the product with
+        that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
         Forces beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
@@ -2359,19 +2370,60 @@ class World:
     def restitution(self, value: _Number) -> None: ...
     @property
     def container(self) -> _Container | None:
-        """The walls: a Box, Circle, Torus or None."""
+        """The region of the particles: a Box, Circle, Torus or None."""
     @container.setter
     def container(self, value: _Container | None) -> None: ...
     @property
-    def walls(self) -> NDArray[np.float32]: ...
+    def walls(self) -> NDArray[np.float32]:
+        """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of static line
+        segments in units of length.
+
+        Assign an array of this shape, or None for no walls. Wall k keeps the coefficients of the
+        wall k before; further ones have a restitution of 1 and the friction of the particles. All
+        particles wake. Moving walls transfer no momentum: particles that overlap a wall are pushed
+        out in several steps, to the side on which their centre is.
+
+        Raises
+        ------
+        ValueError
+            If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
+            equal, or the container is a `Torus`.
+
+        See Also
+        --------
+        jostle.polyline : Walls between consecutive points.
+        wall_contacts : The walls that particles touched.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(
+        ...     [(0, 2)], [(0, -4)], radii=1.0, walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)])
+        ... )
+        >>> world.step(0.5)
+        >>> world.positions, world.wall_contacts.walls  # 4 + the index of the wall
+        (array([[0., 2.]], dtype=float32), array([4]))
+        >>> world.walls = None
+        >>> world.walls.shape
+        (0, 2, 2)
+        """
     @walls.setter
     def walls(self, value: ArrayLike | None) -> None: ...
     @property
-    def wall_restitution(self) -> NDArray[np.float32]: ...
+    def wall_restitution(self) -> NDArray[np.float32]:
+        """Coefficients of restitution of the walls: ndarray of float32, shape (m,), a read-only copy.
+
+        Assign an array or one number, 0 to 1.
+        """
     @wall_restitution.setter
     def wall_restitution(self, value: ArrayLike) -> None: ...
     @property
-    def wall_friction(self) -> NDArray[np.float32]: ...
+    def wall_friction(self) -> NDArray[np.float32]:
+        """Coefficients of friction of the walls: ndarray of float32, shape (m,), a read-only copy.
+
+        NaN stands for the coefficient of the particle. Assign an array or one number, or None for
+        NaN.
+        """
     @wall_friction.setter
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
@@ -2470,10 +2522,13 @@ class World:
         """
     @property
     def wall_contacts(self) -> WallContacts:
-        """The particles to which walls of the container gave an impulse during the last step: a
+        """The particles to which walls or the container gave an impulse during the last step: a
         `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
         to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
         particle. Divided by the length of the step, impulses are mean forces.
+
+        The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls` has
+        the number 4 + k.
 
         See Also
         --------
