@@ -92,10 +92,10 @@ def test_a_heap_rests_in_a_hopper_and_falls_when_it_opens() -> None:
         forces = touches.normal_impulses[:, None] * touches.normals
         forces += touches.friction_impulses[:, None] * tangents
         assert forces.sum(0)[1] == pytest.approx(weight, rel=0.05)
-    world.walls = np.delete(hopper, 2, axis=0)
+    world.walls = hopper[:1]
     assert not world.asleep.any()
     world.step(STEP, steps=600)
-    assert (world.positions[:, 1] < 0).mean() > 0.9
+    assert (world.positions[:, 1] < 0).all()
 
 
 def test_nothing_passes_at_a_thousand_radii_a_step() -> None:
