@@ -163,6 +163,9 @@ impl Around<'_> {
         let [_, velocity] = segment.at(start, gravity);
         let span = until - start;
         let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
+        if self.is_far(place, segment.position.map(|v| v as f32), (fastest * span) as f32) {
+            return None;
+        }
         let parts = (fastest * span / (PART * radius)).max(1.0).min(MOST_PARTS).ceil();
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
@@ -202,6 +205,9 @@ impl Around<'_> {
         found: &mut Vec<super::Contact>,
     ) {
         found.clear();
+        if self.is_far(place, position.map(|v| v as f32), extent as f32) {
+            return;
+        }
         self.each(place, [position; 2], extent, |wall| {
             let contact = self.walls.acting_contact(wall, position, radius);
             found.extend(contact.filter(|contact| contact.gap <= extent));

@@ -84,7 +84,8 @@ fn one_part_acts_at_each_joint() {
         walls(&[[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [2.0, 0.0]], [[2.0, 0.0], [2.0, 3.0]]]);
     let acting = |point: Vector| {
         let contacts = (0..3).filter_map(|k| walls.acting_contact(FIRST + k, point, 0.5));
-        contacts.map(|of| (of.wall - FIRST, of.is_end)).collect::<Vec<_>>()
+        let touching = contacts.filter(|of| of.gap <= 0.0);
+        touching.map(|of| (of.wall - FIRST, of.is_end)).collect::<Vec<_>>()
     };
     assert_eq!(acting([0.5, 0.4]), [(0, false)]);
     assert_eq!(acting([1.0, 0.4]), [(0, false), (1, false)]);

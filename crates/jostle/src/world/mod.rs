@@ -320,6 +320,8 @@ impl World {
             left += u32::from(!gone);
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
+        // In a step whose particles merge, these are of the rows before.
+        self.memory.wall_pushes.clear();
         self.wall_impulses.retain(|of| !gone[of.row as usize]);
         self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
         self.keep(&keep);
