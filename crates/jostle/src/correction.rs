@@ -266,7 +266,10 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) ->
     let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
     let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
     let mut is_free = true;
-    walls.each(place, area, 0.0, |wall| is_free &= walls.walls.is_free(wall, [from, to], radius));
+    walls.each(place, area, 0.0, |wall| {
+        is_free &= !walls.walls.is_near(wall, area, radius)
+            || walls.walls.is_free(wall, [from, to], radius);
+    });
     if is_free {
         return by;
     }

@@ -152,7 +152,7 @@ fn a_disc_rolls_over_joints_without_a_bump() {
 fn a_disc_rests_in_an_inner_corner() {
     for restitution in [0.0, 0.5, 0.9] {
         for (a, b) in
-            [([-5.0, 5.0], [5.0, 5.0]), ([-2.0, 9.0], [2.0, 9.0]), ([-9.0, 1.0], [4.0, 8.0])]
+            [([-5.0, 5.0], [5.0, 5.0]), ([-2.0, 9.0], [2.0, 9.0]), ([-30.0, 15.0], [4.0, 8.0])]
         {
             let disc = discs(&[([0.3, 6.0], [1.0, 0.0])], 0.5);
             let mut world = world(disc, chain(&[a, [0.0, 0.0], b]), falling(restitution));

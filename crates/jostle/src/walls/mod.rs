@@ -25,6 +25,9 @@ pub use near::{Around, Near};
 /// The number of the first wall among all walls; smaller numbers are those of the container.
 pub const FIRST: u32 = MAX_WALLS as u32;
 
+/// Walls that a box of the tree may hold before it splits, at most.
+const LEAF_CAPACITY: usize = 12;
+
 /// Walls of a world at most.
 pub const MOST_WALLS: usize = 1 << 24;
 
@@ -53,6 +56,7 @@ struct Line {
     ends: [Vector; 2],
     /// Unit vector from the first end to the second.
     along: Vector,
+    length: f64,
     /// Smaller radii count as this: a point needs a distance from the wall that shows on which side
     /// it is.
     least_radius: f64,
@@ -89,6 +93,7 @@ impl Line {
         Self {
             ends,
             along: offset.map(|v| v / length),
+            length,
             least_radius: ROUNDING * largest,
             has_end: [true; 2],
         }
@@ -150,7 +155,9 @@ impl Walls {
         let radii = lines.iter().map(|line| line.least_radius.max(1e-18) as f32).collect();
         let shapes = Shapes::from_boxes(all.iter().map(bounds).collect(), Each::Rows(radii), None)?;
         let mut tree = Quadtree::default();
-        tree.rebuild(&shapes, settings, &|a, b| compare(&all, a, b))?;
+        // A leaf of the walls is about as large as one of the bounds of particles.
+        let leaf_capacity = settings.leaf_capacity.min(LEAF_CAPACITY);
+        tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &|a, b| compare(&all, a, b))?;
         let mut walls = Self { all, lines, tree, ..Self::default() };
         walls.find_covering();
         Ok(walls)

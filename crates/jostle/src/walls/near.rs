@@ -53,9 +53,9 @@ impl Near {
         let Self { join, found, .. } = self;
         join.pairs = std::mem::take(found);
         let pairs = match method {
-            Method::Quadtree => pairs::places_between(bounds, &walls.tree, [0.0; 2], most, join),
+            Method::Quadtree => pairs::places_between(&walls.tree, bounds, [0.0; 2], most, join),
             Method::Brute => {
-                pairs::brute_between(bounds.columns(), walls.tree.columns(), [0.0; 2], most)
+                pairs::brute_between(walls.tree.columns(), bounds.columns(), [0.0; 2], most)
             }
         };
         *found = pairs
@@ -67,7 +67,7 @@ impl Near {
         self.reaches.clear();
         self.reaches.extend_from_slice(reaches);
         // The bounds of a wall that is not parallel to an axis are much larger than the wall.
-        found.retain_mut(|[place, wall]| {
+        found.retain_mut(|[wall, place]| {
             *wall = walls.tree.rows()[*wall as usize];
             let circle = bounds.columns().shape(*place as usize);
             let line = &walls.lines[*wall as usize];
@@ -75,12 +75,12 @@ impl Near {
             line.distance(circle.min.map(f64::from)) <= radius * (1.0 + MARGIN)
         });
         self.starts.resize(bounds.len() + 2, 0);
-        found.iter().for_each(|&[place, _]| self.starts[place as usize + 2] += 1);
+        found.iter().for_each(|&[_, place]| self.starts[place as usize + 2] += 1);
         for place in 2..self.starts.len() {
             self.starts[place] += self.starts[place - 1];
         }
         self.walls.resize(found.len(), 0);
-        for &[place, wall] in &*found {
+        for &[wall, place] in &*found {
             let next = &mut self.starts[place as usize + 1];
             self.walls[*next as usize] = FIRST + wall;
             *next += 1;
@@ -209,6 +209,9 @@ impl Around<'_> {
             return;
         }
         self.each(place, [position; 2], extent, |wall| {
+            if !self.walls.is_near(wall, [position; 2], radius + extent) {
+                return;
+            }
             let contact = self.walls.acting_contact(wall, position, radius);
             found.extend(contact.filter(|contact| contact.gap <= extent));
         });
@@ -240,15 +243,22 @@ fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
 }
 
 impl Walls {
-    /// Whether the wall with a number may be nearer than a radius to a box.
-    fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
+    /// Whether the wall with a number may be nearer than a radius to a box, by their extents along the
+    /// wall and across it (separating axes).
+    #[inline(always)]
+    pub fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
         let line = &self.lines[(wall - FIRST) as usize];
-        let middle = vector(|k| 0.5 * (min[k] + max[k]));
-        let half = vector(|k| 0.5 * (max[k] - min[k]));
-        let offset = line.offset(middle);
+        let [ux, uy] = line.along;
+        let [x, y] = vector(|k| 0.5 * (min[k] + max[k]) - line.ends[0][k]);
+        let [width, height] = vector(|k| 0.5 * (max[k] - min[k]));
         // The skin of points, and a reserve for rounding.
-        let near = line.reach(radius) + line.least_radius + dot(half, half).sqrt();
-        dot(offset, offset) <= near * near
+        let reach = line.reach(radius) + line.least_radius;
+        let [ax, ay] = [ux.abs(), uy.abs()];
+        let (across, along) = (x * uy - y * ux, x * ux + y * uy);
+        let far = reach + (ax * width + ay * height);
+        across.abs() <= reach + (ay * width + ax * height)
+            && along >= -far
+            && along <= line.length + far
     }
 
     /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given by
