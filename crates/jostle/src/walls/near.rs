@@ -31,6 +31,8 @@ pub struct Near {
     walls: Vec<u32>,
     /// Distances from their positions at the beginning of the step within which discs were searched.
     reaches: Vec<f32>,
+    /// Displacements after which discs certainly touch no wall yet; at most these distances.
+    free: Vec<f32>,
     found: Vec<[u32; 2]>,
     join: JoinScratch,
 }
@@ -66,13 +68,20 @@ impl Near {
             .pairs;
         self.reaches.clear();
         self.reaches.extend_from_slice(reaches);
+        let free = &mut self.free;
+        free.clear();
+        free.extend_from_slice(reaches);
         // The bounds of a wall that is not parallel to an axis are much larger than the wall.
         found.retain_mut(|[wall, place]| {
             *wall = walls.tree.rows()[*wall as usize];
             let circle = bounds.columns().shape(*place as usize);
             let line = &walls.lines[*wall as usize];
-            let radius = line.reach(f64::from(circle.radius));
-            line.distance(circle.min.map(f64::from)) <= radius * (1.0 + MARGIN)
+            let distance = line.distance(circle.min.map(f64::from));
+            // The radius of the disc, with the reserve of the circle for rounding.
+            let at = *place as usize;
+            let radius = line.reach(f64::from(circle.radius) - f64::from(reaches[at]));
+            free[at] = free[at].min((distance - radius * (1.0 + MARGIN)) as f32);
+            distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN)
         });
         self.starts.resize(bounds.len() + 2, 0);
         found.iter().for_each(|&[_, place]| self.starts[place as usize + 2] += 1);
@@ -117,13 +126,10 @@ impl Around<'_> {
     #[inline(always)]
     pub fn is_far(&self, place: u32, [x, y]: [f32; 2], extent: f32) -> bool {
         let at = place as usize;
-        if self.near.starts[at] != self.near.starts[at + 1] {
-            return false;
-        }
         let [p, q] = self.particles.positions[at];
         let square = (x - p) * (x - p) + (y - q) * (y - q);
         // The circles of the bounds and the boxes of the walls have a reserve for rounding.
-        let left = self.near.reaches[at] - extent;
+        let left = self.near.free[at] - extent;
         left >= 0.0 && square <= left * left
     }
 
