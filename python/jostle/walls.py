@@ -53,4 +53,5 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
     if closed:
         rows = np.concatenate([rows, rows[:1]])
     walls = np.stack([rows[:-1], rows[1:]], axis=1)
-    return walls[(walls[:, 0] != walls[:, 1]).any(axis=1)]
+    kept: NDArray[np.float32] = walls[(walls[:, 0] != walls[:, 1]).any(axis=1)]
+    return kept

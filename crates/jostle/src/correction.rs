@@ -20,8 +20,8 @@ const SLOP: f32 = 0.002;
 /// Share of the overlap beyond [`SLOP`] that one iteration removes.
 const SOFTNESS: f32 = 0.35;
 
-/// Largest displacement of a particle in one iteration, as a share of the smaller diameter. A larger
-/// one could move it to the other side of a small particle.
+/// Largest displacement of a particle in one iteration, as a share of the smaller diameter. A
+/// larger one could move it to the other side of a small particle.
 const MOST: f32 = 0.1;
 
 /// Gap, as a share of the sum of radii, up to which the correction of other pairs may make two
@@ -86,7 +86,8 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// Corrects the positions of the particles of `contacts`, and of particles that overlap the container or a wall.
+    /// Corrects the positions of the particles of `contacts`, and of particles that overlap the
+    /// container or a wall.
     pub fn run(
         &mut self,
         contacts: &mut Contacts,
@@ -256,8 +257,8 @@ impl Near {
     }
 }
 
-/// The displacement of a particle that is to move `by`, with the least change that lets it overlap no
-/// wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
+/// The displacement of a particle that is to move `by`, with the least change that lets it overlap
+/// no wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
 fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) -> [f32; 2] {
     let radius = f64::from(walls.particles.radii[place as usize]);
     let from = exact(motions.position(place), motions.residual(place));

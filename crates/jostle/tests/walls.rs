@@ -415,11 +415,15 @@ proptest! {
         let mut random = Random::new(seed);
         let speed = speed * radius;
         let rows: Vec<_> = (0..5)
-            .map(|k| ([k as f32 * 0.61 - 1.22, 0.0], [random.between(-speed, speed), random.between(-speed, speed)]))
+            .map(|k| {
+                let velocity = [0, 1].map(|_| random.between(-speed, speed));
+                ([k as f32 * 0.61 - 1.22, 0.0], velocity)
+            })
             .filter(|(at, _)| is_inside(&points, *at)
                 && closed(&points).iter().all(|of| distance(of.ends, *at) > f64::from(radius)))
             .collect();
-        let settings = if falls { falling(restitution) } else { WorldSettings { restitution, ..WorldSettings::default() } };
+        let gravity = if falls { [0.0, -9.8] } else { [0.0; 2] };
+        let settings = WorldSettings { restitution, gravity, ..WorldSettings::default() };
         let mut world = world(discs(&rows, radius), closed(&points), settings);
         for _ in 0..12 {
             run(&mut world, 1);

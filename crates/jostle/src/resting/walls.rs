@@ -14,7 +14,8 @@ const OPPOSED: f32 = -0.5;
 #[derive(Clone, Copy, Debug)]
 pub struct Walls {
     pub place: u32,
-    /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for points.
+    /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for
+    /// points.
     softness: f32,
     contacts: [Option<WallContact>; MAX_WALLS],
 }
@@ -28,14 +29,14 @@ struct WallContact {
     /// Coefficient of friction.
     friction: f32,
     start: Start,
-    /// Speeds given by the wall along the normal and along itself, in the impact at the beginning and
-    /// after it.
+    /// Speeds given by the wall along the normal and along itself, in the impact at the beginning
+    /// and after it.
     pushes: [[f32; 2]; 2],
 }
 
 impl Walls {
-    /// The particle, if a wall contact of it may rest in this sub-step; `pushes` and those of friction
-    /// are from the sub-step before, at the container.
+    /// The particle, if a wall contact of it may rest in this sub-step; `pushes` and those of
+    /// friction are from the sub-step before, at the container.
     pub fn of(
         place: usize,
         pushes: [f32; MAX_WALLS],
@@ -180,7 +181,8 @@ impl WallContact {
             has_pushed: pushes[0] > 0.0,
         };
         let mut start = surfaces.start(scene.flow.duration as f32)?;
-        // Otherwise a disc between walls at an acute angle would be thrown out by its impact on one.
+        // Otherwise a disc between walls at an acute angle would be thrown out by its impact on
+        // one.
         if !scene.walls.is_empty() && surfaces.normal_speed > 0.0 && start.bounce == 0.0 {
             start.bounce = -surfaces.restitution * surfaces.normal_speed;
         }
@@ -196,8 +198,9 @@ impl WallContact {
     }
 }
 
-/// Lets the impulses of a particle between walls at an acute angle begin at 0. They are large, and nearly
-/// cancel; from 0 on, each iteration makes the particle slower, also where they do not converge.
+/// Lets the impulses of a particle between walls at an acute angle begin at 0. They are large, and
+/// nearly cancel; from 0 on, each iteration makes the particle slower, also where they do not
+/// converge.
 fn forget_wedges(contacts: &mut [Option<WallContact>; MAX_WALLS]) {
     let inward = |at: usize| contacts[at].map_or([0.0; 2], |contact| contact.inward);
     let are_opposed = |a: usize, b: usize| {

@@ -3,7 +3,8 @@
 use super::{FIRST, Part, Walls};
 use crate::trajectory::{Vector, dot, vector};
 
-/// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in a line.
+/// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in
+/// a line.
 const SAME: f64 = 1.0 - 1e-9;
 
 /// Walls out of which a disc is pushed in one call, at most.
@@ -81,8 +82,8 @@ impl Walls {
         if walls.iter().any(crosses) { from } else { position }
     }
 
-    /// Whether a disc does not overlap a wall at the second point, and its centre does not cross the wall on
-    /// the way from the first.
+    /// Whether a disc does not overlap a wall at the second point, and its centre does not cross
+    /// the wall on the way from the first.
     pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
         let line = &self.lines[(wall - FIRST) as usize];
         line.distance(to) >= line.reach(radius) && !self.is_crossed(wall, from, to)

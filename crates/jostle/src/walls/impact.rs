@@ -57,8 +57,8 @@ impl Walls {
         first
     }
 
-    /// Calls `test` with the beginning and the end of each interval until `until` in which a part of a wall
-    /// acts on a disc, until it finds an impact.
+    /// Calls `test` with the beginning and the end of each interval until `until` in which a part
+    /// of a wall acts on a disc, until it finds an impact.
     fn first_while_acting(
         &self,
         index: u32,

@@ -2,9 +2,9 @@
 //!
 //! A wall has three parts: its side, which acts on discs whose centres are beside it, and its two
 //! ends, which act on the others. An end that lies on other walls does not act on discs beside
-//! these, because they touch those walls first. So for every position of a centre one part of the walls near it
-//! acts, without gaps, and a disc that rolls over the joint of two walls never hits the end of the
-//! second.
+//! these, because they touch those walls first. So for every position of a centre one part of the
+//! walls near it acts, without gaps, and a disc that rolls over the joint of two walls never hits
+//! the end of the second.
 
 mod contact;
 mod impact;

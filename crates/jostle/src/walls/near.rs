@@ -16,8 +16,8 @@ use crate::trajectory::{Impact, Limits, Segment, Vector, dot, vector};
 /// Relative size of the rounding of bounds in float32, with a large reserve.
 const MARGIN: f64 = 1e-6;
 
-/// A disc that leaves its bounds is tested in parts of its trajectory. A part is about as long as this,
-/// in radii.
+/// A disc that leaves its bounds is tested in parts of its trajectory. A part is about as long as
+/// this, in radii.
 const PART: f64 = 32.0;
 
 /// Parts of a trajectory at most.
@@ -29,7 +29,8 @@ pub struct Near {
     /// `walls[starts[i]..starts[i + 1]]` are the numbers of the walls near disc i.
     starts: Vec<u32>,
     walls: Vec<u32>,
-    /// Distances from their positions at the beginning of the step within which discs were searched.
+    /// Distances from their positions at the beginning of the step within which discs were
+    /// searched.
     reaches: Vec<f32>,
     /// Displacements after which discs certainly touch no wall yet; at most these distances.
     free: Vec<f32>,
@@ -121,8 +122,8 @@ impl Around<'_> {
         self.walls.is_empty()
     }
 
-    /// A test in float32 that is true only if a disc at a position is certainly farther than `extent`
-    /// from all walls.
+    /// A test in float32 that is true only if a disc at a position is certainly farther than
+    /// `extent` from all walls.
     #[inline(always)]
     pub fn is_far(&self, place: u32, [x, y]: [f32; 2], extent: f32) -> bool {
         let at = place as usize;
@@ -153,8 +154,8 @@ impl Around<'_> {
         }
     }
 
-    /// The first impact of a disc on a wall before `until`, and the number of the wall. `limits` gives
-    /// those of each wall.
+    /// The first impact of a disc on a wall before `until`, and the number of the wall. `limits`
+    /// gives those of each wall.
     pub fn impact(
         &self,
         place: u32,
@@ -201,7 +202,8 @@ impl Around<'_> {
     }
 
     /// Calls `act` with the contact of a disc and each wall that is nearer to its surface than
-    /// `extent`, and that acts on it. Contacts in the same direction are one, that with the smallest gap.
+    /// `extent`, and that acts on it. Contacts in the same direction are one, that with the
+    /// smallest gap.
     pub fn contacts(
         &self,
         place: u32,
@@ -249,8 +251,8 @@ fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
 }
 
 impl Walls {
-    /// Whether the wall with a number may be nearer than a radius to a box, by their extents along the
-    /// wall and across it (separating axes).
+    /// Whether the wall with a number may be nearer than a radius to a box, by their extents along
+    /// the wall and across it (separating axes).
     #[inline(always)]
     pub fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
         let line = &self.lines[(wall - FIRST) as usize];
@@ -267,8 +269,8 @@ impl Walls {
             && along <= line.length + far
     }
 
-    /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given by
-    /// two corners, and of a few others.
+    /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given
+    /// by two corners, and of a few others.
     pub(super) fn each_in(
         &self,
         [min, max]: [Vector; 2],

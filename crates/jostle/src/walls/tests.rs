@@ -16,7 +16,8 @@ fn walls(all: &[[[f32; 2]; 2]]) -> Walls {
     Walls::new(all.iter().copied().map(Wall::new).collect(), Settings::default()).expect("valid")
 }
 
-/// The first time at which the distance to a wall is at most the radius; None if there is none before 1.
+/// The first time at which the distance to a wall is at most the radius; None if there is none
+/// before 1.
 fn oracle(walls: &Walls, segment: &Segment, radius: f64, gravity: Vector) -> Option<f64> {
     let gap = |time: f64| {
         let at = segment.place_at(time, gravity);
