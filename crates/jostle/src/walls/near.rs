@@ -173,7 +173,9 @@ impl Around<'_> {
         if self.is_far(place, segment.position.map(|v| v as f32), (fastest * span) as f32) {
             return None;
         }
-        let parts = (fastest * span / (PART * radius)).max(1.0).min(MOST_PARTS).ceil();
+        let parts = fastest * span / (PART * radius);
+        // Not a number without displacement of a point.
+        let parts = if parts > 1.0 { parts.min(MOST_PARTS).ceil() } else { 1.0 };
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);
