@@ -2445,6 +2445,37 @@ class World:
         >>> world.asleep
         array([ True, False])
         """
+    def quadtree(self) -> Quadtree:
+        """Return a quadtree of the particles as they are now.
+
+        It is a copy: later steps do not change it. Its ids are the row numbers of the particles. A
+        query does not look beyond the sides of a torus.
+
+        Returns
+        -------
+        Quadtree
+            Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+
+        Raises
+        ------
+        MemoryError
+            If there is not enough memory.
+
+        See Also
+        --------
+        Quadtree : All queries.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0)] * 3, radii=1.0)
+        >>> world.step(1.0)
+        >>> tree = world.quadtree()
+        >>> tree.nearest((6.0, 0.0)).ids
+        array([1])
+        >>> tree.query_circle((0.0, 0.0), 1.0)
+        array([0])
+        """
     @property
     def contacts(self) -> WorldContacts:
         """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
