@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 from plot import figure, save
 
 import jostle
@@ -101,6 +102,8 @@ def draw(piles: list[Pile], radii: Numbers, box: tuple[float, float, float, floa
     drawing.colorbar(discs, ax=panels[0], label="overlap, % of\nthe smaller radius")
     title = f"{len(radii):,} discs after the same fall, four sub-steps"
     save(drawing, PICTURE, [{"machine": describe()}], title)
+    picture = Image.open(PICTURE).convert("RGB")
+    picture.quantize(64, dither=Image.Dither.NONE).save(PICTURE, optimize=True)
 
 
 def main() -> None:
