@@ -798,7 +798,8 @@ impl PyWorld {
     /// rests on something and has been slow for half a second, and if their motion does not grow.
     /// Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
     /// those of the last step in which they were awake. An island wakes if a moving particle comes
-    /// so near that it could touch it in the step, or if one of its particles is changed or removed.
+    /// so near that it could touch it in the step, or if one of its particles is changed or removed
+    /// (also if `world.positions` is assigned: to move a few, use `world.set`).
     /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
     /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
     /// asleep if there is a force other than `Thermostat`.
