@@ -91,12 +91,13 @@ def test_every_setting_arrives(tmp_path: Path) -> None:
         on_touch = "merge"
         time_scale = 0.5
         friction = 0.75
+        sleeping = false
         """,
     )
     expected = Settings(
         "pile", 10, 3, "brute", 5, 4, 2, "circle", (0.0, -1.0), 0.25, 1, 2, 1, "merge", 0.5
     )
-    assert config.settings == replace(expected, friction=0.75)
+    assert config.settings == replace(expected, friction=0.75, sleeping=False)
 
 
 def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:

@@ -303,6 +303,15 @@ def test_more_particles_come_into_the_scene_where_there_is_room(desk) -> None:
     assert here.session.frame.facts.time > first.facts.time, "it goes on"
 
 
+def test_sleeping_can_be_turned_off(desk) -> None:
+    here = desk("pile", 10)
+    assert here.session.engine.rules.sleeping
+    here.click("sleeping")
+    here.click("sleeping: off")
+    here.frame(2)
+    assert here.session.engine.rules.sleeping is False
+
+
 # ---- looks and statistics ------------------------------------------------------------------------
 
 

@@ -783,3 +783,43 @@ def test_given_positions_have_no_residual() -> None:
     world.step(1 / 60, steps=7)
     same.step(1 / 60, steps=7)
     assert world.state_hash() == same.state_hash()
+
+
+@pytest.mark.parametrize("container", [None, jostle.Torus(60, 60)])
+def test_the_quadtree_is_that_of_the_particles_as_they_are_now(container: Any) -> None:
+    rng = np.random.default_rng(4)
+    world = jostle.World(
+        rng.uniform(0, 60, (300, 2)),
+        rng.normal(size=(300, 2)),
+        rng.uniform(0.5, 2, 300),
+        container=container,
+        on_touch="ignore",
+        leaf_capacity=7,
+    )
+    empty = jostle.World(np.empty((0, 2)), np.empty((0, 2)), 1.0)
+    assert len(empty.quadtree()) == 0
+    for _ in range(3):
+        world.step(1.0)
+        tree = world.quadtree()
+        other = jostle.Quadtree(world.positions, world.radii, leaf_capacity=7)
+        assert tree.pairs(sort=True).tolist() == other.pairs(sort=True).tolist()
+        assert tree.query_circle((30, 30), 9).tolist() == other.query_circle((30, 30), 9).tolist()
+    before = tree.pairs(sort=True).tolist()
+    world.remove([0, 5])
+    assert len(tree) == 300 and tree.pairs(sort=True).tolist() == before
+    assert len(world.quadtree()) == 298
+
+
+def test_the_quadtree_has_sleeping_particles_too() -> None:
+    world = jostle.World(
+        [(0, 1), (5, 1), (9, 5)],
+        np.zeros((3, 2)),
+        1.0,
+        movable=[True, True, False],
+        gravity=(0, -9.8),
+        restitution=0.3,
+        container=jostle.Box(-9, 0, 19, 9),
+    )
+    world.step(1 / 60, steps=60)
+    assert world.asleep.tolist() == [True, True, False]
+    assert world.quadtree().query_circle((4, 2), 9).tolist() == [0, 1, 2]

@@ -2492,7 +2492,8 @@ class World:
         rests on something and has been slow for half a second, and if their motion does not grow.
         Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
         those of the last step in which they were awake. An island wakes if a moving particle comes
-        so near that it could touch it in the step, or if one of its particles is changed or removed.
+        so near that it could touch it in the step, or if one of its particles is changed or removed
+        (also if `world.positions` is assigned: to move a few, use `world.set`).
         All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
         `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
         asleep if there is a force other than `Thermostat`.
@@ -2511,6 +2512,37 @@ class World:
         >>> world.step(1 / 60, steps=60)
         >>> world.asleep
         array([ True, False])
+        """
+    def quadtree(self) -> Quadtree:
+        """Return a quadtree of the particles as they are now.
+
+        It is a copy: later steps do not change it. Its ids are the row numbers of the particles. A
+        query does not look beyond the sides of a torus.
+
+        Returns
+        -------
+        Quadtree
+            Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+
+        Raises
+        ------
+        MemoryError
+            If there is not enough memory.
+
+        See Also
+        --------
+        Quadtree : All queries.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0)] * 3, radii=1.0)
+        >>> world.step(1.0)
+        >>> tree = world.quadtree()
+        >>> tree.nearest((6.0, 0.0)).ids
+        array([1])
+        >>> tree.query_circle((0.0, 0.0), 1.0)
+        array([0])
         """
     @property
     def contacts(self) -> WorldContacts:

@@ -106,6 +106,13 @@ macro_rules! with_tree {
     };
 }
 
+impl PyQuadtree {
+    /// A tree of the core.
+    pub fn of(tree: jostle::Quadtree<f32>) -> Self {
+        Self { tree: Tree::Single(tree), tests: AtomicU64::new(0) }
+    }
+}
+
 impl Tree {
     fn build(shapes: Shapes, settings: Settings) -> jostle::Result<Self> {
         Ok(match shapes {

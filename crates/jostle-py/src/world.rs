@@ -19,6 +19,7 @@ use crate::forces;
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
 use crate::particles::{Draft, reals, truths, vectors};
+use crate::quadtree::PyQuadtree;
 use crate::queries::told;
 use crate::results;
 use crate::settings;
@@ -894,7 +895,8 @@ impl PyWorld {
     /// rests on something and has been slow for half a second, and if their motion does not grow.
     /// Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
     /// those of the last step in which they were awake. An island wakes if a moving particle comes
-    /// so near that it could touch it in the step, or if one of its particles is changed or removed.
+    /// so near that it could touch it in the step, or if one of its particles is changed or removed
+    /// (also if `world.positions` is assigned: to move a few, use `world.set`).
     /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
     /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
     /// asleep if there is a force other than `Thermostat`.
@@ -917,6 +919,40 @@ impl PyWorld {
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let asleep = self.long(py, |state| state.world.asleep())?;
         Ok(read_only(column(py, asleep)))
+    }
+
+    /// Return a quadtree of the particles as they are now.
+    ///
+    /// It is a copy: later steps do not change it. Its ids are the row numbers of the particles. A
+    /// query does not look beyond the sides of a torus.
+    ///
+    /// Returns
+    /// -------
+    /// Quadtree
+    ///     Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+    ///
+    /// Raises
+    /// ------
+    /// MemoryError
+    ///     If there is not enough memory.
+    ///
+    /// See Also
+    /// --------
+    /// Quadtree : All queries.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0)] * 3, radii=1.0)
+    /// >>> world.step(1.0)
+    /// >>> tree = world.quadtree()
+    /// >>> tree.nearest((6.0, 0.0)).ids
+    /// array([1])
+    /// >>> tree.query_circle((0.0, 0.0), 1.0)
+    /// array([0])
+    fn quadtree(&self, py: Python<'_>) -> PyResult<PyQuadtree> {
+        let tree = self.long(py, |state| state.world.quadtree())?;
+        Ok(PyQuadtree::of(tree.map_err(refused)?))
     }
 
     /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),

@@ -1,9 +1,9 @@
-//! Milliseconds of each stage of a step:
-//! `cargo run --release --package jostle --example one_step -- gas 10000 60 31`.
+//! Milliseconds of each stage of a step: `cargo run --release --package jostle --example one_step
+//! -- gas 10000 60 31`.
 //!
-//! The arguments are a scene, the number of particles, the number of steps before timing, and
-//! the number of timed steps. Nothing falls asleep. `benchmarks/stages.py` runs this program under valgrind's callgrind
-//! and counts instructions, which do not depend on the load of the machine.
+//! The arguments are a scene, the number of particles, the number of steps before timing, and the
+//! number of timed steps. Nothing falls asleep. `benchmarks/stages.py` runs this program under
+//! valgrind's callgrind and counts instructions, which do not depend on the load of the machine.
 
 use std::time::Instant;
 

@@ -1,9 +1,8 @@
-//! What sleeping discs cost:
-//! `cargo run --release --package jostle --example sleeping -- 1000000`.
+//! What sleeping discs cost: `cargo run --release --package jostle --example sleeping -- 1000000`.
 //!
-//! Discs lie on a floor in groups of three, or in 20 rows, all in one island. They fall asleep, then steps
-//! are timed: with nothing awake, with 100 discs that fall far above, and while one of these wakes
-//! sleeping ones. The argument is the number of discs.
+//! Discs lie on a floor in groups of three, or in 20 rows, all in one island. They fall asleep,
+//! then steps are timed: with nothing awake, with 100 discs that fall far above, and while one of
+//! these wakes sleeping ones. The argument is the number of discs.
 
 use std::time::Instant;
 

@@ -34,6 +34,8 @@ def report(simulation: Simulation, film: Film, settings: Settings) -> Table:
     n, state = len(simulation), simulation.frame()
     facts = state.facts
     every_pair = pairs_of(n)
+    if isinstance(simulation, WorldSimulation):
+        simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # alone: an encoder at work beside it takes its share
     table = Table(title=f"{simulation.scene}, {method_name(simulation.method)}", title_style="bold")
     table.show_header = False
@@ -55,6 +57,8 @@ def report(simulation: Simulation, film: Film, settings: Settings) -> Table:
         f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}",
     )
     table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
+    if facts.asleep:
+        table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
     table.add_section()
     if every_pair == 0:
         table.add_row("other methods", "–", "there is no pair to find, so there is nothing to race")
@@ -68,7 +72,8 @@ def _comparison(simulation: Simulation, state: Frame, settings: Settings) -> lis
     """Return a row for each method, all at the same state of the same scene."""
     view = simulation.view
     if not isinstance(simulation, WorldSimulation):
-        simulation = WorldSimulation.of_scene(replace(settings, method="quadtree"))
+        settings = replace(settings, method="quadtree", sleeping=False)
+        simulation = WorldSimulation.of_scene(settings)
     world = simulation.world
     ours, our_pairs = _time_world(world, "quadtree")
     return [
@@ -82,6 +87,7 @@ def _brute_row(world: jostle.World, settings: Settings, ours: float, our_pairs: 
     n, remark, about, scale = len(world), "", "", 1.0
     if n > BRUTE_LIMIT:
         world = jostle.scenes.create(settings.scene, n=BRUTE_SAMPLE, seed=settings.seed)
+        world.sleeping = False
         remark, about, scale = f" (scaled from {BRUTE_SAMPLE:,})", "≈ ", (n / BRUTE_SAMPLE) ** 2
     step, pairs = (value * scale for value in _time_world(world, "brute"))
     remark = f"{_times(step, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"

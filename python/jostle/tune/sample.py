@@ -49,6 +49,7 @@ class Sample:
     def of(cls, scene: str, n: int, seed: int = 0) -> Sample:
         """Make a scene of `n` particles and let it settle."""
         world = jostle.scenes.create(scene, n=n, seed=seed)
+        world.sleeping = False
         world.step(TIME_STEP, min(SETTLING, max(SETTLING_WORK // max(n, 1), 1)))
         view = jostle.scenes.view(scene, n)
         return cls(scene, 1.0, world, world.positions, world.velocities, world.radii, view)
@@ -80,6 +81,7 @@ class Sample:
             angular_velocities=old.angular_velocities,
             container=_resized(old.container, self.world_size),
             substeps=old.substeps,
+            sleeping=False,
         )
         world.restitutions = old.restitutions
         return world

@@ -87,8 +87,8 @@ pub struct Flight<'a> {
     pub pairs: bool,
     /// The candidate pairs, a list for each image.
     pub candidates: &'a [([f32; 2], Vec<[u32; 2]>)],
-    /// Distances from their positions at the beginning of the step beyond which discs are listed as
-    /// strayed; empty if none are to be listed.
+    /// Distances from the positions at the beginning of the step; discs that get further are
+    /// listed. Empty if none are to be listed.
     pub limits: &'a [f32],
     /// Whether it is known that all discs without events stay in their bounds.
     pub bounded: bool,

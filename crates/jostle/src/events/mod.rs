@@ -102,11 +102,11 @@ pub struct Events {
     pub bounced: Vec<Bounce>,
     /// Discs that had too many events in a window and stand still for the rest of the step.
     pub exhausted: Vec<u32>,
-    /// Discs that got further than their limits, and how far, once for each window. Unlike the growth of bounds they
-    /// follow from the histories alone.
-    pub strayed: Vec<(u32, f64)>,
-    /// Discs that may have.
-    may_have_strayed: Vec<u32>,
+    /// Discs that got further than their limits, and how far, once for each window. Unlike the
+    /// growth of bounds they follow from the trajectories alone.
+    pub outside_limits: Vec<(u32, f64)>,
+    /// Discs whose bounds grew, so that they may belong to these.
+    may_be_outside_limits: Vec<u32>,
     starts: Vec<Start>,
     blocks: Vec<Block>,
     batches: Vec<Batch>,
@@ -230,7 +230,7 @@ impl Events {
             self.simulate_again(&window, rounds > MOST_ROUNDS, bounds)?;
             interrupt::check()?;
         }
-        self.find_strayed(&window);
+        self.find_outside_limits(&window);
         self.finish(&window);
         Ok(window.end)
     }
@@ -239,13 +239,13 @@ impl Events {
     pub fn begin_step(&mut self) {
         self.bounced.clear();
         self.exhausted.clear();
-        self.strayed.clear();
-        self.may_have_strayed.clear();
+        self.outside_limits.clear();
+        self.may_be_outside_limits.clear();
     }
 
     /// Lists the discs that get further than their limits in the window.
-    fn find_strayed(&mut self, window: &Window<'_>) {
-        let mut listed = std::mem::take(&mut self.may_have_strayed);
+    fn find_outside_limits(&mut self, window: &Window<'_>) {
+        let mut listed = std::mem::take(&mut self.may_be_outside_limits);
         listed.sort_unstable();
         listed.dedup();
         for &index in &listed {
@@ -253,10 +253,10 @@ impl Events {
             let squares = squares.map(|part| window.longest_square(index, &part.segment));
             let distance = squares.fold(0.0, f64::max).sqrt();
             if distance > f64::from(window.flight.limits[index as usize]) {
-                self.strayed.push((index, distance));
+                self.outside_limits.push((index, distance));
             }
         }
-        self.may_have_strayed = listed;
+        self.may_be_outside_limits = listed;
     }
 
     /// Makes blocks of all discs.
@@ -481,7 +481,7 @@ impl Events {
             return Ok(());
         }
         if !window.flight.limits.is_empty() {
-            self.may_have_strayed.extend(self.outside.iter().map(|outside| outside.index));
+            self.may_be_outside_limits.extend(self.outside.iter().map(|outside| outside.index));
         }
         self.near.clear();
         bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;

@@ -1,9 +1,9 @@
 //! Sleeping islands, apart from the columns that a step works on.
 //!
-//! An island that falls asleep is appended. One that wakes is only marked; the marked ones are removed
-//! when they are more than half. So both cost as much as the island is large. Trees over ranges of
-//! the particles find those that others touch. The tree of a new range takes in those before that
-//! are not much larger, so there are few.
+//! An island that falls asleep is appended. One that wakes is only marked; the marked ones are
+//! removed when they are more than half. So both cost as much as the island is large. Trees over
+//! ranges of the particles find those that others touch. The tree of a new range takes in those
+//! before that are not much larger, so there are few.
 
 use std::iter;
 use std::ops::Range;
@@ -184,7 +184,8 @@ impl Asleep {
     }
 
     /// The islands of which a particle overlaps one of the circles in a tree, ascending; only
-    /// circles for whose rows `counts` returns true.
+    /// circles for whose rows `counts` returns true. All islands, if there are too many pairs to
+    /// list.
     pub(super) fn touched(
         &self,
         circles: &Quadtree<f32>,
@@ -203,12 +204,10 @@ impl Asleep {
                         pairs::brute_between(circles.columns(), tree.columns(), image, max)
                     }
                 };
-                let found = found.map_err(|error| match error {
-                    Error::TooManyPairs { max_pairs } => {
-                        Error::TooManyCandidates { most: max_pairs }
-                    }
-                    other => other,
-                })?;
+                let found = match found {
+                    Err(Error::TooManyPairs { .. }) => return Ok(self.islands().collect()),
+                    other => other?,
+                };
                 let new =
                     found.pairs.iter().filter(|pair| counts(circles.rows()[pair[0] as usize]));
                 let new =

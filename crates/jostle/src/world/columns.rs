@@ -1,7 +1,11 @@
-//! The columns of the particles in the order of adding, awake and asleep ones together.
+//! The columns of the particles in the order of adding, awake and asleep ones together, and their
+//! quadtree.
 
 use super::World;
+use crate::error::Result;
 use crate::particles::{Particles, Spin};
+use crate::quadtree::Quadtree;
+use crate::shapes::{Each, Shapes};
 
 impl World {
     /// A copy of all particles in the order of adding.
@@ -16,6 +20,13 @@ impl World {
         copy.gather(&all, &self.places(), Some(1));
         copy.simplify();
         copy
+    }
+
+    /// A quadtree of the particles as they are now; its rows are those of the particles.
+    pub fn quadtree(&self) -> Result<Quadtree<f32>> {
+        let radii = Each::Rows(self.radii());
+        let shapes = Shapes { centers: self.positions(), radii, ..Shapes::default() };
+        Quadtree::new(&shapes, self.settings.tree)
     }
 
     /// Centres in the order of adding.

@@ -1,14 +1,14 @@
 //! Falling asleep: islands that rest are taken out of the columns that a step works on.
 //!
-//! The unit of speed is √(g r), with the radius r. A particle is slow in a quarter of a second if its
-//! mean velocity is at most [`SLOW`] and its speed never more than [`FAST`], and the same holds for
-//! the velocity of its surface. So small vibrations count less than motion in one direction. At the
-//! end of each quarter, an island falls asleep if each of its members rests on a particle or a wall
-//! and has been slow in this quarter and in the previous one, and if the largest mean speed, in this
-//! unit, has not grown from one to the other. Discs that begin to topple move slowly for longer, but
-//! faster and faster.
+//! The unit of speed is √(g r), with the radius r. A particle is slow in a quarter of a second if
+//! its mean velocity is at most [`SLOW`] and its speed never more than [`FAST`], and the same holds
+//! for the velocity of its surface. So small vibrations count less than motion in one direction. At
+//! the end of each quarter, an island falls asleep if each of its members rests on a particle or a
+//! wall, at least one of them on a wall or an immovable particle, if each has been slow in this
+//! quarter and in the previous one, and if the largest mean speed, in this unit, has not grown from
+//! one to the other. Discs that begin to topple move slowly for longer, but faster and faster.
 
-use std::collections::HashSet;
+use std::ops::Range;
 
 use super::asleep::{Island, Sleepers};
 use super::{OnTouch, World};
@@ -30,8 +30,8 @@ const ROUNDING: f32 = 1e-10;
 /// Seconds of which the mean speeds are compared.
 const QUARTER: f64 = 0.25;
 
-/// The first quarter is shorter by this, so that at usual lengths of a step the rounding of the time does not
-/// decide in which step a quarter ends.
+/// Seconds by which the first quarter is shorter, so that at usual lengths of a step the rounding
+/// of the time does not decide in which step a quarter ends.
 const SHORTER: f64 = 0.001_234_5;
 
 /// How a particle moved in the previous quarter of a second and in this one.
@@ -39,7 +39,8 @@ const SHORTER: f64 = 0.001_234_5;
 pub(super) struct Drift {
     /// Square of the mean speed of the previous quarter over its limit.
     pub(super) before: f32,
-    /// Displacement of the particle and of its surface in this quarter; infinite if it was too fast.
+    /// Displacement of the particle and of its surface in this quarter; infinite if it was too
+    /// fast.
     pub(super) now: [f32; 3],
 }
 
@@ -62,16 +63,46 @@ impl Default for Drift {
 /// Stands for no island.
 const NONE: u32 = u32::MAX;
 
+/// What a particle rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rest {
+    /// Nothing.
+    Free,
+    /// Other movable particles.
+    OnOther,
+    /// A wall or an immovable particle.
+    Supported,
+}
+
+/// What decides whether an island falls asleep.
+#[derive(Clone, Copy, Debug)]
+struct IslandMotion {
+    /// The largest squares of the mean speeds of its members over their limits: in the previous
+    /// quarter and in this one.
+    squares: [f32; 2],
+    /// Whether a member rests on a wall or on an immovable particle.
+    is_supported: bool,
+    /// Whether each member rests on something.
+    all_rest: bool,
+}
+
+impl Default for IslandMotion {
+    fn default() -> Self {
+        Self { squares: [0.0; 2], is_supported: false, all_rest: true }
+    }
+}
+
 /// Scratch.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     groups: Groups,
-    /// The largest squares of the mean speeds of each particle, then of each island at the place of its first
-    /// member, over their limits: in the previous quarter and in this one.
+    /// The squares of the mean speeds of each particle over their limits: in the previous quarter
+    /// and in this one.
     squares: Vec<[f32; 2]>,
-    of_islands: Vec<[f32; 2]>,
-    /// Whether each particle rests on another one or on a wall.
-    rests: Vec<bool>,
+    /// The motion of each island at the place of its first member.
+    of_islands: Vec<IslandMotion>,
+    /// What each particle rests on.
+    rests: Vec<Rest>,
     /// The number of the sleeping island of each place.
     island_of: Vec<u32>,
     /// The first member of the island and the place, of all that fall asleep.
@@ -89,8 +120,8 @@ impl World {
             && self.forces.iter().all(is_thermostat)
     }
 
-    /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an error, the
-    /// step can be undone.
+    /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an
+    /// error, the step can be undone.
     pub(super) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
         if !self.may_sleep() || self.is_elastic() {
             self.drifts.clear();
@@ -107,9 +138,7 @@ impl World {
             self.asleep.append(&sleepers, self.settings.tree)?;
             let island_of = &self.memory.sleeping.island_of;
             let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
-            let mut rows = sleepers.rows;
-            rows.sort_unstable();
-            self.wall_impulses.retain(|of| rows.binary_search(&of.row).is_err());
+            self.drop_wall_impulses(sleepers.rows);
             self.keep(&keep);
         }
         Ok(())
@@ -170,19 +199,49 @@ impl World {
         }));
     }
 
-    /// Lists the members of the islands that fall asleep; returns whether there are any. Movable
-    /// particles that touched in the step or whose bounds overlapped belong together.
+    /// Lists the members of the islands that fall asleep; returns whether there are any.
     fn list_sleepers(&mut self) -> bool {
-        let Self { particles, contacts, wall_pushes, wall_impulses, rows, memory, .. } = self;
-        let super::Memory { pairs, sleeping, .. } = memory;
-        let Scratch { groups, squares, rests, of_islands, members, .. } = sleeping;
-        let movable = &particles.movable;
+        let movable = &self.particles.movable;
         let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
-        members.clear();
-        if !(0..squares.len()).any(|place| movable[place] && is_slow(squares[place])) {
+        let sleeping = &mut self.memory.sleeping;
+        sleeping.members.clear();
+        let mut all = sleeping.squares.iter().zip(movable);
+        if !all.any(|(&squares, &movable)| movable && is_slow(squares)) {
             return false;
         }
-        groups.reset(squares.len());
+        self.find_islands();
+        let movable = &self.particles.movable;
+        let Scratch { groups, squares, rests, of_islands, members, .. } = &mut self.memory.sleeping;
+        of_islands.clear();
+        of_islands.resize(squares.len(), IslandMotion::default());
+        let movables = || (0..squares.len()).filter(|&place| movable[place]);
+        for place in movables() {
+            let island = &mut of_islands[groups.root(place as u32) as usize];
+            let [before, now] = squares[place];
+            island.squares = [island.squares[0].max(before), island.squares[1].max(now)];
+            island.is_supported |= rests[place] == Rest::Supported;
+            island.all_rest &= rests[place] != Rest::Free;
+        }
+        for place in movables() {
+            let first = groups.root(place as u32);
+            let IslandMotion { squares: [before, now], is_supported, all_rest } =
+                of_islands[first as usize];
+            let rests = is_supported && all_rest && is_slow([before, now]);
+            if rests && now <= before.max(ROUNDING) {
+                members.push([first, place as u32]);
+            }
+        }
+        members.sort_unstable();
+        !members.is_empty()
+    }
+
+    /// Finds which movable particles belong together, because they touched in the step or their
+    /// bounds overlapped, and what each rests on.
+    fn find_islands(&mut self) {
+        let Self { particles, contacts, wall_pushes, wall_impulses, rows, memory, .. } = self;
+        let super::Memory { pairs, sleeping: Scratch { groups, rests, .. }, .. } = memory;
+        let movable = &particles.movable;
+        groups.reset(movable.len());
         let touching = contacts.touching().map(|contact| contact.places);
         for [a, b] in pairs.iter().flat_map(|(_, pairs)| pairs).copied().chain(touching) {
             if movable[a as usize] && movable[b as usize] {
@@ -190,34 +249,20 @@ impl World {
             }
         }
         rests.clear();
-        rests.extend(wall_pushes.iter().map(|pushes| pushes.iter().any(|&push| push > 0.0)));
-        let on_walls = wall_impulses.iter().filter(|of| of.pushes[0] > 0.0).map(|of| of.row);
-        let on_walls: HashSet<u32> = on_walls.collect();
-        if !on_walls.is_empty() {
-            let rows = rests.iter_mut().zip(&*rows);
-            rows.for_each(|(rests, row)| *rests |= on_walls.contains(row));
-        }
+        let is_on_wall = |row: u32| {
+            let first = wall_impulses.partition_point(|of| of.row < row);
+            let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
+            of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
+        };
+        rests.extend(wall_pushes.iter().zip(&*rows).map(|(pushes, &row)| {
+            let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
+            if is_supported { Rest::Supported } else { Rest::Free }
+        }));
         for contact in contacts.lasting().filter(|contact| contact.impulse > 0.0) {
-            contact.places.iter().for_each(|&place| rests[place as usize] = true);
+            let [a, b] = contact.places.map(|place| place as usize);
+            let rest = if movable[a] && movable[b] { Rest::OnOther } else { Rest::Supported };
+            [a, b].into_iter().for_each(|place| rests[place] = rests[place].max(rest));
         }
-        of_islands.clear();
-        of_islands.resize(squares.len(), [0.0; 2]);
-        let movables = || (0..squares.len() as u32).filter(|&place| movable[place as usize]);
-        for place in movables() {
-            let all = &mut of_islands[groups.root(place) as usize];
-            let place = place as usize;
-            let own = if rests[place] { squares[place] } else { [f32::INFINITY; 2] };
-            *all = [0, 1].map(|k| all[k].max(own[k]));
-        }
-        for place in movables() {
-            let first = groups.root(place);
-            let [before, now] = of_islands[first as usize];
-            if is_slow([before, now]) && now <= before.max(ROUNDING) {
-                members.push([first, place]);
-            }
-        }
-        members.sort_unstable();
-        !members.is_empty()
     }
 
     /// The islands that fall asleep, at rest. They are still among the others, too.
@@ -266,19 +311,20 @@ impl World {
             })
             .collect();
         impulses.sort_by_key(|&(island, _)| island);
-        let (mut contacts, mut wall_impulses) = (0..0, 0..0);
+        let (mut contacts, mut wall_impulses) = (0, 0);
         for (number, island) in (0..).zip(&mut new.islands) {
-            let count = |all: &mut dyn Iterator<Item = u32>| {
-                all.take_while(|&island| island == number).count() as u32
-            };
-            let mut rest = of_islands[contacts.end as usize..].iter().map(|of| of.0);
-            contacts = contacts.end..contacts.end + count(&mut rest);
-            let mut rest = impulses[wall_impulses.end as usize..].iter().map(|of| of.0);
-            wall_impulses = wall_impulses.end..wall_impulses.end + count(&mut rest);
-            (island.contacts, island.wall_impulses) = (contacts.clone(), wall_impulses.clone());
+            island.contacts = run(&of_islands, contacts, number);
+            island.wall_impulses = run(&impulses, wall_impulses, number);
+            (contacts, wall_impulses) = (island.contacts.end, island.wall_impulses.end);
         }
         new.contacts = of_islands.into_iter().map(|(_, contact)| contact).collect();
         new.wall_impulses = impulses.into_iter().map(|(_, of)| of).collect();
         new
     }
+}
+
+/// The range of the values of one island, from `start` on, in a list sorted by islands.
+fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
+    let values = all[start as usize..].iter().take_while(|of| of.0 == island);
+    start..start + values.count() as u32
 }

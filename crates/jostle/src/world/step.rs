@@ -19,7 +19,7 @@ use crate::particles::{FARTHEST, Particles, Spin, wrap_angle};
 pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
-const MOST_ATTEMPTS: usize = 8;
+const MOST_ATTEMPTS: usize = 4;
 
 /// Fewer particles than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 12_000;
@@ -75,7 +75,7 @@ impl World {
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         self.check_displacements(single)?;
-        let awake = self.rows.len();
+        let (awake, had_friction) = (self.rows.len(), !self.wall_frictions.is_empty());
         for attempt in 0.. {
             self.begin();
             let mut done = self.step_in_parts(single, watch);
@@ -91,7 +91,7 @@ impl World {
             }
             self.undo();
             if done.is_err() {
-                self.cancel_waking(awake);
+                self.cancel_waking(awake, had_friction);
                 return done;
             }
             if attempt == MOST_ATTEMPTS {
@@ -175,9 +175,9 @@ impl World {
         }
     }
 
-    /// The order of a step: forces → bounds → tree → candidate pairs → order of particles → contacts →
-    /// sub-steps (kicks, flights, position correction). It ends early if particles meet sleeping
-    /// ones, and lists these.
+    /// The order of a step: forces → bounds → tree → candidate pairs → order of particles →
+    /// contacts → sub-steps (kicks, flights, position correction). It ends early if particles meet
+    /// sleeping ones, and lists these.
     pub(super) fn step_once(
         &mut self,
         dt: f32,
@@ -207,7 +207,7 @@ impl World {
         self.find_near_walls()?;
         watch(Stage::Contacts);
         self.fly(dt, watch)?;
-        if self.has_strayed_to_sleepers()? {
+        if self.has_left_bounds_to_sleepers()? {
             return Ok(());
         }
         self.record()?;

@@ -79,8 +79,9 @@ impl World {
         }));
     }
 
-    /// The pairs that touched during the last step, in canonical order; then sleeping ones, as in the
-    /// last step in which they were awake. If nothing bounces, those that overlap now; an error if there are too many.
+    /// The pairs that touched during the last step, in canonical order. Then the pairs of sleeping
+    /// islands, as in the last step in which these were awake, in the order in which they fell
+    /// asleep. If nothing bounces, those that overlap now; an error if there are too many.
     pub fn contacts(&self) -> Result<Vec<Touch>> {
         if self.settings.on_touch != OnTouch::Bounce {
             return self.overlaps();
@@ -99,8 +100,8 @@ impl World {
         Ok(awake.chain(asleep.map(|of| touch(of, of.places))).collect())
     }
 
-    /// The particles to which walls gave an impulse during the last step, by row; sleeping ones as in
-    /// the last step in which they were awake.
+    /// The particles to which walls gave an impulse during the last step, by row; sleeping ones as
+    /// in the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
         let (places, container) = (self.places(), &self.settings.container);
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {

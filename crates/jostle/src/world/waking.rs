@@ -49,20 +49,29 @@ impl World {
         Ok(!memory.touched.is_empty())
     }
 
-    /// The same with circles around those that have left their bounds.
-    pub(super) fn has_strayed_to_sleepers(&mut self) -> Result<bool> {
+    /// The same at the end of a part of a step, with circles around the particles that have left
+    /// their bounds, in the order of time or by position correction.
+    pub(super) fn has_left_bounds_to_sleepers(&mut self) -> Result<bool> {
         let Self { asleep, particles, memory, settings, .. } = self;
-        let strayed = &memory.events.strayed;
-        if strayed.is_empty() {
+        let outside_limits = &mut memory.events.outside_limits;
+        for (place, &limit) in memory.limits.iter().enumerate() {
+            let ([x, y], [u, v]) =
+                (memory.motions.position(place as u32), particles.positions[place]);
+            let distance = f64::from(x - u).hypot(f64::from(y - v));
+            if distance > f64::from(limit) {
+                outside_limits.push((place as u32, distance));
+            }
+        }
+        if outside_limits.is_empty() {
             return Ok(false);
         }
         let super::waking::Scratch { join, shapes, tree, .. } = &mut memory.waking;
         let place = |&(place, _): &(u32, f64)| place as usize;
         shapes.centers.clear();
-        shapes.centers.extend(strayed.iter().map(|of| particles.positions[place(of)]));
+        shapes.centers.extend(outside_limits.iter().map(|of| particles.positions[place(of)]));
         let radii = shapes.radii.rows_mut();
         radii.clear();
-        radii.extend(strayed.iter().map(|of| {
+        radii.extend(outside_limits.iter().map(|of| {
             let rounding = rounding(particles.positions[place(of)], &settings.container);
             particles.radii[place(of)] + of.1 as f32 * 1.000_01 + rounding
         }));
@@ -128,17 +137,26 @@ impl World {
         self.asleep.forget_woken();
     }
 
-    /// Puts the islands to sleep again that were woken for a step that failed; `awake` is the number
-    /// of particles that were awake before.
-    pub(super) fn cancel_waking(&mut self, awake: usize) {
+    /// Removes the impulses of walls on some rows.
+    pub(super) fn drop_wall_impulses(&mut self, mut rows: Vec<u32>) {
+        rows.sort_unstable();
+        self.wall_impulses.retain(|of| rows.binary_search(&of.row).is_err());
+    }
+
+    /// Puts the islands to sleep again that were woken for a step that failed; `awake` is the
+    /// number of particles that were awake before, and `had_friction` whether the walls gave
+    /// friction.
+    pub(super) fn cancel_waking(&mut self, awake: usize, had_friction: bool) {
         if self.rows.len() == awake {
             return;
         }
-        let mut rows = self.rows[awake..].to_vec();
-        rows.sort_unstable();
-        self.wall_impulses.retain(|of| rows.binary_search(&of.row).is_err());
+        let rows = self.rows[awake..].to_vec();
+        self.drop_wall_impulses(rows);
         let keep: Vec<bool> = (0..self.rows.len()).map(|place| place < awake).collect();
         self.keep(&keep);
+        if !had_friction {
+            self.wall_frictions.clear();
+        }
         self.asleep.cancel_waking();
     }
 }

@@ -61,7 +61,7 @@ class Readout:
         if "draw" in self._times:
             times["draw"] = self._times["draw"]  # last, as in the order of work
         facts, n = engine.frame.facts, len(engine.frame)
-        page = _Page(8 + len(times))
+        page = _Page(9 + len(times))
         page.title(engine.scene, "paused" if paused else "")
         page.soft(f"{method_name(engine.settings.method)} · {n:,} particles")
         page.rule()
@@ -78,6 +78,7 @@ class Readout:
         page.row("of n(n−1)/2", f"{every_pair:,}")
         page.row("share", share(facts.pairs_tested, every_pair))
         page.row("touching", f"{facts.touching:,}")
+        page.row("asleep", f"{facts.asleep:,}")
         page.row("kinetic energy", scientific(facts.kinetic_energy))
         return page.sheet
 

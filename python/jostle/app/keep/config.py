@@ -43,7 +43,7 @@ LONGEST = 1_000  # characters of a key or a number
 # Settings that are fixed in the article's programs.
 OUR_RULES = (
     *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
-    *("friction", "threads", "on_touch"),
+    *("friction", "threads", "on_touch", "sleeping"),
 )
 
 WINDOW_RULES: dict[str, Rule] = {

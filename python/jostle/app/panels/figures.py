@@ -147,6 +147,7 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
     row("of n(n\u22121)/2", f"{every:,}")
     row("share", share(facts.pairs_tested, every))
     row("touching", f"{facts.touching:,}")
+    row("asleep", f"{facts.asleep:,}")
     row("tree", _tree(facts.nodes, facts.depth))
 
 

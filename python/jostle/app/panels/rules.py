@@ -22,6 +22,7 @@ STRONGEST = 2000.0  # gravity, world units a second squared
 
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "torus", "none": "no walls"}
 ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "pass through"}
+SLEEPING = {"on": "on", "off": "off"}
 
 
 def _whole(value: float) -> str:
@@ -90,6 +91,11 @@ def build_world(session: Session, gui: Gui) -> None:
     chosen = combo(gui, "on touch", ON_TOUCH, touch, reason=reason)
     if chosen is not None:
         session.adjust("on_touch", chosen)
+    is_on = session.engine.rules.sleeping is not False
+    reason = _reason(session, "sleeping")
+    chosen = combo(gui, "sleeping", SLEEPING, "on" if is_on else "off", reason=reason)
+    if chosen is not None:
+        session.adjust("sleeping", chosen == "on")
     _lines(session, gui, WORLD[:1])
     _gravity(session, gui)
     _lines(session, gui, WORLD[1:])

@@ -67,6 +67,7 @@ class Settings:
     time_scale: float = 1.0  # simulated seconds per second
     particles: tuple[Group, ...] = ()  # in addition to those of the scene
     friction: float | None = None  # of every particle
+    sleeping: bool | None = None  # whether particles that rest may fall asleep
 
     @property
     def by_article(self) -> bool:
@@ -99,6 +100,7 @@ RULES: dict[str, Rule] = {
     "substeps": or_none(whole(1, 1_000)),
     "threads": or_none(THREADS),
     "on_touch": or_none(one_of(*ON_TOUCH)),
+    "sleeping": or_none(TRUTH),
     "time_scale": real(0.001, 100),
 }
 

@@ -67,6 +67,7 @@ class Facts:
     time: float = 0.0  # seconds since the scene began
     pairs_tested: int = 0
     touching: int = 0
+    asleep: int = 0
     nodes: int = 0
     depth: int = 0
     kinetic_energy: float = 0.0

@@ -46,6 +46,7 @@ def _facts(world: jostle.World) -> Facts:
         time=world.time,
         pairs_tested=stats.tests,
         touching=len(world.contacts.pairs),
+        asleep=int(np.count_nonzero(world.asleep)),
         nodes=stats.nodes,
         depth=stats.depth,
         kinetic_energy=world.kinetic_energy,

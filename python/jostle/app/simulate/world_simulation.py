@@ -30,7 +30,7 @@ SPEED_LIMIT = 4.0  # a held particle's speed, in diagonals of the view a second
 # Settings that are attributes of a world, by the same name.
 RULES = (
     *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
-    *("threads", "on_touch"),
+    *("threads", "on_touch", "sleeping"),
 )
 MOST_AT_ONCE = 100_000  # particles that a slider adds to a running scene
 

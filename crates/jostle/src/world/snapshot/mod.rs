@@ -24,8 +24,8 @@ use sleepers::{get_sleepers, put_sleepers};
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction, version
-/// 4 no sleeping, version 5 no walls beside the container.
+/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
+/// version 4 no sleeping, version 5 no walls besides the container.
 const VERSION: u32 = 6;
 
 impl World {
