@@ -892,14 +892,16 @@ impl PyWorld {
     /// Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
     ///
     /// An island of particles that touch or nearly touch falls asleep under gravity if each of them
-    /// rests on something and has been slow for half a second, and if their motion does not grow.
+    /// rests on something and has been slow for half a second, and if their motion is steady and
+    /// does not grow.
     /// Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
     /// those of the last step in which they were awake. An island wakes if a moving particle comes
     /// so near that it could touch it in the step, or if one of its particles is changed or removed
     /// (also if `world.positions` is assigned: to move a few, use `world.set`).
     /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
     /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
-    /// asleep if there is a force other than `Thermostat`.
+    /// asleep if there is a force other than `Thermostat`, or with another `on_touch` than "bounce".
+    /// Immovable particles are never asleep.
     ///
     /// See Also
     /// --------

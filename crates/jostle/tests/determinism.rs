@@ -30,7 +30,7 @@ const PINNED: [(&str, u64); 17] = [
     ("galton", 0x124d_b284_d9e0_277a),
     ("brownian", 0xbcc3_c6cc_cba1_d983),
     ("emitters", 0x9f50_0761_1cb1_aaec),
-    ("heap", 0x0b77_ad9b_1c25_8041),
+    ("heap", 0x404a_c78e_8f13_5fc5),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.

@@ -236,6 +236,33 @@ fn a_slow_disc_slides_on_unless_it_is_below_the_limit() {
 }
 
 #[test]
+fn a_disc_that_turns_round_on_a_slope_does_not_sleep() {
+    for (radius, gravity, degrees, speed) in
+        [(1.0f32, 9.8f32, 1.0f32, 0.5f32), (1.0, 9.8, 0.25, 0.2), (20.0, 900.0, 0.25, 10.0)]
+    {
+        for friction in [0.0, 0.5] {
+            let mut all = with_friction(discs(&[[0.0, radius]], radius), friction);
+            let rolls = friction > 0.0;
+            all.velocities[0] = [-speed, 0.0];
+            all.spins_mut()[0].velocity = if rolls { speed / radius } else { 0.0 };
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let far = 500.0 * radius;
+            let container = Container::Box { min: [-far, 0.0], max: [far, far] };
+            let pull = [gravity * sine, -gravity * cosine];
+            let changed = WorldSettings { gravity: pull, container, ..settings() };
+            let mut world = World::new(all, changed).unwrap();
+            let acceleration = gravity * sine * if rolls { 2.0 / 3.0 } else { 1.0 };
+            // Back where it started.
+            let seconds = 2.0 * speed / acceleration;
+            run(&mut world, (f64::from(seconds) * 60.0).round() as usize);
+            let x = world.positions()[0][0];
+            assert!(x.abs() < 0.05 * radius, "{radius} {degrees} {friction}: {x}");
+            assert_eq!(count(&world), 0);
+        }
+    }
+}
+
+#[test]
 fn a_disc_that_spins_without_friction_does_not_sleep() {
     let mut all = discs(&[[0.0, 1.0]], 1.0);
     all.spins_mut()[0].velocity = 0.2;

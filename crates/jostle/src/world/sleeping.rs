@@ -5,8 +5,10 @@
 //! for the velocity of its surface. So small vibrations count less than motion in one direction. At
 //! the end of each quarter, an island falls asleep if each of its members rests on a particle or a
 //! wall, at least one of them on a wall or an immovable particle, if each has been slow in this
-//! quarter and in the previous one, and if the largest mean speed, in this unit, has not grown from
-//! one to the other. Discs that begin to topple move slowly for longer, but faster and faster.
+//! quarter and in the previous one, if the largest mean speed, in this unit, has not grown from one
+//! to the other, and if the mean velocity of the island has hardly changed. Discs that begin to
+//! topple move slowly for longer, but faster and faster; a disc that turns round on a slope is slow
+//! for a while, but its velocity changes steadily.
 
 use std::ops::Range;
 
@@ -24,6 +26,10 @@ const SLOW: f64 = 0.01;
 /// Limit of the speed at the end of a step, in the same units.
 const FAST: f64 = 0.1;
 
+/// Limit of the change of an island's mean velocity from one quarter to the next, as a share of
+/// [`SLOW`].
+const STEADY: f64 = 0.1;
+
 /// Squares of mean speeds over their limit below this are due to rounding, and may grow.
 const ROUNDING: f32 = 1e-10;
 
@@ -37,21 +43,16 @@ const SHORTER: f64 = 0.001_234_5;
 /// How a particle moved in the previous quarter of a second and in this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
-    /// Square of the mean speed of the previous quarter over its limit.
-    pub(super) before: f32,
-    /// Displacement of the particle and of its surface in this quarter; infinite if it was too
-    /// fast.
+    /// Displacement of the particle and of its surface in the previous quarter; infinite if it was
+    /// too fast.
+    pub(super) before: [f32; 3],
+    /// The same in this quarter so far.
     pub(super) now: [f32; 3],
 }
 
 impl Drift {
     /// Of a particle that has not been observed for a whole quarter.
-    pub(super) const UNKNOWN: Self = Self { before: f32::INFINITY, now: [f32::INFINITY; 3] };
-
-    /// At the beginning of a quarter; `before` is the square of the previous one.
-    fn after(before: f32) -> Self {
-        Self { before, now: [0.0; 3] }
-    }
+    pub(super) const UNKNOWN: Self = Self { before: [f32::INFINITY; 3], now: [f32::INFINITY; 3] };
 }
 
 impl Default for Drift {
@@ -84,11 +85,26 @@ struct IslandMotion {
     is_supported: bool,
     /// Whether each member rests on something.
     all_rest: bool,
+    /// Sum over its members of the change of the mean velocity over its limit.
+    change: [f64; 3],
+    /// The number of its members.
+    count: u32,
+}
+
+impl IslandMotion {
+    /// Whether the island may fall asleep.
+    fn is_at_rest(&self) -> bool {
+        let [before, now] = self.squares;
+        let is_slow = before <= 1.0 && now <= 1.0 && now <= before.max(ROUNDING);
+        let most = STEADY * f64::from(self.count);
+        let is_steady = self.change.iter().all(|change| change.abs() <= most);
+        self.is_supported && self.all_rest && is_slow && is_steady
+    }
 }
 
 impl Default for IslandMotion {
     fn default() -> Self {
-        Self { squares: [0.0; 2], is_supported: false, all_rest: true }
+        Self { squares: [0.0; 2], is_supported: false, all_rest: true, change: [0.0; 3], count: 0 }
     }
 }
 
@@ -99,6 +115,8 @@ pub(super) struct Scratch {
     /// The squares of the mean speeds of each particle over their limits: in the previous quarter
     /// and in this one.
     squares: Vec<[f32; 2]>,
+    /// The change of the mean velocity of each particle over its limit.
+    changes: Vec<[f64; 3]>,
     /// The motion of each island at the place of its first member.
     of_islands: Vec<IslandMotion>,
     /// What each particle rests on.
@@ -184,19 +202,18 @@ impl World {
     fn end_quarter(&mut self) {
         let gravity = self.gravity();
         let Self { particles, drifts, memory, .. } = self;
-        let squares = &mut memory.sleeping.squares;
+        let Scratch { squares, changes, .. } = &mut memory.sleeping;
         squares.clear();
-        squares.extend(drifts.iter_mut().zip(&particles.radii).map(|(drift, &radius)| {
-            let [x, y, turn] = drift.now.map(f64::from);
-            let square = (x * x + y * y).max(turn * turn) / (QUARTER * QUARTER);
-            let now = if square == 0.0 {
-                0.0
-            } else {
-                (square / (SLOW * SLOW * gravity * f64::from(radius))) as f32
-            };
-            let before = std::mem::replace(drift, Drift::after(now)).before;
-            [before, now]
-        }));
+        changes.clear();
+        for (Drift { before, now }, &radius) in drifts.iter_mut().zip(&particles.radii) {
+            let limit = QUARTER * SLOW * (gravity * f64::from(radius)).sqrt();
+            // A point is slow only if it does not move.
+            let relative = |v: f32| if v == 0.0 { 0.0 } else { f64::from(v) / limit };
+            let both = [&*before, &*now].map(|drift| drift.map(relative));
+            squares.push(both.map(|[x, y, turn]| (x * x + y * y).max(turn * turn) as f32));
+            changes.push([0, 1, 2].map(|k| both[1][k] - both[0][k]));
+            (*before, *now) = (*now, [0.0; 3]);
+        }
     }
 
     /// Lists the members of the islands that fall asleep; returns whether there are any.
@@ -211,7 +228,8 @@ impl World {
         }
         self.find_islands();
         let movable = &self.particles.movable;
-        let Scratch { groups, squares, rests, of_islands, members, .. } = &mut self.memory.sleeping;
+        let Scratch { groups, squares, changes, rests, of_islands, members, .. } =
+            &mut self.memory.sleeping;
         of_islands.clear();
         of_islands.resize(squares.len(), IslandMotion::default());
         let movables = || (0..squares.len()).filter(|&place| movable[place]);
@@ -221,13 +239,12 @@ impl World {
             island.squares = [island.squares[0].max(before), island.squares[1].max(now)];
             island.is_supported |= rests[place] == Rest::Supported;
             island.all_rest &= rests[place] != Rest::Free;
+            island.change = [0, 1, 2].map(|k| island.change[k] + changes[place][k]);
+            island.count += 1;
         }
         for place in movables() {
             let first = groups.root(place as u32);
-            let IslandMotion { squares: [before, now], is_supported, all_rest } =
-                of_islands[first as usize];
-            let rests = is_supported && all_rest && is_slow([before, now]);
-            if rests && now <= before.max(ROUNDING) {
+            if of_islands[first as usize].is_at_rest() {
                 members.push([first, place as u32]);
             }
         }

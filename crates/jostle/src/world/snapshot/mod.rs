@@ -58,8 +58,8 @@ impl World {
         put_contacts(&mut to, self.contacts.lasting().collect());
         put_wall_impulses(&mut to, &self.wall_impulses);
         to.put(u8::from(!self.drifts.is_empty()));
-        let drifts = self.drifts.iter().map(|of| [of.before, of.now[0], of.now[1], of.now[2]]);
-        to.put_all(&drifts.collect::<Vec<[f32; 4]>>());
+        let drifts = self.drifts.iter().flat_map(|of| [of.before, of.now]);
+        to.put_all(&drifts.collect::<Vec<[f32; 3]>>());
         put_sleepers(&mut to, &self.asleep.copy());
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
@@ -102,9 +102,7 @@ impl World {
         }
         if version > 4 {
             if from.get::<u8>()? > 0 {
-                let drifts: Vec<[f32; 4]> = from.get_all(len)?;
-                let drift = |[before, x, y, turn]: [f32; 4]| Drift { before, now: [x, y, turn] };
-                world.drifts = drifts.into_iter().map(drift).collect();
+                world.drifts = get_drifts(&mut from, len, version)?;
             }
             let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
             world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
@@ -243,6 +241,16 @@ fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
         to.put(place);
         to.put(pushes);
     }
+}
+
+/// How `len` particles moved; unknown in version 5, which had other numbers.
+fn get_drifts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Drift>> {
+    if version < 6 {
+        let _: Vec<[f32; 4]> = from.get_all(len)?;
+        return Ok(vec![Drift::UNKNOWN; len]);
+    }
+    let drifts: Vec<[f32; 3]> = from.get_all(len.saturating_mul(2))?;
+    Ok(drifts.chunks_exact(2).map(|two| Drift { before: two[0], now: two[1] }).collect())
 }
 
 fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {

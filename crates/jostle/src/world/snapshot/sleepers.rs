@@ -17,7 +17,7 @@ use crate::shapes::MOST_ROWS;
 impl World {
     /// Refuses restored drifts and sleeping particles that no world can have.
     pub(super) fn check_sleeping(&self) -> Result<()> {
-        if !self.drifts.iter().all(|of| of.before >= 0.0 && !of.now.iter().any(|v| v.is_nan())) {
+        if self.drifts.iter().flat_map(|of| of.before.into_iter().chain(of.now)).any(f32::is_nan) {
             return Err(damaged("a mean speed is not possible"));
         }
         let Sleepers { particles, contacts, wall_impulses, islands, rows, .. } =
