@@ -17,7 +17,7 @@ pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
 pub struct Spin {
     /// Coefficient of friction, at least 0; a pair has the square root of the product of its two.
     pub friction: f32,
-    /// Angular velocity in radians per second, positive from +x to +y; zero for immovable discs.
+    /// Angular velocity in radians per second, positive from +x to +y.
     pub velocity: f32,
     /// Angle in radians, see [`wrap_angle`].
     pub angle: f64,
@@ -30,7 +30,8 @@ pub struct Particles {
     pub positions: Vec<[f32; 2]>,
     /// What rounding to float32 removed from the centres; the next step adds it to them.
     pub residuals: Vec<[f32; 2]>,
-    /// In world units per second; zero for immovable particles.
+    /// In world units per second. Nothing changes those of immovable particles: a particle is kinematic if
+    /// it has one or turns, else static.
     pub velocities: Vec<[f32; 2]>,
     /// Radii, at least 0.
     pub radii: Vec<f32>,
@@ -38,7 +39,7 @@ pub struct Particles {
     pub masses: Vec<f32>,
     /// Coefficients of restitution, 0 to 1; a pair has the product of its two.
     pub restitutions: Vec<f32>,
-    /// Whether contacts and forces can move the particle.
+    /// Whether contacts and forces can change the velocity of the particle.
     pub movable: Vec<bool>,
     /// Friction and rotation; empty if no disc has friction or an angle, or turns.
     pub spins: Vec<Spin>,
@@ -117,18 +118,12 @@ impl Particles {
         &mut self.spins
     }
 
-    /// Sets the velocities of immovable particles to 0, and the angular velocities of particles
-    /// that cannot turn. Removes the column of friction and rotation if all is 0.
+    /// Sets the angular velocities of points to 0. Removes the column of friction and rotation if all
+    /// is 0.
     pub fn simplify(&mut self) {
-        for (velocity, &movable) in self.velocities.iter_mut().zip(&self.movable) {
-            if !movable {
-                *velocity = [0.0; 2];
-            }
-        }
-        for ((spin, &movable), &radius) in self.spins.iter_mut().zip(&self.movable).zip(&self.radii)
-        {
+        for (spin, &radius) in self.spins.iter_mut().zip(&self.radii) {
             spin.angle = wrap_angle(spin.angle);
-            if !movable || radius == 0.0 {
+            if radius == 0.0 {
                 spin.velocity = 0.0;
             }
         }
@@ -203,12 +198,26 @@ impl Particles {
 
     /// Whether a row has the same values in `other`.
     pub fn is_same(&self, row: usize, other: &Self) -> bool {
-        let vectors = |all: &Self| [all.positions[row], all.residuals[row], all.velocities[row]];
+        self.velocities[row] == other.velocities[row]
+            && self.spin(row).velocity == other.spin(row).velocity
+            && self.is_same_at_rest(row, other)
+    }
+
+    /// Whether a row has the same values in `other` apart from the velocities.
+    pub fn is_same_at_rest(&self, row: usize, other: &Self) -> bool {
+        let vectors = |all: &Self| [all.positions[row], all.residuals[row]];
         let numbers = |all: &Self| [all.radii[row], all.masses[row], all.restitutions[row]];
+        let spin = |all: &Self| Spin { velocity: 0.0, ..all.spin(row) };
         vectors(self) == vectors(other)
             && numbers(self) == numbers(other)
             && self.movable[row] == other.movable[row]
-            && self.spin(row) == other.spin(row)
+            && spin(self) == spin(other)
+    }
+
+    /// Whether nothing can move the particle, and it does not move or turn by itself.
+    #[inline]
+    pub fn is_static(&self, row: usize) -> bool {
+        !self.movable[row] && self.velocities[row] == [0.0; 2] && self.spin(row).velocity == 0.0
     }
 
     /// One over the mass; 0 for an immovable particle.

@@ -7,6 +7,7 @@ mod determinism;
 mod forces;
 mod friction;
 mod interrupt;
+mod kinematic;
 mod limits;
 mod merging;
 mod physics;

@@ -476,9 +476,10 @@ fn coincident_centres_separate() {
 }
 
 #[test]
-fn immovable_particles_stay() {
+fn static_particles_stay() {
     let mut particles = cloud(100, 200.0, 6.0, 300.0, 8);
     particles.movable[..50].fill(false);
+    particles.velocities[..50].fill([0.0; 2]);
     let places = particles.positions[..50].to_vec();
     let settings = WorldSettings {
         gravity: [0.0, 900.0],

@@ -107,6 +107,13 @@ impl Flight<'_> {
         }
     }
 
+    /// The velocity of a disc that nothing accelerates. The flight is shorter than the sub-step if there
+    /// is damping, but such a disc is not damped.
+    fn velocity_of_kinematic(&self, index: u32) -> [f32; 2] {
+        let longer = self.flow.seconds / self.flow.duration;
+        self.motions.velocity(index).map(|v| (f64::from(v) * longer) as f32)
+    }
+
     /// Writes how all discs begin; those in `exhausted` stand still.
     pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
@@ -123,7 +130,9 @@ impl Flight<'_> {
                     is_supported: false,
                     falls: false,
                 };
-                if movable[index] {
+                if !particles.movable[index] {
+                    start.velocity = self.velocity_of_kinematic(index as u32);
+                } else if movable[index] {
                     start.is_supported = kicks.get(index).is_some_and(|kick| kick.is_supported);
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
@@ -241,6 +250,22 @@ impl Window<'_> {
             !(position[k] - min[k] > far && max[k] - position[k] > far)
         };
         near(0) | near(1)
+    }
+
+    /// Moves a disc that nothing accelerates to the end of the window.
+    pub fn carry(&self, index: u32) {
+        let Flight { particles, motions, spins, .. } = self.flight;
+        if particles.is_static(index as usize) {
+            return;
+        }
+        let start = &self.starts[index as usize];
+        if start.velocity != [0.0; 2] {
+            let position = self.segment(index).place_at(self.end, self.gravity());
+            motions.advance(index, position, motions.velocity(index).map(f64::from));
+        }
+        if !spins.is_empty() && !particles.movable[index as usize] {
+            self.turn(index, &self.turning(index));
+        }
     }
 
     /// The velocity of a disc after the sub-step from that at the end of the window.

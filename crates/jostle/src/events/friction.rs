@@ -51,7 +51,8 @@ impl Touch {
     fn sliding_speed(&self, velocities: &[Vector], rotors: &[Rotor]) -> f64 {
         let turning = |body: Option<usize>| body.map_or(0.0, |body| rotors[body].surface_speed);
         let [a, b] = self.bodies.map(turning);
-        dot(self.tangent(), self.relative_velocity(velocities)) - (a + b)
+        let turning = (a + b) + self.carried_turning;
+        dot(self.tangent(), self.relative_velocity(velocities)) - turning
     }
 
     /// Change of the sliding speed by an impulse along the surfaces.
@@ -172,6 +173,15 @@ impl Window<'_> {
         f64::from(self.flight.particles.spin(index as usize).friction)
     }
 
+    /// Angular velocity times radius of a disc that impacts do not turn.
+    pub fn surface_speed(&self, index: u32) -> f64 {
+        let is_exhausted = self.flight.particles.movable[index as usize];
+        if is_exhausted || !self.flight.has_friction {
+            return 0.0;
+        }
+        f64::from(self.flight.spins.velocity(index)) * self.radius(index)
+    }
+
     fn radius(&self, index: u32) -> f64 {
         f64::from(self.starts[index as usize].radius)
     }
@@ -234,7 +244,8 @@ impl Simulation<'_> {
     }
 
     /// Friction of a disc that slides along a surface until the end of the window, where gravity
-    /// presses it against the surface with the speed `pressing`. The other surface counts as fixed.
+    /// presses it against the surface with the speed `pressing`. The velocity of another movable disc
+    /// counts as 0.
     /// Returns the change of the speed of the second surface along the first.
     pub(super) fn brake(
         &mut self,
@@ -248,7 +259,9 @@ impl Simulation<'_> {
         let softness = 1.0 + if rotor.softness > 0.0 { 2.0 } else { 0.0 };
         let side = if is_second { 1.0 } else { -1.0 };
         let tangent = touch.tangent();
-        let sliding = dot(tangent, segment.velocity) - side * rotor.surface_speed;
+        let carried = dot(tangent, touch.carried) - touch.carried_turning;
+        let own = dot(tangent, segment.velocity) - side * rotor.surface_speed;
+        let sliding = own + side * carried;
         let most = touch.friction * pressing;
         let change = (-sliding / softness).max(-most).min(most);
         segment.velocity = vector(|k| segment.velocity[k] + tangent[k] * change);

@@ -20,6 +20,11 @@ pub struct Touch {
     pub normal: Vector,
     /// One over the masses; 0 for walls and immovable discs.
     pub inverse_masses: [f64; 2],
+    /// The part of the relative velocity that impacts do not change: the velocity of a second surface
+    /// without a body, or minus that of a first one.
+    pub carried: Vector,
+    /// The same for the sum of the speeds with which the surfaces turn.
+    pub carried_turning: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
     /// Coefficient of friction.
@@ -78,7 +83,7 @@ impl Touch {
     pub fn relative_velocity(&self, velocities: &[Vector]) -> Vector {
         let velocity = |body: Option<usize>| body.map_or([0.0; 2], |body| velocities[body]);
         let [a, b] = self.bodies.map(velocity);
-        vector(|k| b[k] - a[k])
+        vector(|k| (b[k] - a[k]) + self.carried[k])
     }
 
     /// Changes the velocities by an impulse on the second along `direction`.
@@ -105,7 +110,7 @@ mod tests {
             normal,
             inverse_masses: [1.0; 2],
             restitution: 1.0,
-            friction: 0.0,
+            ..Touch::default()
         };
         let mut touches = [touch(1, [x, y]), touch(2, [x, -y])];
         let mut velocities = [[1.0, 0.0], [0.0; 2], [0.0; 2]];

@@ -512,7 +512,10 @@ impl Events {
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
             for index in block.range.clone() {
                 let (last, stopped) = match course_of[index as usize] {
-                    NONE if !window.starts[index as usize].is_movable => continue,
+                    NONE if !window.starts[index as usize].is_movable => {
+                        window.carry(index);
+                        continue;
+                    }
                     NONE => (window.segment(index), None),
                     number => {
                         let is_again = number & AGAIN != 0;
@@ -623,8 +626,9 @@ impl Block {
 
 /// Lists the discs whose first segment leaves their bounds.
 fn find_outside_at_start(window: &Window<'_>, reaches: &[f32], outside: &mut Vec<Outside>) {
-    let movable = (0..).zip(window.starts).filter(|(_, start)| start.is_movable);
-    let all = movable.map(|(index, _)| {
+    let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
+    let moving = (0..).zip(window.starts).filter(|(_, start)| moves(start));
+    let all = moving.map(|(index, _)| {
         let segment = window.segment(index);
         let distance = window.longest_square(index, &segment).sqrt();
         Outside { index, distance, segment }

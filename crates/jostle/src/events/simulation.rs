@@ -317,6 +317,7 @@ impl Simulation<'_> {
             inverse_masses: [course.inverse_mass, 0.0],
             restitution,
             friction: self.window.wall_friction(index, wall),
+            ..Touch::default()
         };
         let (number, has_room) = (own.number, !self.has_no_room(course, own.now.time));
         self.add(touch);
@@ -345,10 +346,19 @@ impl Simulation<'_> {
             ([partner, index], opposite(code))
         };
         let found = pair.map(|disc| self.in_group(disc));
-        let [p, q] = [0, 1].map(|k| match found[k] {
-            Some((_, own, _)) => own.now.position,
-            None => window.segment(pair[k]).position,
+        let now = [0, 1].map(|k| match found[k] {
+            Some((_, own, _)) => own.now,
+            None => window.segment(pair[k]).moved(time, window.gravity()),
         });
+        let [p, q] = now.map(|now| now.position);
+        // Of two surfaces at most one has no body.
+        let (mut carried, mut carried_turning) = ([0.0; 2], 0.0);
+        for (k, sign) in [(0, -1.0), (1, 1.0)] {
+            if found[k].is_none() {
+                carried = now[k].velocity.map(|v| sign * v);
+                carried_turning = window.surface_speed(pair[k]);
+            }
+        }
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| q[k] - p[k] + image[k]);
         let inverse_mass = |(_, _, course): (usize, &InGroup, &Course)| match course.stopped {
@@ -361,6 +371,8 @@ impl Simulation<'_> {
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
             restitution: self.pair_restitution(pair, counts),
             friction: window.pair_friction(pair),
+            carried,
+            carried_turning,
             ..Touch::of_discs(pair, code, offset)
         };
         self.add(touch);

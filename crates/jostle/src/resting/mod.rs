@@ -158,9 +158,21 @@ impl Support<'_> {
         found.map_or([0.0; 2], |at| self.pushes[at].pushes)
     }
 
+    /// The velocity at the beginning of the sub-step. A particle that has had too many events stands
+    /// still.
+    fn velocity(&self, place: usize) -> [f32; 2] {
+        if self.is_exhausted(place) { [0.0; 2] } else { self.motions.velocity(place as u32) }
+    }
+
     /// Angular velocity times radius at the beginning of the sub-step.
     fn surface_speed(&self, place: usize) -> f32 {
-        self.spins.velocity(place as u32) * self.particles.radii[place]
+        let is_exhausted = self.is_exhausted(place);
+        let velocity = if is_exhausted { 0.0 } else { self.spins.velocity(place as u32) };
+        velocity * self.particles.radii[place]
+    }
+
+    fn is_exhausted(&self, place: usize) -> bool {
+        !self.moving[place] && self.particles.movable[place]
     }
 
     fn change(&self, kick: &Kick, k: usize) -> f64 {
@@ -328,17 +340,15 @@ impl Resting {
         self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 });
         let surface_speeds = &self.surface_speeds;
         parallel::for_rows(scene.threads, turning, |place| {
-            let speed = if scene.moving[place] { scene.surface_speed(place) } else { 0.0 };
-            surface_speeds.set(place as u32, speed);
+            surface_speeds.set(place as u32, scene.surface_speed(place));
         });
         let velocities = &self.velocities;
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, place) in kicks.iter_mut().zip(first..) {
+                velocities.set(place as u32, scene.velocity(place));
                 if !scene.moving[place] {
-                    velocities.set(place as u32, [0.0; 2]);
                     continue;
                 }
-                velocities.set(place as u32, scene.motions.velocity(place as u32));
                 let [x, y] = [0, 1].map(|k| scene.change(kick, k));
                 kick.speed = (x * x + y * y).sqrt() as f32;
             }

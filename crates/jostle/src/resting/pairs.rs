@@ -34,9 +34,7 @@ impl Pair {
     pub fn of(contact: &Contact, index: u32, scene: &Support<'_>, kicks: &[Kick]) -> Option<Self> {
         let h = scene.flow.duration as f32;
         let places = contact.places;
-        let [a, b] = places.map(|place| {
-            if scene.moving[place as usize] { scene.motions.velocity(place) } else { [0.0; 2] }
-        });
+        let [a, b] = places.map(|place| scene.velocity(place as usize));
         let relative = [b[0] - a[0], b[1] - a[1]];
         let surfaces = Surfaces {
             gap: contact.gap,

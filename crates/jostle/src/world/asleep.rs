@@ -221,6 +221,16 @@ impl Asleep {
         Ok(islands)
     }
 
+    /// The islands that touch a marked row, ascending.
+    pub(super) fn islands_touching(&self, marked: &[bool]) -> Vec<u32> {
+        let touches = |&island: &u32| {
+            let Range { start, end } = self.sleepers.islands[island as usize].contacts.clone();
+            let contacts = &self.sleepers.contacts[start as usize..end as usize];
+            contacts.iter().flat_map(|contact| contact.places).any(|row| marked[row as usize])
+        };
+        self.islands().filter(touches).collect()
+    }
+
     /// The islands of which a row is marked, ascending.
     pub(super) fn islands_of(&self, marked: &[bool]) -> Vec<u32> {
         let has_marked = |&island: &u32| {

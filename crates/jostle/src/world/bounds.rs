@@ -75,14 +75,14 @@ impl World {
         let is_cut = AtomicBool::new(false);
         parallel::for_chunks(threads, reaches, |first, reaches| {
             for (reach, place) in reaches.iter_mut().zip(first..) {
-                *reach = 0.0;
-                if !particles.movable[place] {
-                    continue;
-                }
                 let [u, v] = particles.velocities[place];
                 let own = (u * u + v * v).sqrt() * dt * 1.000_01;
-                let pulled = aside(accelerations.get(place), None, dt).unwrap_or(0.0) + fall;
-                *reach = (own.max(usual) + pulled).min(longest);
+                let (least, pulled) = if particles.movable[place] {
+                    (usual, aside(accelerations.get(place), None, dt).unwrap_or(0.0) + fall)
+                } else {
+                    (0.0, 0.0)
+                };
+                *reach = (own.max(least) + pulled).min(longest);
                 if *reach < own + pulled {
                     is_cut.store(true, Ordering::Relaxed);
                 }

@@ -165,7 +165,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         .copied()
         .reduce(|best, next| if all.masses[next] > all.masses[best] { next } else { best });
     let (position, velocity) = match anchor {
-        Some(place) => (all.positions[place], [0.0; 2]),
+        Some(place) => (all.positions[place], all.velocities[place]),
         None => {
             let center = [0, 1].map(|k| (origin[k] + moment[k] / mass) as f32);
             let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);

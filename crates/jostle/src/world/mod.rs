@@ -354,7 +354,8 @@ impl World {
 
     /// Changes columns of the particles: `change` gets a copy of them in the order of
     /// adding. A particle with a new position has no residual. Refused values change nothing.
-    /// The islands of changed particles wake; all wake if an immovable one changes.
+    /// The islands of changed particles wake. All wake if an immovable one changes, but those that do not
+    /// touch it sleep on if only its velocities change.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
         let mut copy = self.particles();
         let before = copy.clone();
@@ -369,7 +370,11 @@ impl World {
         let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = rows.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
-        let changed: Vec<bool> = (0..copy.len()).map(|row| !copy.is_same(row, &before)).collect();
+        let mut changed: Vec<bool> =
+            (0..copy.len()).map(|row| !copy.is_same(row, &before)).collect();
+        self.wake_driven(&mut changed, |row| {
+            !copy.movable[row] && copy.is_same_at_rest(row, &before)
+        });
         self.wake_changed(&changed);
         for (drift, &row) in self.drifts.iter_mut().zip(&self.rows) {
             if changed[row as usize] {

@@ -4,7 +4,7 @@
 //! its mean velocity is at most [`SLOW`] and its speed never more than [`FAST`], and the same holds
 //! for the velocity of its surface. So small vibrations count less than motion in one direction. At
 //! the end of each quarter, an island falls asleep if each of its members rests on a particle or a
-//! wall, at least one of them on a wall or an immovable particle, if each has been slow in this
+//! wall, at least one of them on a wall or a static particle, if each has been slow in this
 //! quarter and in the previous one, if the largest mean speed, in this unit, has not grown from one
 //! to the other, and if the mean velocity of the island has hardly changed. Discs that begin to
 //! topple move slowly for longer, but faster and faster; a disc that turns round on a slope is slow
@@ -71,7 +71,7 @@ enum Rest {
     Free,
     /// Other movable particles.
     OnOther,
-    /// A wall or an immovable particle.
+    /// A wall or a static particle.
     Supported,
 }
 
@@ -81,7 +81,7 @@ struct IslandMotion {
     /// The largest squares of the mean speeds of its members over their limits: in the previous
     /// quarter and in this one.
     squares: [f32; 2],
-    /// Whether a member rests on a wall or on an immovable particle.
+    /// Whether a member rests on a wall or on a static particle.
     is_supported: bool,
     /// Whether each member rests on something.
     all_rest: bool,
@@ -227,13 +227,13 @@ impl World {
             return false;
         }
         self.find_islands();
-        let movable = &self.particles.movable;
+        let particles = &self.particles;
         let Scratch { groups, squares, changes, rests, of_islands, members, .. } =
             &mut self.memory.sleeping;
         of_islands.clear();
         of_islands.resize(squares.len(), IslandMotion::default());
-        let movables = || (0..squares.len()).filter(|&place| movable[place]);
-        for place in movables() {
+        let members_of_islands = || (0..squares.len()).filter(|&at| !particles.is_static(at));
+        for place in members_of_islands() {
             let island = &mut of_islands[groups.root(place as u32) as usize];
             let [before, now] = squares[place];
             island.squares = [island.squares[0].max(before), island.squares[1].max(now)];
@@ -242,7 +242,7 @@ impl World {
             island.change = [0, 1, 2].map(|k| island.change[k] + changes[place][k]);
             island.count += 1;
         }
-        for place in movables() {
+        for place in members_of_islands() {
             let first = groups.root(place as u32);
             if of_islands[first as usize].is_at_rest() {
                 members.push([first, place as u32]);
@@ -252,16 +252,18 @@ impl World {
         !members.is_empty()
     }
 
-    /// Finds which movable particles belong together, because they touched in the step or their
-    /// bounds overlapped, and what each rests on.
+    /// Finds which particles belong together, because they touched in the step or their bounds
+    /// overlapped, and what each rests on. Static particles belong to no island; kinematic ones keep
+    /// theirs awake.
     fn find_islands(&mut self) {
         let Self { particles, contacts, wall_pushes, wall_impulses, rows, memory, .. } = self;
         let super::Memory { pairs, sleeping: Scratch { groups, rests, .. }, .. } = memory;
         let movable = &particles.movable;
         groups.reset(movable.len());
+        let is_member = |place: u32| !particles.is_static(place as usize);
         let touching = contacts.touching().map(|contact| contact.places);
         for [a, b] in pairs.iter().flat_map(|(_, pairs)| pairs).copied().chain(touching) {
-            if movable[a as usize] && movable[b as usize] {
+            if is_member(a) && is_member(b) {
                 groups.join(a, b);
             }
         }
@@ -279,6 +281,11 @@ impl World {
             let [a, b] = contact.places.map(|place| place as usize);
             let rest = if movable[a] && movable[b] { Rest::OnOther } else { Rest::Supported };
             [a, b].into_iter().for_each(|place| rests[place] = rests[place].max(rest));
+        }
+        for (rest, &movable) in rests.iter_mut().zip(movable) {
+            if !movable {
+                *rest = Rest::Free;
+            }
         }
     }
 

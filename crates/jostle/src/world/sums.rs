@@ -7,26 +7,34 @@ use crate::parallel;
 use crate::particles::{Particles, Spin};
 
 impl World {
-    /// Sum of mass times velocity. Sleeping particles have none.
+    /// Sum of mass times velocity of the movable particles. Sleeping particles have none.
     pub fn momentum(&self) -> [f64; 2] {
-        let Particles { masses, velocities, .. } = &self.particles;
-        let all = masses.iter().zip(velocities);
-        all.fold([0.0; 2], |sum, (&m, v)| [0, 1].map(|k| sum[k] + f64::from(m) * f64::from(v[k])))
+        let all = self.movable_places().map(|at| {
+            let mass = f64::from(self.particles.masses[at]);
+            self.particles.velocities[at].map(|v| mass * f64::from(v))
+        });
+        all.fold([0.0; 2], |sum, own| [0, 1].map(|k| sum[k] + own[k]))
     }
 
-    /// Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2.
+    /// Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
     pub fn kinetic_energy(&self) -> f64 {
-        let Particles { masses, velocities, radii, spins, .. } = &self.particles;
-        let energy = |(&m, v): (&f32, &[f32; 2])| {
-            let [x, y] = v.map(f64::from);
-            0.5 * f64::from(m) * (x * x + y * y)
+        let Particles { masses, velocities, radii, .. } = &self.particles;
+        let energy = |at: usize| {
+            let [x, y] = velocities[at].map(f64::from);
+            0.5 * f64::from(masses[at]) * (x * x + y * y)
         };
-        let turning = |((&m, &r), spin): ((&f32, &f32), &Spin)| {
-            let surface_speed = f64::from(r) * f64::from(spin.velocity);
-            0.25 * f64::from(m) * (surface_speed * surface_speed)
+        let turning = |at: usize| {
+            let velocity = f64::from(self.particles.spin(at).velocity);
+            let surface_speed = f64::from(radii[at]) * velocity;
+            0.25 * f64::from(masses[at]) * (surface_speed * surface_speed)
         };
-        let flying: f64 = masses.iter().zip(velocities).map(energy).sum();
-        flying + masses.iter().zip(radii).zip(spins).map(turning).sum::<f64>()
+        let flying: f64 = self.movable_places().map(energy).sum();
+        flying + self.movable_places().map(turning).sum::<f64>()
+    }
+
+    /// The places of movable particles that are awake.
+    fn movable_places(&self) -> impl Iterator<Item = usize> {
+        (0..self.rows.len()).filter(|&at| self.particles.movable[at])
     }
 
     /// Energy of all movable particles in the field of gravity, and of all forces that have
@@ -37,8 +45,7 @@ impl World {
             let p = all.positions[at].map(f64::from);
             -f64::from(all.masses[at]) * (gx * p[0] + gy * p[1])
         };
-        let awake = (0..self.rows.len()).filter(|&at| self.particles.movable[at]);
-        let awake = awake.map(|at| energy(&self.particles, at));
+        let awake = self.movable_places().map(|at| energy(&self.particles, at));
         let asleep = self.asleep.indices();
         let asleep = asleep.map(|at| energy(&self.asleep.sleepers().particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();

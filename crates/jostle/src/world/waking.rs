@@ -32,20 +32,20 @@ pub(super) struct Scratch {
 const NONE: u32 = u32::MAX;
 
 impl World {
-    /// Whether particles sleep and all others are immovable, so that a step changes nothing.
+    /// Whether particles sleep and all others are static, so that a step changes nothing.
     pub(super) fn is_still(&self) -> bool {
-        !self.asleep.is_empty() && !self.particles.movable.contains(&true)
+        !self.asleep.is_empty() && (0..self.rows.len()).all(|at| self.particles.is_static(at))
     }
 
-    /// Whether the bounds of movable particles overlap sleeping ones; lists the islands of these.
+    /// Whether the bounds of moving particles overlap sleeping ones; lists the islands of these.
     pub(super) fn is_near_sleepers(&mut self) -> Result<bool> {
         if self.asleep.is_empty() {
             return Ok(false);
         }
         let Self { asleep, particles, memory, settings, .. } = self;
-        let is_movable = |place: u32| particles.movable[place as usize];
+        let moves = |place: u32| !particles.is_static(place as usize);
         let join = &mut memory.waking.join;
-        memory.touched = asleep.touched(&memory.tree, is_movable, settings, join)?;
+        memory.touched = asleep.touched(&memory.tree, moves, settings, join)?;
         Ok(!memory.touched.is_empty())
     }
 
@@ -120,6 +120,20 @@ impl World {
     pub(super) fn wake_all(&mut self) {
         let all: Vec<u32> = self.asleep.islands().collect();
         self.wake(&all);
+        self.asleep.forget_woken();
+    }
+
+    /// Wakes the islands that touch a marked row for which `is_driven` holds: only its velocities have
+    /// changed. Takes the marks from these rows.
+    pub(super) fn wake_driven(&mut self, marked: &mut [bool], is_driven: impl Fn(usize) -> bool) {
+        if self.asleep.is_empty() {
+            return;
+        }
+        let driven: Vec<bool> =
+            (0..).zip(&*marked).map(|(row, &of)| of && is_driven(row)).collect();
+        marked.iter_mut().zip(&driven).for_each(|(marked, &driven)| *marked &= !driven);
+        let islands = self.asleep.islands_touching(&driven);
+        self.wake(&islands);
         self.asleep.forget_woken();
     }
 
