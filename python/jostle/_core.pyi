@@ -2078,6 +2078,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         container: _Container | None = None,
         walls: ArrayLike | None = None,
+        wall_velocities: ArrayLike | None = None,
         wall_restitution: ArrayLike = 1.0,
         wall_friction: ArrayLike | None = None,
         forces: Iterable[_Force] = (),
@@ -2409,6 +2410,10 @@ class World:
         """
     @walls.setter
     def walls(self, value: ArrayLike | None) -> None: ...
+    @property
+    def wall_velocities(self) -> NDArray[np.float32]: ...
+    @wall_velocities.setter
+    def wall_velocities(self, value: ArrayLike | None) -> None: ...
     @property
     def wall_restitution(self) -> NDArray[np.float32]:
         """Coefficients of restitution of the walls: ndarray of float32, shape (m,), a read-only copy.

@@ -1,7 +1,7 @@
 //! The walls of a world as arrays.
 
 use jostle::{Each, Error, Wall};
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, Given, column, read_only, table};
@@ -14,6 +14,18 @@ pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let ends = Argument::reals("walls", value)?.segments()?;
     Ok(ends.into_iter().map(Wall::new).collect())
+}
+
+/// Velocities: one vector for all walls or one for each; None stands for 0.
+pub fn set_velocities(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    let given = value.map(|value| Argument::reals("wall_velocities", value)).transpose()?;
+    let each = match given {
+        None => Each::One([0.0; 2]),
+        Some(given) if given.is_plain_pair() => Each::One(given.only_pair()?),
+        Some(given) => Each::Rows(given.pairs(walls.len())?),
+    };
+    (0..).zip(walls).for_each(|(row, wall)| wall.velocity = each.at(row));
+    Ok(())
 }
 
 /// Coefficients of restitution: a number for all walls or one for each.
@@ -50,6 +62,11 @@ pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyR
 pub fn ends<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let points = walls.iter().flat_map(|wall| wall.ends).collect();
     Ok(read_only(table(py, points)?.reshape([walls.len(), 2, 2])?))
+}
+
+/// Their velocities.
+pub fn velocities<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    Ok(read_only(table(py, walls.iter().map(|wall| wall.velocity).collect())?))
 }
 
 /// Their coefficients of restitution.

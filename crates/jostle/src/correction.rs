@@ -268,14 +268,15 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) ->
     let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
     let mut is_free = true;
     walls.each(place, area, 0.0, |wall| {
-        is_free &= !walls.walls.is_near(wall, area, radius)
-            || walls.walls.is_free(wall, [from, to], radius);
+        let seen = |position: Vector| walls.position_from(wall, position, 0.0);
+        is_free &= !walls.walls.is_near(wall, area.map(seen), radius)
+            || walls.walls.is_free(wall, [from, to].map(seen), radius);
     });
     if is_free {
         return by;
     }
     let mut near = Vec::new();
     walls.each(place, area, most, |wall| near.push(wall));
-    let allowed = walls.walls.push_out(&near, [from, to], radius, most);
+    let allowed = walls.push_out(&near, [from, to], radius, most);
     if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }
 }

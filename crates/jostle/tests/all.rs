@@ -10,6 +10,7 @@ mod interrupt;
 mod kinematic;
 mod limits;
 mod merging;
+mod moving_walls;
 mod physics;
 mod query;
 mod scenes;

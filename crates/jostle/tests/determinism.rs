@@ -50,8 +50,12 @@ fn make_rough(name: &str, count: usize) -> World {
     let mut world = scene.create(Some(count), 0).expect("a scene is valid");
     let mut random = Random::new(5);
     let roughen = |all: &mut Particles| {
-        for spin in all.spins_mut() {
+        let movable = all.movable.clone();
+        for (spin, movable) in all.spins_mut().iter_mut().zip(movable) {
             (spin.friction, spin.velocity) = (random.between(0.0, 1.0), random.between(-2.0, 2.0));
+            if !movable {
+                spin.velocity = 0.0;
+            }
         }
         Ok(())
     };

@@ -441,10 +441,13 @@ impl Window<'_> {
         let radius = f64::from(self.starts[index as usize].radius);
         let rounding = self.wall_limits(now.position, index, FIRST).rounding;
         let mut contacts = Vec::new();
-        self.flight.walls.contacts(index, now.position, radius, rounding, &mut contacts);
+        let (place, walls) = ((now.position, now.time), self.flight.walls);
+        walls.contacts(index, place, radius, rounding, &mut contacts);
         for Contact { wall, normal, .. } in contacts {
             let limits = self.wall_limits(now.position, index, wall);
-            if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
+            let own = walls.velocity(wall);
+            let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));
+            if limits.kind(approach, 0.0, now.time).is_some() {
                 act(wall);
             }
         }
@@ -469,13 +472,12 @@ impl Window<'_> {
         }
     }
 
-    /// Unit normal of a wall at a position, towards the disc.
-    pub fn wall_normal(&self, index: u32, wall: u32, position: Vector) -> Vector {
+    /// Unit normal of a wall where a disc begins a segment, towards the disc.
+    pub fn wall_normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
         if wall < FIRST {
-            return wall_normal(&self.flight.container, wall, position);
+            return wall_normal(&self.flight.container, wall, now.position);
         }
-        let radius = f64::from(self.starts[index as usize].radius);
-        self.flight.walls.walls.contact(wall, position, radius).normal
+        self.flight.walls.normal(index, wall, now.position, now.time)
     }
 
     /// Square of the longest distance from its position at the beginning of the step that a disc

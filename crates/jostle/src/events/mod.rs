@@ -169,6 +169,7 @@ impl Events {
                 return Ok(());
             }
             rest.end -= end;
+            rest.walls.clock.elapsed += end * rest.walls.clock.rate;
             rest.bounded = false;
             rest.is_first = false;
         }

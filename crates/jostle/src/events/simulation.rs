@@ -306,7 +306,7 @@ impl Simulation<'_> {
 
     fn touch_wall(&mut self, index: u32, wall: u32) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
-        let normal = self.window.wall_normal(index, wall, own.now.position);
+        let normal = self.window.wall_normal(index, wall, &own.now);
         // Between walls at an acute angle, too, there can be infinitely many collisions.
         let collapses = wall >= FIRST && course.count >= COLLAPSE;
         let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
@@ -317,6 +317,7 @@ impl Simulation<'_> {
             inverse_masses: [course.inverse_mass, 0.0],
             restitution,
             friction: self.window.wall_friction(index, wall),
+            carried: self.window.flight.walls.velocity(wall),
             ..Touch::default()
         };
         let (number, has_room) = (own.number, !self.has_no_room(course, own.now.time));

@@ -26,6 +26,8 @@ struct WallContact {
     /// The number of the wall.
     wall: u32,
     inward: [f32; 2],
+    /// The velocity of the wall.
+    velocity: [f32; 2],
     /// Coefficient of friction.
     friction: f32,
     start: Start,
@@ -59,7 +61,8 @@ impl Walls {
         let may_rest = || !scene.walls.is_far(place as u32, position, far as f32);
         if !scene.walls.is_empty() && may_rest() {
             let position = exact(position, motions.residual(place as u32));
-            scene.walls.contacts(place as u32, position, f64::from(radius), far, found);
+            let place_now = (position, 0.0);
+            scene.walls.contacts(place as u32, place_now, f64::from(radius), far, found);
             let velocity = motions.velocity(place as u32);
             let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
             // As for two particles, the normal at an end is taken as constant.
@@ -109,7 +112,8 @@ impl Walls {
         let mut surface_speed = surface_speeds.get(self.place);
         for contact in self.contacts.iter_mut().flatten() {
             let inward = contact.inward;
-            let normal_speed = inward[0] * velocity[0] + inward[1] * velocity[1];
+            let [u, v] = [0, 1].map(|k| velocity[k] - contact.velocity[k]);
+            let normal_speed = inward[0] * u + inward[1] * v;
             let least_speed = match phase {
                 Phase::Impact => contact.start.bounce,
                 Phase::Rest => -contact.start.closing_speed,
@@ -121,7 +125,8 @@ impl Walls {
             *push = new;
             if coefficient > 0.0 {
                 let along = turned(inward);
-                let sliding = along[0] * velocity[0] + along[1] * velocity[1] - surface_speed;
+                let [u, v] = [0, 1].map(|k| velocity[k] - contact.velocity[k]);
+                let sliding = along[0] * u + along[1] * v - surface_speed;
                 let most = coefficient * *push;
                 let wanted = *friction - sliding / (1.0 + self.softness);
                 let new = wanted.max(-most).min(most);
@@ -170,12 +175,14 @@ impl WallContact {
         scene: &Support<'_>,
         kick: &Kick,
     ) -> Option<Self> {
-        let velocity = scene.motions.velocity(place as u32);
+        let own = scene.motions.velocity(place as u32);
+        let velocity = scene.walls.walls.velocity(number);
+        let [u, v] = [0, 1].map(|k| own[k] - velocity[k]);
         let own = scene.restitution * scene.particles.restitutions[place];
         let surfaces = Surfaces {
             gap: wall.gap,
             reach: scene.particles.radii[place],
-            normal_speed: wall.inward[0] * velocity[0] + wall.inward[1] * velocity[1],
+            normal_speed: wall.inward[0] * u + wall.inward[1] * v,
             restitution: own * scene.walls.walls.restitution(number),
             speeds: [kick.speed, 0.0],
             has_pushed: pushes[0] > 0.0,
@@ -191,6 +198,7 @@ impl WallContact {
         Some(Self {
             wall: number,
             inward: wall.inward,
+            velocity,
             friction,
             start,
             pushes: [[0.0; 2], pushes],

@@ -1,6 +1,6 @@
 //! Where discs touch walls, and how they are pushed out of them.
 
-use super::{FIRST, Part, Walls};
+use super::{Around, FIRST, Part, Walls};
 use crate::trajectory::{Vector, dot, vector};
 
 /// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in
@@ -58,30 +58,6 @@ impl Walls {
         self.acts(index, part, position).then(|| self.contact(wall, position, radius))
     }
 
-    /// Position of a disc that is pushed out of some walls, by `most` at most; each time out of the
-    /// one that it overlaps most. Its centre crosses none of them, starting at `from`.
-    pub fn push_out(
-        &self,
-        walls: &[u32],
-        [from, to]: [Vector; 2],
-        radius: f64,
-        most: f64,
-    ) -> Vector {
-        let mut position = to;
-        let mut left = most;
-        for _ in 0..MOST_PUSHES {
-            let contacts = walls.iter().map(|&wall| self.contact(wall, position, radius));
-            let deepest =
-                contacts.min_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.wall.cmp(&b.wall)));
-            let Some(deepest) = deepest.filter(|of| of.gap < 0.0 && left > 0.0) else { break };
-            let by = (-deepest.gap).min(left);
-            left -= by;
-            position = vector(|k| position[k] + by * deepest.normal[k]);
-        }
-        let crosses = |&wall: &u32| self.is_crossed(wall, from, position);
-        if walls.iter().any(crosses) { from } else { position }
-    }
-
     /// Whether a disc does not overlap a wall at the second point, and its centre does not cross
     /// the wall on the way from the first.
     pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
@@ -100,5 +76,34 @@ impl Walls {
         from != to
             && side([a, b], from) * side([a, b], to) < 0.0
             && side([from, to], a) * side([from, to], b) <= 0.0
+    }
+}
+
+impl Around<'_> {
+    /// Position of a disc that is pushed out of some walls, by `most` at most; each time out of the
+    /// one that it overlaps most. Its centre crosses none of them, starting at `from`.
+    pub fn push_out(
+        &self,
+        walls: &[u32],
+        [from, to]: [Vector; 2],
+        radius: f64,
+        most: f64,
+    ) -> Vector {
+        let seen = |wall: u32, position: Vector| self.position_from(wall, position, 0.0);
+        let mut position = to;
+        let mut left = most;
+        for _ in 0..MOST_PUSHES {
+            let contact = |&wall: &u32| self.walls.contact(wall, seen(wall, position), radius);
+            let contacts = walls.iter().map(contact);
+            let deepest =
+                contacts.min_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.wall.cmp(&b.wall)));
+            let Some(deepest) = deepest.filter(|of| of.gap < 0.0 && left > 0.0) else { break };
+            let by = (-deepest.gap).min(left);
+            left -= by;
+            position = vector(|k| position[k] + by * deepest.normal[k]);
+        }
+        let crosses =
+            |&wall: &u32| self.walls.is_crossed(wall, seen(wall, from), seen(wall, position));
+        if walls.iter().any(crosses) { from } else { position }
     }
 }

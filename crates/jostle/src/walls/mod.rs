@@ -1,4 +1,5 @@
-//! Walls: static line segments, solid from both sides, with ends.
+//! Walls: line segments, solid from both sides, with ends. They stand still or move with a constant
+//! velocity.
 //!
 //! A wall has three parts: its side, which acts on discs whose centres are beside it, and its two
 //! ends, which act on the others. An end that lies on other walls does not act on discs beside
@@ -8,18 +9,21 @@
 
 mod contact;
 mod impact;
+mod moving;
 mod near;
 
 use std::cmp::Ordering;
 
 use crate::container::{MAX_WALLS, ROUNDING, size};
 use crate::error::{Error, Result};
+use crate::motion::exact;
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::{Each, Shapes};
 use crate::trajectory::{Vector, dot, vector};
 pub use contact::Contact;
+pub use moving::Clock;
 pub use near::{Around, Near};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
@@ -36,6 +40,10 @@ pub const MOST_WALLS: usize = 1 << 24;
 pub struct Wall {
     /// Its ends.
     pub ends: [[f32; 2]; 2],
+    /// What rounding to float32 removed from the ends while the wall moved.
+    pub residuals: [[f32; 2]; 2],
+    /// Its velocity. Nothing changes it.
+    pub velocity: [f32; 2],
     /// Coefficient of restitution, 0 to 1; multiplied by those of the world and the particle.
     pub restitution: f32,
     /// Coefficient of friction. A contact has the square root of the product with that of the
@@ -46,7 +54,13 @@ pub struct Wall {
 impl Wall {
     /// A wall that is elastic and has the friction of the particles.
     pub fn new(ends: [[f32; 2]; 2]) -> Self {
-        Self { ends, restitution: 1.0, friction: None }
+        let (residuals, velocity) = ([[0.0; 2]; 2], [0.0; 2]);
+        Self { ends, residuals, velocity, restitution: 1.0, friction: None }
+    }
+
+    /// Its ends, not rounded.
+    fn exact_ends(&self) -> [Vector; 2] {
+        [0, 1].map(|end| exact(self.ends[end], self.residuals[end]))
     }
 }
 
@@ -62,6 +76,8 @@ struct Line {
     least_radius: f64,
     /// Whether its ends act: of walls that share an end, that of the first does.
     has_end: [bool; 2],
+    /// Length of its displacement in the step.
+    travel: f64,
 }
 
 /// A part of a wall.
@@ -86,7 +102,7 @@ pub struct Walls {
 
 impl Line {
     fn of(wall: &Wall) -> Self {
-        let ends = wall.ends.map(|end| end.map(f64::from));
+        let ends = wall.exact_ends();
         let offset = vector(|k| ends[1][k] - ends[0][k]);
         let length = dot(offset, offset).sqrt();
         let largest = size(ends[0], 0.0).max(size(ends[1], 0.0));
@@ -96,6 +112,7 @@ impl Line {
             length,
             least_radius: ROUNDING * largest,
             has_end: [true; 2],
+            travel: 0.0,
         }
     }
 
@@ -148,19 +165,24 @@ impl Walls {
     /// Walls with a tree. Refuses walls that are not finite, too large or without length.
     pub fn new(all: Vec<Wall>, settings: Settings) -> Result<Self> {
         validate(&all)?;
-        let lines: Vec<Line> = all.iter().map(Line::of).collect();
-        let bounds = |&Wall { ends: [a, b], .. }: &Wall| {
-            [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])]
-        };
+        let mut walls = Self { all, ..Self::default() };
+        walls.build(settings, 0.0)?;
+        Ok(walls)
+    }
+
+    /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
+    fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
+        let Self { all, lines, tree, .. } = self;
+        lines.clear();
+        lines.extend(all.iter().map(|wall| Line { travel: wall.travel(dt), ..Line::of(wall) }));
+        let bounds = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
         let radii = lines.iter().map(|line| line.least_radius.max(1e-18) as f32).collect();
-        let shapes = Shapes::from_boxes(all.iter().map(bounds).collect(), Each::Rows(radii), None)?;
-        let mut tree = Quadtree::default();
+        let shapes = Shapes::from_boxes(bounds, Each::Rows(radii), None)?;
         // A leaf of the walls is about as large as one of the bounds of particles.
         let leaf_capacity = settings.leaf_capacity.min(LEAF_CAPACITY);
-        tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &|a, b| compare(&all, a, b))?;
-        let mut walls = Self { all, lines, tree, ..Self::default() };
-        walls.find_covering();
-        Ok(walls)
+        tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &|a, b| compare(all, a, b))?;
+        self.find_covering();
+        Ok(())
     }
 
     /// The walls, as given.
@@ -252,16 +274,23 @@ fn validate(all: &[Wall]) -> Result<()> {
         return Err(Error::of("walls", format!("{} walls", all.len()), &rule));
     }
     for (index, wall) in all.iter().enumerate() {
-        let Wall { ends: [[a, b], [c, d]], restitution, friction } = *wall;
+        let Wall { ends: [[a, b], [c, d]], velocity: [u, v], restitution, friction, .. } = *wall;
         let refuse =
             |rule: &str| Err(Error::at("walls", index, format!("(({a}, {b}), ({c}, {d}))"), rule));
         if ![a, b, c, d].iter().all(|v| v.is_finite() && v.abs() <= FARTHEST) {
             return refuse("its coordinates must be finite and at most 1e18");
         }
-        let length = vector(|k| f64::from(wall.ends[1][k]) - f64::from(wall.ends[0][k]));
+        let exact = wall.exact_ends();
+        if exact.map(|end| end.map(|v| v as f32)) != wall.ends {
+            return refuse("its residuals must be those of rounding");
+        }
         // In float64, so that only equal ends have no distance.
-        if length == [0.0; 2] {
+        if exact[0] == exact[1] {
             return refuse("its ends must differ");
+        }
+        if ![u, v].iter().all(|speed| speed.is_finite() && speed.abs() <= FARTHEST) {
+            let rule = "both components must be finite and at most 1e18";
+            return Err(Error::at("wall_velocities", index, format!("({u}, {v})"), rule));
         }
         if !(0.0..=1.0).contains(&restitution) {
             let rule = "it must lie between 0 and 1";
@@ -277,7 +306,10 @@ fn validate(all: &[Wall]) -> Result<()> {
 
 /// Orders walls whose bounds have the same centre.
 fn compare(all: &[Wall], a: usize, b: usize) -> Ordering {
-    let numbers = |index: usize| all[index].ends.into_iter().flatten();
+    let numbers = |index: usize| {
+        let Wall { ends, residuals, velocity, .. } = all[index];
+        ends.into_iter().chain(residuals).chain([velocity]).flatten()
+    };
     let pairs = numbers(a).zip(numbers(b));
     pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(a.cmp(&b))
 }

@@ -1,5 +1,6 @@
 //! Which walls each disc may touch during a step.
 
+use super::moving::Clock;
 use super::{FIRST, Walls};
 use crate::container::size;
 use crate::error::{Error, Result};
@@ -81,8 +82,8 @@ impl Near {
             // The radius of the disc, with the reserve of the circle for rounding.
             let at = *place as usize;
             let radius = line.reach(f64::from(circle.radius) - f64::from(reaches[at]));
-            free[at] = free[at].min((distance - radius * (1.0 + MARGIN)) as f32);
-            distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN)
+            free[at] = free[at].min((distance - radius * (1.0 + MARGIN) - line.travel) as f32);
+            distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.travel
         });
         self.starts.resize(bounds.len() + 2, 0);
         found.iter().for_each(|&[_, place]| self.starts[place as usize + 2] += 1);
@@ -113,6 +114,8 @@ pub struct Around<'a> {
     pub near: &'a Near,
     /// The discs at the beginning of the step.
     pub particles: &'a Particles,
+    /// When the window begins.
+    pub clock: Clock,
 }
 
 impl Around<'_> {
@@ -180,12 +183,18 @@ impl Around<'_> {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);
             self.each(place, bounds, 0.0, |wall| {
+                let seen = self.seen_from(wall, segment);
+                let bounds = if self.walls.velocity(wall) == [0.0; 2] {
+                    bounds
+                } else {
+                    self::bounds(&seen, [start, end], gravity)
+                };
                 if !self.walls.is_near(wall, bounds, radius) {
                     return;
                 }
                 let until = first.map_or(until, |(impact, _)| impact.time);
                 let limits = Limits { until, ..limits(wall) };
-                let found = self.walls.impact(wall, segment, radius, gravity, &limits);
+                let found = self.walls.impact(wall, &seen, radius, gravity, &limits);
                 let is_first = |impact: &Impact| {
                     first.is_none_or(|(before, other)| {
                         impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()
@@ -203,13 +212,43 @@ impl Around<'_> {
         first
     }
 
-    /// Calls `act` with the contact of a disc and each wall that is nearer to its surface than
-    /// `extent`, and that acts on it. Contacts in the same direction are one, that with the
+    /// A segment relative to a wall.
+    fn seen_from(&self, wall: u32, segment: &Segment) -> Segment {
+        let velocity = self.velocity(wall);
+        if velocity == [0.0; 2] {
+            return *segment;
+        }
+        Segment {
+            position: self.position_from(wall, segment.position, segment.time),
+            velocity: vector(|k| segment.velocity[k] - velocity[k]),
+            ..*segment
+        }
+    }
+
+    /// A position at some time relative to where a wall is then, as if the wall had not moved.
+    pub fn position_from(&self, wall: u32, position: Vector, time: f64) -> Vector {
+        let offset = self.clock.offset(self.walls, wall, time);
+        vector(|k| position[k] - offset[k])
+    }
+
+    /// The velocity of a wall, per second of flight; 0 at the container.
+    pub fn velocity(&self, wall: u32) -> Vector {
+        self.walls.velocity(wall).map(|v| f64::from(v) * self.clock.rate)
+    }
+
+    /// Unit normal of a wall at a position at some time, towards the disc.
+    pub fn normal(&self, place: u32, wall: u32, position: Vector, time: f64) -> Vector {
+        let radius = f64::from(self.particles.radii[place as usize]);
+        self.walls.contact(wall, self.position_from(wall, position, time), radius).normal
+    }
+
+    /// Finds the contacts of a disc at some time and the walls that are nearer to its surface than
+    /// `extent`, and that act on it. Contacts in the same direction are one, that with the
     /// smallest gap.
     pub fn contacts(
         &self,
         place: u32,
-        position: Vector,
+        (position, time): (Vector, f64),
         radius: f64,
         extent: f64,
         found: &mut Vec<super::Contact>,
@@ -219,6 +258,7 @@ impl Around<'_> {
             return;
         }
         self.each(place, [position; 2], extent, |wall| {
+            let position = self.position_from(wall, position, time);
             if !self.walls.is_near(wall, [position; 2], radius + extent) {
                 return;
             }

@@ -250,7 +250,11 @@ impl World {
         let walls = Walls::new(walls, self.settings.tree)?;
         self.wake_all();
         self.drifts.clear();
-        self.wall_impulses.retain(|of| of.wall < FIRST);
+        let is_kept = |wall: usize| {
+            let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(wall));
+            old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
+        };
+        self.wall_impulses.retain(|of| of.wall < FIRST || is_kept((of.wall - FIRST) as usize));
         self.walls = walls;
         Ok(())
     }

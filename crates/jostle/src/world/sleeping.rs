@@ -136,6 +136,7 @@ impl World {
             && settings.on_touch == OnTouch::Bounce
             && settings.gravity != [0.0; 2]
             && self.forces.iter().all(is_thermostat)
+            && !self.walls.move_any()
     }
 
     /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an

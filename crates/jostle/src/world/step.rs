@@ -75,6 +75,7 @@ impl World {
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         self.check_displacements(single)?;
+        self.walls.check_displacements(f64::from(single))?;
         let (awake, had_friction) = (self.rows.len(), !self.wall_frictions.is_empty());
         for attempt in 0.. {
             self.begin();
@@ -204,12 +205,13 @@ impl World {
         interrupt::check()?;
         self.arrange();
         self.prepare();
-        self.find_near_walls()?;
+        self.find_near_walls(dt)?;
         watch(Stage::Contacts);
         self.fly(dt, watch)?;
         if self.has_left_bounds_to_sleepers()? {
             return Ok(());
         }
+        self.walls.end_step(f64::from(dt));
         self.record()?;
         self.break_springs();
         self.merge();
@@ -217,8 +219,9 @@ impl World {
         Ok(())
     }
 
-    /// Finds the walls near each particle.
-    fn find_near_walls(&mut self) -> Result<()> {
+    /// Finds the walls that may come near each particle in `dt` seconds.
+    fn find_near_walls(&mut self, dt: f32) -> Result<()> {
+        self.walls.begin_step(self.settings.tree, f64::from(dt))?;
         let Memory { near_walls, tree, reaches, .. } = &mut self.memory;
         near_walls.fill(&self.walls, tree, reaches, self.settings.method, MAX_CANDIDATES)
     }

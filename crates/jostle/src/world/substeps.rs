@@ -13,7 +13,7 @@ use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
 use crate::resting::{Support, WallPushes};
-use crate::walls::Around;
+use crate::walls::{Around, Clock};
 
 use super::bounds::StepBounds;
 
@@ -124,12 +124,22 @@ impl World {
         if !may_rest {
             memory.wall_pushes.clear();
         }
-        let walls = Around { walls: &self.walls, near: &memory.near_walls, particles };
         let is_bounded = memory.bounded && !may_rest && springs(&self.forces).next().is_none();
         let h = f64::from(dt) / substeps as f64;
         let flow = Flow::new(h, settings.gravity, settings.drag);
+        let clock = |substeps: usize| {
+            let elapsed = substeps as f64 * h;
+            Clock { elapsed, rate: flow.seconds / flow.duration }
+        };
+        let walls = |clock: Clock| Around {
+            walls: &self.walls,
+            near: &memory.near_walls,
+            particles,
+            clock,
+        };
         for substep in 0..substeps {
             interrupt::check()?;
+            let (at_start, at_end) = (walls(clock(substep)), walls(clock(substep + 1)));
             let forces = &mut memory.forces;
             if substep > 0 && forces::pull(&self.forces) {
                 forces.find_halfway(motions, &settings.container, h as f32);
@@ -155,7 +165,7 @@ impl World {
                     has_friction,
                     flow: &flow,
                     container: settings.container,
-                    walls,
+                    walls: at_start,
                     rows: &self.rows,
                     pushes: &memory.wall_pushes,
                     restitution: settings.restitution,
@@ -186,7 +196,7 @@ impl World {
                 is_first: true,
                 bounded: substep == 0 && is_bounded,
                 container: settings.container,
-                walls,
+                walls: at_start,
                 restitution: settings.restitution,
                 is_elastic,
                 thermostat: forces::thermostat(&self.forces),
@@ -198,7 +208,7 @@ impl World {
             memory.events.fly(&flight, &mut bounds)?;
             watch(Stage::Events);
             let (contacts, container) = (&mut self.contacts, &settings.container);
-            memory.correction.run(contacts, motions, particles, (container, walls), threads);
+            memory.correction.run(contacts, motions, particles, (container, at_end), threads);
             merge::note(&mut memory.meetings, motions, threads);
             watch(Stage::Correction);
         }

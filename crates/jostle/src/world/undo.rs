@@ -8,6 +8,7 @@ use crate::container::MAX_WALLS;
 use crate::forces::Force;
 use crate::particles::Particles;
 use crate::resting::WallPush;
+use crate::walls::Wall;
 
 /// The columns that a step reorders.
 #[derive(Debug, Default)]
@@ -30,6 +31,8 @@ pub(super) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
+    /// The walls, if any moves.
+    walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
     stats: Stats,
     renumbered: Option<Vec<Option<u32>>>,
@@ -41,6 +44,10 @@ impl World {
         let before = &mut self.memory.before;
         before.arranged = false;
         before.forces.clone_from(&self.forces);
+        before.walls.clear();
+        if self.walls.move_any() {
+            before.walls.extend_from_slice(self.walls.all());
+        }
         std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
         self.wall_impulses.clear();
         let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
@@ -80,6 +87,9 @@ impl World {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
         std::mem::swap(&mut self.forces, &mut before.forces);
+        if !before.walls.is_empty() {
+            self.walls.restore(std::mem::take(&mut before.walls));
+        }
         std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
         self.renumbered = before.renumbered.take();

@@ -83,11 +83,11 @@ class Deeds:
         self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0)))
 
     def fix(self, tags: Tags, *, movable: bool) -> None:
-        """Make particles immovable, or movable again; the article knows only movable ones."""
+        """Stop particles and make them immovable, or movable; the article has only movable ones."""
         if self._engine.settings.by_article:
             self._say("By the article's rules everything can move.")
             return
-        self._edit(lambda simulation: simulation.change(tags, movable=movable))
+        self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0), movable=movable))
 
     # All that can move
 

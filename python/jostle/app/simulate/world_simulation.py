@@ -258,9 +258,10 @@ class WorldSimulation:
 
         Its velocity changes, not its place: so it still pushes what is in its way, and is held up
         by what it cannot push. The spring's step is implicit, so no stiffness is too much for it.
+        Immovable particles stay.
         """
         rows, _ = self._columns.find(tag)
-        if not len(rows):
+        if not len(rows) or not self._columns.movable[rows[0]]:
             return
         (row,), dt = rows, self.time_step
         rate = HAND_RATE * self._ease(row)

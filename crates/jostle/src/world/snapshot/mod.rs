@@ -25,8 +25,9 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container.
-const VERSION: u32 = 6;
+/// version 4 no sleeping, version 5 no walls besides the container,
+/// version 6 no moving walls.
+const VERSION: u32 = 7;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -116,7 +117,7 @@ impl World {
         world.forces = forces?;
         all_forces::validate(&world.forces, world.len()).map_err(valid)?;
         if version > 5 {
-            let walls = get_walls(&mut from)?;
+            let walls = get_walls(&mut from, version)?;
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
         }
@@ -328,22 +329,37 @@ fn get_wall_impulses(from: &mut Reader<'_>, len: usize, version: u32) -> Result<
 
 fn put_walls(to: &mut Writer, walls: &[Wall]) {
     to.put_count(walls.len());
-    for Wall { ends: [[a, b], [c, d]], restitution, friction } in walls {
+    for Wall { ends: [[a, b], [c, d]], restitution, friction, .. } in walls {
         to.put([*a, *b, *c, *d]);
         // No coefficient is below 0.
         to.put([*restitution, friction.unwrap_or(-1.0)]);
     }
+    let moves = walls.iter().any(Wall::moves);
+    to.put(u8::from(moves));
+    for Wall { residuals: [[a, b], [c, d]], velocity: [u, v], .. } in walls {
+        if moves {
+            to.put([*a, *b, *c, *d]);
+            to.put([*u, *v]);
+        }
+    }
 }
 
-fn get_walls(from: &mut Reader<'_>) -> Result<Vec<Wall>> {
+fn get_walls(from: &mut Reader<'_>, version: u32) -> Result<Vec<Wall>> {
     let count = from.get_count()?;
+    let mut all = Vec::new();
     // Not reserved: a damaged count may be very large.
-    let wall = |_| {
+    for _ in 0..count {
         let ([a, b, c, d], [restitution, friction]) = (from.get()?, from.get::<[f32; 2]>()?);
         let friction = (friction != -1.0).then_some(friction);
-        Ok(Wall { ends: [[a, b], [c, d]], restitution, friction })
-    };
-    (0..count).map(wall).collect()
+        all.push(Wall { restitution, friction, ..Wall::new([[a, b], [c, d]]) });
+    }
+    if version > 6 && from.get::<u8>()? > 0 {
+        for wall in &mut all {
+            let [a, b, c, d] = from.get()?;
+            (wall.residuals, wall.velocity) = ([[a, b], [c, d]], from.get()?);
+        }
+    }
+    Ok(all)
 }
 
 impl World {

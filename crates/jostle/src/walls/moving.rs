@@ -1,0 +1,119 @@
+//! Walls that move with a constant velocity.
+//!
+//! A disc is seen from each wall: its trajectory relative to the wall is a parabola or a straight
+//! line too, so the same formulas give the time of impact. Walls that share an end should have the
+//! same velocity: which part of a wall acts on a disc is decided with the others seen from that wall.
+
+use super::{FIRST, Line, Wall, Walls};
+use crate::error::{Error, Result};
+use crate::motion::residual;
+use crate::particles::FARTHEST;
+use crate::settings::Settings;
+use crate::trajectory::{Vector, dot, vector};
+
+impl Wall {
+    /// Whether it moves.
+    pub fn moves(&self) -> bool {
+        self.velocity != [0.0; 2]
+    }
+
+    /// Its displacement in `dt` seconds.
+    fn displacement(&self, dt: f64) -> Vector {
+        self.velocity.map(|v| f64::from(v) * dt)
+    }
+
+    /// Length of the displacement.
+    pub(super) fn travel(&self, dt: f64) -> f64 {
+        let by = self.displacement(dt);
+        dot(by, by).sqrt()
+    }
+
+    /// The box around its places in a step of `dt` seconds.
+    pub(super) fn swept_bounds(&self, dt: f64) -> [f32; 4] {
+        let ([a, b], by) = (self.ends, self.displacement(dt).map(|v| v as f32));
+        let low = |k: usize| a[k].min(b[k]) + by[k].min(0.0);
+        let high = |k: usize| a[k].max(b[k]) + by[k].max(0.0);
+        [low(0), low(1), high(0), high(1)]
+    }
+
+    /// Moves it for `dt` seconds.
+    fn advance(&mut self, dt: f64) {
+        let (ends, by) = (self.exact_ends(), self.displacement(dt));
+        for (end, exact) in ends.into_iter().enumerate() {
+            let new = vector(|k| exact[k] + by[k]);
+            self.ends[end] = new.map(|v| v as f32);
+            self.residuals[end] = residual(new, self.ends[end]);
+        }
+    }
+}
+
+impl Walls {
+    /// Whether any wall moves.
+    pub fn move_any(&self) -> bool {
+        self.all.iter().any(Wall::moves)
+    }
+
+    /// The velocity of the wall with a number; 0 at the container.
+    pub fn velocity(&self, wall: u32) -> [f32; 2] {
+        self.get(wall).map_or([0.0; 2], |of| of.velocity)
+    }
+
+    /// Begins a step of `dt` seconds.
+    pub fn begin_step(&mut self, settings: Settings, dt: f64) -> Result<()> {
+        if self.move_any() { self.build(settings, dt) } else { Ok(()) }
+    }
+
+    /// Moves the walls to the end of a step of `dt` seconds.
+    pub fn end_step(&mut self, dt: f64) {
+        for (wall, line) in self.all.iter_mut().zip(&mut self.lines) {
+            if wall.moves() {
+                wall.advance(dt);
+                *line = Line { has_end: line.has_end, ..Line::of(wall) };
+            }
+        }
+    }
+
+    /// Takes back the walls before a step.
+    pub fn restore(&mut self, all: Vec<Wall>) {
+        self.all = all;
+        self.end_step(0.0);
+    }
+
+    /// Refuses a step of `dt` seconds in which a wall would move too far.
+    pub fn check_displacements(&self, dt: f64) -> Result<()> {
+        let most = f64::from(FARTHEST);
+        let is_far = |wall: &Wall| {
+            let by = wall.displacement(dt);
+            let mut ends = wall.exact_ends().into_iter();
+            ends.any(|end| (0..2).any(|k| (end[k] + by[k]).abs() > most || by[k].abs() > most))
+        };
+        match self.all.iter().position(is_far) {
+            None => Ok(()),
+            Some(index) => {
+                let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
+                Err(Error::of("dt", dt, &rule))
+            }
+        }
+    }
+}
+
+/// The clock of a window, for the places of walls.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// Seconds from the beginning of the step to that of the window.
+    pub elapsed: f64,
+    /// Seconds for each second of flight, which is shorter if there is damping.
+    pub rate: f64,
+}
+
+impl Clock {
+    /// The beginning of a step.
+    pub const START: Self = Self { elapsed: 0.0, rate: 1.0 };
+
+    /// How far a wall has moved in the step, `time` seconds of flight after the beginning of the
+    /// window.
+    pub(super) fn offset(&self, walls: &Walls, wall: u32, time: f64) -> Vector {
+        let seconds = self.elapsed + self.rate * time;
+        walls.all[(wall - FIRST) as usize].displacement(seconds)
+    }
+}

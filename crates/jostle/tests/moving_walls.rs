@@ -1,0 +1,220 @@
+//! Walls that move with a constant velocity.
+
+use jostle::scenes::random::Random;
+use jostle::{Container, Method, Particles, Spin, Wall, World, WorldSettings};
+use proptest::prelude::*;
+
+const STEP: f64 = 1.0 / 60.0;
+
+fn run(world: &mut World, steps: usize) {
+    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn moving(ends: [[f32; 2]; 2], velocity: [f32; 2]) -> Wall {
+    Wall { velocity, ..Wall::new(ends) }
+}
+
+fn discs(rows: &[([f32; 2], [f32; 2])], radius: f32) -> Particles {
+    let (positions, velocities): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
+    Particles::new(positions, velocities, vec![radius; rows.len()], 1.0)
+}
+
+fn world(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> World {
+    let mut world = World::new(all, settings).expect("valid");
+    world.set_walls(walls).expect("valid");
+    world
+}
+
+fn falling(restitution: f32) -> WorldSettings {
+    WorldSettings { gravity: [0.0, -9.8], restitution, ..WorldSettings::default() }
+}
+
+#[test]
+fn a_disc_leaves_with_the_relative_speed() {
+    for (pushing, own, restitution) in [
+        (3.0, 0.0, 1.0),
+        (3.0, -2.0, 1.0),
+        (3.0, -2.0, 0.5),
+        (60_000.0, 0.0, 1.0),
+        (-3.0, -5.0, 0.0),
+    ] {
+        let disc = discs(&[([11.0, 0.3], [own, 0.0])], 1.0);
+        let walls = vec![moving([[0.0, -3.0], [0.0, 4.0]], [pushing, 0.0])];
+        let settings = WorldSettings { restitution, ..WorldSettings::default() };
+        let mut world = world(disc, walls, settings);
+        run(&mut world, 400);
+        let expected = pushing + restitution * (pushing - own);
+        let [found, across] = world.velocities()[0];
+        assert!((found - expected).abs() <= 1e-6 * expected.abs() && across == 0.0, "{found}");
+        let [[x, y], _] = world.walls()[0].ends;
+        let there = f64::from(pushing) * 400.0 * STEP;
+        assert!((f64::from(x) - there).abs() <= 1e-6 * there.abs(), "{x}");
+        assert_eq!(y, -3.0);
+        let gap = world.positions()[0][0] - x - 1.0;
+        assert!(gap >= -1e-5 * pushing.abs(), "{gap}");
+    }
+}
+
+#[test]
+fn an_end_pushes_as_an_immovable_disc_of_radius_0() {
+    for gravity in [[0.0, 0.0], [0.0, -9.8]] {
+        for y in [0.2, 0.7, -0.6] {
+            let velocity = [5.0, 1.0];
+            let settings = WorldSettings { gravity, restitution: 0.8, ..WorldSettings::default() };
+            let start = ([3.0, y], [-1.0, 0.3]);
+            let walls = vec![moving([[0.0, 0.0], [-4.0, 0.0]], velocity)];
+            let mut with_wall = world(discs(&[start], 1.0), walls, settings);
+            let mut both = discs(&[start, ([0.0, 0.0], velocity)], 1.0);
+            (both.radii[1], both.movable[1]) = (0.0, false);
+            let mut with_point = World::new(both, settings).expect("valid");
+            for _ in 0..40 {
+                run(&mut with_wall, 1);
+                run(&mut with_point, 1);
+                let [a, b] = [&with_wall, &with_point].map(|world| world.positions()[0]);
+                assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-4), "{a:?} {b:?}");
+            }
+        }
+    }
+}
+
+/// A closed polygon of walls with discs in it; all move with a velocity more than what is random.
+fn room(seed: u64, extra: [f32; 2], falls: bool) -> World {
+    let mut random = Random::new(seed);
+    let corners = 3 + (seed % 9) as usize;
+    let points: Vec<[f32; 2]> = (0..corners)
+        .map(|k| {
+            let angle = (k as f32 + 0.3) / corners as f32 * std::f32::consts::TAU;
+            let out = random.between(4.0, 12.0);
+            [out * angle.cos(), out * angle.sin()]
+        })
+        .collect();
+    let walls = (0..corners).map(|k| moving([points[k], points[(k + 1) % corners]], extra));
+    let rows: Vec<_> = (0..3)
+        .map(|k| {
+            let velocity = extra.map(|v| v + random.between(-20.0, 20.0));
+            ([0.61 * k as f32 - 0.61, 0.0], velocity)
+        })
+        .collect();
+    let gravity = if falls { [0.0, -9.8] } else { [0.0; 2] };
+    let settings = WorldSettings { gravity, restitution: 0.9, ..WorldSettings::default() };
+    world(discs(&rows, 0.3), walls.collect(), settings)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Seen from walls that move together, the motion is as between walls that stand still.
+    #[test]
+    fn the_motion_is_the_same_in_the_frame_of_the_walls(
+        seed in any::<u64>(),
+        extra in [-40.0..40.0f32, -40.0..40.0f32],
+        falls in any::<bool>(),
+    ) {
+        let mut both = [room(seed, extra, falls), room(seed, [0.0; 2], falls)];
+        // Later, collisions have made the differences of rounding large.
+        both.iter_mut().for_each(|world| run(world, 10));
+        let [moving, at_rest] = both.map(|world| world.positions());
+        for row in 0..3 {
+            for k in 0..2 {
+                let there = moving[row][k] - extra[k] * (10.0 * STEP) as f32;
+                prop_assert!((there - at_rest[row][k]).abs() < 0.01, "{there} {at_rest:?}");
+            }
+        }
+    }
+
+    /// Two fast walls move towards each other between discs; none gets past them.
+    #[test]
+    fn nothing_passes_a_moving_wall(seed in any::<u64>(), speed in 0.0..3000.0f32, falls in any::<bool>()) {
+        let mut random = Random::new(seed);
+        let rows: Vec<_> = (0..8)
+            .map(|k| ([k as f32 * 2.5, random.between(-3.0, 3.0)],
+                      [random.between(-speed, speed), random.between(-1.0, 1.0)]))
+            .collect();
+        let gravity = if falls { [0.0, -9.8] } else { [0.0; 2] };
+        let tall = |x: f32, v: f32| moving([[x, -1e4], [x, 1e4]], [v, 0.0]);
+        let walls = vec![tall(-2.0, speed), tall(23.0, -0.3 * speed)];
+        let settings = WorldSettings { gravity, ..WorldSettings::default() };
+        let mut world = world(discs(&rows, 0.5), walls, settings);
+        let mut steps = 0;
+        // Until there is hardly room left.
+        while world.walls()[1].ends[0][0] - world.walls()[0].ends[0][0] > 12.0 && steps < 60 {
+            world.step(1e-3, 1, &mut |_| ()).expect("a step succeeds");
+            steps += 1;
+            let [left, right] = [0, 1].map(|k| world.walls()[k].ends[0][0]);
+            for [x, _] in world.positions() {
+                prop_assert!(x > left + 0.45 && x < right - 0.45, "{left} {x} {right}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_belt_and_a_lift_carry_discs() {
+    for velocity in [[6.0, 0.0], [0.0, 2.0], [6.0, -2.0]] {
+        let mut all = discs(&[([0.0, 1.0], [0.0, velocity[1]])], 1.0);
+        all.spins = vec![Spin { friction: 0.3, ..Spin::default() }];
+        let walls = vec![moving([[-100.0, 0.0], [100.0, 0.0]], velocity)];
+        let mut world = world(all, walls, falling(0.5));
+        run(&mut world, 200);
+        // It rolls: v + 2 v is the speed of the belt.
+        let ([u, v], spin) = (world.velocities()[0], world.angular_velocities()[0]);
+        let rolling = velocity[0] / 3.0;
+        assert!((u - rolling).abs() < 0.02 && (v - velocity[1]).abs() < 0.02, "{u} {v}");
+        assert!((spin - 2.0 * rolling).abs() < 0.04, "{spin}");
+        let height = world.positions()[0][1] - world.walls()[0].ends[0][1];
+        assert!((height - 1.0).abs() < 5e-3, "{height}");
+        let impulse = world.wall_contacts()[0].normal_impulse;
+        assert!((f64::from(impulse) - 9.8 * STEP).abs() < 1e-3, "{impulse}");
+    }
+}
+
+/// Discs in a box, in which walls move; some of the walls share ends.
+fn stirred(settings: WorldSettings) -> World {
+    let mut random = Random::new(3);
+    let rows: Vec<_> = (0..300)
+        .map(|row| {
+            let place = [2.4 * (row % 20) as f32, 2.4 * (row / 20) as f32];
+            (place, [0, 1].map(|_| random.between(-20.0, 20.0)))
+        })
+        .collect();
+    let container = Container::Box { min: [-2.0; 2], max: [50.0; 2] };
+    let walls = vec![
+        moving([[1.2, 10.0], [20.0, 37.2]], [4.0, -2.0]),
+        moving([[20.0, 37.2], [30.0, 40.8]], [4.0, -2.0]),
+        moving([[40.8, 10.0], [40.8, 1.2]], [-8.0, 0.0]),
+    ];
+    world(discs(&rows, 0.6), walls, WorldSettings { container, ..settings })
+}
+
+#[test]
+fn methods_threads_snapshots_and_undone_steps_do_not_show() {
+    for settings in [falling(0.6), WorldSettings::default()] {
+        let state = |world: &World| (world.state_hash(), world.walls().to_vec());
+        let mut first = stirred(settings);
+        run(&mut first, 60);
+        for threads in [1, 3] {
+            for method in [Method::Brute, Method::Quadtree] {
+                let mut settings = WorldSettings { method, ..settings };
+                settings.tree.threads = Some(threads);
+                let mut other = stirred(settings);
+                run(&mut other, 30);
+                let mut other = World::restore(&other.snapshot()).expect("valid");
+                let before = state(&other);
+                assert!(other.step(1e30, 1, &mut |_| ()).is_err());
+                assert_eq!(state(&other), before);
+                run(&mut other, 30);
+                assert_eq!(state(&other), state(&first));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_in_which_a_wall_would_go_too_far_is_refused() {
+    let walls = vec![moving([[0.0; 2], [1.0, 0.0]], [1e17, 0.0])];
+    let mut world = world(discs(&[], 1.0), walls, WorldSettings::default());
+    let error = world.step(20.0, 1, &mut |_| ()).expect_err("too far").to_string();
+    assert_eq!(error, "dt is 20; wall 0 would move out of the range ±1e18");
+    world.step(1.0, 1, &mut |_| ()).expect("not too far");
+    assert_eq!(world.walls()[0].ends[0], [1e17, 0.0]);
+}
