@@ -108,10 +108,10 @@ class _Simulation:
         self.gravity = np.array(gravity, float)
         self.restitution = restitution
         self.container = container
-        # Paths, one axis a row; static discs stay where they are.
+        # Paths, one axis a row; nothing changes those of immovable discs.
         self.a = self.start.T.copy()
-        self.b = np.where(self.movable, np.array(velocities, float).reshape(-1, 2).T, 0.0)
-        # Under gravity a static disc moves along a parabola relative to the others.
+        self.b = np.array(velocities, float).reshape(-1, 2).T.copy()
+        # Under gravity an immovable disc moves along a parabola relative to the others.
         self.parabolic = self.gravity.any() & ~self.movable
         self.parabolic_rows = np.flatnonzero(self.parabolic)
         self.period: Floats | None = None
@@ -129,7 +129,7 @@ class _Simulation:
     def spin(self, friction: ArrayLike, angular_velocities: ArrayLike) -> None:
         """Set the coefficients of friction and the angular velocities."""
         self.friction = np.broadcast_to(np.asarray(friction, float), self.n)
-        self.turning = np.where(self.movable, np.asarray(angular_velocities, float), 0.0)
+        self.turning = np.broadcast_to(np.asarray(angular_velocities, float), self.n).copy()
         self.angles = np.zeros(self.n)  # as if the present angular velocities began at time 0
 
     # ---- paths -------------------------------------------------------------------------------
@@ -177,8 +177,9 @@ class _Simulation:
             nearest = int(delays.argmin())
             if t + delays[nearest] < first:
                 first, partner = t + float(delays[nearest]), int(rows[nearest])
-        for j in self.static_within_reach(i, t, min(first, end) - t):
-            delay = self.until_distance(i, t, self.a[:, j], float(sums[j]), inwards=True)
+        for j in self.immovable_within_reach(i, t, min(first, end) - t):
+            seen = (self.position(i, t) - self.position(j, t), self.velocity(i, t) - self.b[:, j])
+            delay = self.until_distance(*seen, float(sums[j]), inwards=True)
             if t + delay < first:
                 first, partner = t + delay, j
         for k, delay in enumerate(self.until_walls(i, t)):
@@ -193,7 +194,8 @@ class _Simulation:
         if isinstance(self.container, Circle):
             distance = self.container.radius - float(self.radii[i])
             center = np.array(self.container.center)
-            return [self.until_distance(i, t, center, distance, inwards=False)]
+            seen = (self.position(i, t) - center, self.velocity(i, t))
+            return [self.until_distance(*seen, distance, inwards=False)]
         if isinstance(self.container, Box):
             at, v, r = self.position(i, t), self.velocity(i, t), float(self.radii[i])
             walls = zip(*flat_walls(self.container), strict=True)
@@ -204,23 +206,21 @@ class _Simulation:
             ]  # fmt: skip
         return []
 
-    def static_within_reach(self, i: int, t: float, duration: float) -> list[int]:
-        """Return the static discs that disc i may meet within a duration, under gravity."""
+    def immovable_within_reach(self, i: int, t: float, duration: float) -> list[int]:
+        """Return the immovable discs that disc i may meet within a duration, under gravity."""
         rows = self.parabolic_rows
         if len(rows) == 0:
             return []
-        reach = math.hypot(*self.velocity(i, t)) * duration
-        reach += math.hypot(*self.gravity) * duration**2 / 2
-        x, y = self.a[:, rows] - self.position(i, t)[:, None]
+        u, v = self.b[:, rows] - self.velocity(i, t)[:, None]
+        reach = np.hypot(u, v) * duration + math.hypot(*self.gravity) * duration**2 / 2
+        x, y = self.a[:, rows] + self.b[:, rows] * t - self.position(i, t)[:, None]
         near = np.hypot(x, y) <= reach + self.radii[rows] + self.radii[i]
         found: list[int] = rows[near].tolist()
         return found
 
-    def until_distance(
-        self, i: int, t: float, point: Floats, distance: float, *, inwards: bool
-    ) -> float:
-        """Return when the centre of disc i crosses the circle around a point from one side."""
-        p, v, g = self.position(i, t) - point, self.velocity(i, t), self.gravity
+    def until_distance(self, p: Floats, v: Floats, distance: float, *, inwards: bool) -> float:
+        """Return when a falling centre crosses the circle around the origin from one side."""
+        g = self.gravity
         squared = np.array([g @ g / 4, v @ g, v @ v + p @ g, 2 * (p @ v), p @ p - distance**2])
         return first_fall(squared if inwards else -squared)
 

@@ -129,11 +129,13 @@ def test_reference_ball_on_the_floor() -> None:
     assert result.collisions.tolist() == [1000]
 
 
-def test_reference_ball_on_a_static_disc() -> None:
-    state = [(0, 3.25), (0, 0)], [(0, 0), (5, 5)], 1, 1
-    result = simulate(*state, 100.0, gravity=(0, -10), movable=[True, False])
-    np.testing.assert_allclose(result.positions, [(0, 3.25), (0, 0)], atol=1e-6)
-    np.testing.assert_array_equal(result.velocities[1], 0)
+@pytest.mark.parametrize("carried", [(0, 0), (5, 3)])
+def test_reference_ball_on_an_immovable_disc(carried: tuple[float, float]) -> None:
+    state = [(0, 3.25), (0, 0)], [carried, carried], 1, 1
+    result = simulate(*state, 10.0, gravity=(0, -10), movable=[True, False])
+    moved = 10 * np.array(carried)
+    np.testing.assert_allclose(result.positions, np.add([(0, 3.25), (0, 0)], moved), atol=1e-6)
+    np.testing.assert_array_equal(result.velocities[1], carried)
 
 
 def test_reference_cradle() -> None:
@@ -307,7 +309,16 @@ def test_one_long_step_among_static_discs() -> None:
     settings = ARENAS["falling"]
     state = gas(120, 0.3, 4, **settings)
     movable = np.arange(len(state.positions)) % 3 > 0
+    state.velocities[~movable] = 0
     assert_step_agrees(state, 2.0, 0.8, **settings, movable=movable)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0), (0.1, 0.3)])
+def test_one_long_step_among_kinematic_discs(gravity: tuple[float, float]) -> None:
+    """A tenth of the discs keep their velocities. There are no walls that they press others on."""
+    state = gas(120, 0.2, 4, **ARENAS["box"])
+    movable = np.arange(len(state.positions)) % 10 > 0
+    assert_step_agrees(state, 1.0, 0.8, gravity=gravity, movable=movable)
 
 
 def test_a_step_of_five_radii_in_a_dense_gas() -> None:

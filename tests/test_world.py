@@ -132,11 +132,12 @@ def test_restitution_is_of_the_world_or_of_each() -> None:
     assert (world.restitution, world.restitutions.tolist()) == (1, [0.5, 0.25, 1])
 
 
-def test_what_cannot_move_stands_still() -> None:
+def test_what_cannot_be_pushed_keeps_its_velocity() -> None:
     world = three(velocities=[(1, 0), (0, 2), (3, 3)])
-    assert world.velocities.tolist() == [[1, 0], [0, 2], [0, 0]]
+    world.step(0.5)
+    assert world.velocities.tolist() == [[1, 0], [0, 2], [3, 3]]
     world.movable = [False, True, True]
-    assert world.velocities.tolist() == [[0, 0], [0, 2], [0, 0]]
+    assert world.velocities.tolist() == [[1, 0], [0, 2], [3, 3]]
 
 
 @pytest.mark.parametrize("nothing", [[], np.empty((0, 2))])
@@ -204,8 +205,6 @@ def test_set_changes_some_rows_of_some_columns(order: list[int], k: int, name: s
     world, ids = three(), order[:k]
     expected = columns(world)
     expected[name][ids] = np.array(NEW[name])[ids]
-    if name in ("movable", "velocities"):
-        expected["velocities"][~expected["movable"]] = 0
     world.set(ids, **{name: np.array(NEW[name])[ids]})
     for other, column in columns(world).items():
         np.testing.assert_array_equal(column, expected[other])
@@ -302,7 +301,7 @@ def test_add_appends_rows() -> None:
     assert ids.dtype == np.int64
     assert ids.tolist() == [3, 4]
     assert world.positions[ids].tolist() == [[30, 0], [40, 0]]
-    assert world.velocities[ids].tolist() == [[0, 1], [0, 0]]
+    assert world.velocities[ids].tolist() == [[0, 1], [1, 0]]
     assert world.masses.tolist() == [1, 4, 9, 2, 8]
     assert world.restitutions.tolist() == [1, 1, 1, 0.5, 1]
     assert world.movable.tolist() == [True, True, False, True, False]

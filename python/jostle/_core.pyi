@@ -1960,8 +1960,10 @@ class World:
     densities : array_like, a number or shape (n,), default 1.0
         Used if `masses` are omitted.
     movable : array_like of bool, one or shape (n,), optional
-        Whether contacts and forces can move the particle. If omitted, all are movable.
-        A particle that is not movable is static: its velocity becomes 0.
+        Whether contacts and forces can change the velocity of the particle. If omitted, all are
+        movable. A particle that is not movable keeps the velocity and the angular velocity that it
+        is given: without any it is static, else kinematic. It pushes others and is not pushed,
+        and walls and the container do not stop it.
     gravity : array_like, shape (2,), default (0.0, 0.0)
         Acceleration, in units of length per second squared.
     drag : float, default 0.0
@@ -1978,16 +1980,20 @@ class World:
     angles : array_like, a number or shape (n,), optional
         In radians, positive from +x to +y; 0 if omitted.
     angular_velocities : array_like, a number or shape (n,), optional
-        In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
-        movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
-        does not change angular velocities.
+        In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
+        radius 0 do not turn: their angular velocity becomes 0. `drag` does not change angular
+        velocities.
     container : Box, Circle, Torus or None, optional
         The region of the particles. The first step moves particles that are outside to the
         inside.
     walls : array_like, shape (m, 2, 2), optional
-        Static line segments, solid from both sides, from one end to the other; `polyline` makes
+        Line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
         a wall is pushed out in several steps. On a `Torus` there can be no walls.
+    wall_velocities : array_like, shape (2,) or (m, 2), optional
+        Velocities with which the walls move, in units of length per second; 0 if omitted. They push
+        particles and are not pushed. Walls that share an end should have the same velocity. Nothing
+        falls asleep while a wall moves.
     wall_restitution : array_like, a number or shape (m,), default 1.0
         Coefficients of restitution of the walls; at a wall it is multiplied by the world's and that
         of the particle.
@@ -2000,8 +2006,9 @@ class World:
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
         friction are the means weighted by mass, and the id is the smallest; the following ids
-        decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
-        particle is not movable either, and momentum is lost. Particles do not merge if the
+        decrease, see `renumbered`. If one has friction or turns, angular momentum is
+        conserved. If some of the particles are not movable, the merged particle is not movable
+        either and has the place and the velocity of the heaviest of these; momentum is lost. Particles do not merge if the
         result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
         How pairs are found; the pairs are the same.
@@ -2288,6 +2295,9 @@ class World:
     def movable(self) -> NDArray[np.bool_]:
         """Which particles can be moved: ndarray of bool, shape (n,), a read-only copy.
 
+        The others keep their velocities: a disc that is made immovable while it moves becomes
+        kinematic.
+
         To change all, assign an array or one bool; to change some, use `set`.
         """
     @movable.setter
@@ -2340,7 +2350,7 @@ class World:
     def angular_velocities(self) -> NDArray[np.float32]:
         """Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
 
-        Those of particles that are not movable or have radius 0 are 0. To change all, assign an
+        Those of particles of radius 0 are 0. To change all, assign an
         array or one number; to change some, use `set`.
 
         Raises
@@ -2376,13 +2386,14 @@ class World:
     def container(self, value: _Container | None) -> None: ...
     @property
     def walls(self) -> NDArray[np.float32]:
-        """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of static line
-        segments in units of length.
+        """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of line segments in
+        units of length.
 
-        Assign an array of this shape, or None for no walls. Wall k keeps the coefficients of the
-        wall k before; further ones have a restitution of 1 and the friction of the particles. All
-        particles wake. Moving walls transfer no momentum: particles that overlap a wall are pushed
-        out in several steps, to the side on which their centre is.
+        Assign an array of this shape, or None for no walls. Wall k keeps the velocity and the
+        coefficients of the wall k before; further ones stand still and have a restitution of 1 and
+        the friction of the particles. All particles wake. Walls that are moved in this way transfer
+        no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in several
+        steps, to the side on which their centre is.
 
         Raises
         ------
@@ -2411,7 +2422,30 @@ class World:
     @walls.setter
     def walls(self, value: ArrayLike | None) -> None: ...
     @property
-    def wall_velocities(self) -> NDArray[np.float32]: ...
+    def wall_velocities(self) -> NDArray[np.float32]:
+        """Velocities of the walls: ndarray of float32, shape (m, 2), a read-only copy in units of length
+        per second.
+
+        A wall moves with its velocity in each step, so that `walls` has its new ends, and pushes
+        particles as a kinematic particle does: pistons, paddles, lifts. Assign an array, one vector
+        or None for 0. All particles wake.
+
+        Raises
+        ------
+        ValueError
+            If the shape is wrong, or a component is not finite or above 1e18.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> piston = [((0, -2), (0, 2))]
+        >>> world = jostle.World(
+        ...     [(4, 0)], [(0, 0)], radii=1.0, walls=piston, wall_velocities=(2, 0)
+        ... )
+        >>> world.step(0.5, steps=4)  # they touch after 1.5 seconds
+        >>> world.velocities, world.walls[:, 0]
+        (array([[4., 0.]], dtype=float32), array([[ 4., -2.]], dtype=float32))
+        """
     @wall_velocities.setter
     def wall_velocities(self, value: ArrayLike | None) -> None: ...
     @property
@@ -2501,9 +2535,10 @@ class World:
         so near that it could touch it in the step, or if one of its particles is changed or removed
         (also if `world.positions` is assigned: to move a few, use `world.set`).
         All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
-        `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. Nothing falls
+        `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
+        velocities of an immovable particle change, the islands that touch it wake. Nothing falls
         asleep if there is a force other than `Thermostat`, or with another `on_touch` than "bounce".
-        Immovable particles are never asleep.
+        Immovable particles are never asleep, and nothing sleeps on a kinematic one.
 
         See Also
         --------
@@ -2589,7 +2624,7 @@ class World:
         """Sum of mass times velocity, (x, y)."""
     @property
     def kinetic_energy(self) -> float:
-        """Sum of ½ m v² + ½ I ω², with the moment of inertia I = m r²/2."""
+        """Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2."""
     @property
     def potential_energy(self) -> float:
         """Energy of all movable particles in the fields of gravity (0 at the origin) and of

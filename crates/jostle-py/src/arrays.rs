@@ -181,6 +181,16 @@ impl<'py> Argument<'py> {
         }
     }
 
+    /// One pair for all of `len` rows or one for each.
+    pub fn one_or_pairs<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<[T; 2]>> {
+        match self.array.shape() {
+            [2] => Ok(Each::One(self.only(self.real_pairs()?)?)),
+            [rows, 2] if *rows == len => Ok(Each::Rows(self.real_pairs()?)),
+            [0] if len == 0 => Ok(Each::Rows(Vec::new())),
+            _ => Err(self.wrong_shape(&format!("(2,) or ({len}, 2)"))),
+        }
+    }
+
     /// The pair of a single id.
     pub fn only_pair<T: Scalar + Element>(&self) -> PyResult<[T; 2]> {
         match self.array.shape() {

@@ -19,11 +19,7 @@ pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
 /// Velocities: one vector for all walls or one for each; None stands for 0.
 pub fn set_velocities(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     let given = value.map(|value| Argument::reals("wall_velocities", value)).transpose()?;
-    let each = match given {
-        None => Each::One([0.0; 2]),
-        Some(given) if given.is_plain_pair() => Each::One(given.only_pair()?),
-        Some(given) => Each::Rows(given.pairs(walls.len())?),
-    };
+    let each = given.map_or(Ok(Each::One([0.0; 2])), |given| given.one_or_pairs(walls.len()))?;
     (0..).zip(walls).for_each(|(row, wall)| wall.velocity = each.at(row));
     Ok(())
 }

@@ -1,10 +1,18 @@
 //! Walls that move with a constant velocity.
 
+use std::cell::Cell;
+
+use jostle::interrupt::watch;
 use jostle::scenes::random::Random;
 use jostle::{Container, Method, Particles, Spin, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 const STEP: f64 = 1.0 / 60.0;
+
+thread_local! {
+    /// Polls that do not stop the step.
+    static LEFT: Cell<u32> = const { Cell::new(0) };
+}
 
 fn run(world: &mut World, steps: usize) {
     world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
@@ -206,6 +214,29 @@ fn methods_threads_snapshots_and_undone_steps_do_not_show() {
                 assert_eq!(state(&other), state(&first));
             }
         }
+    }
+}
+
+#[test]
+fn an_interrupted_step_moves_no_wall() {
+    let mut world = stirred(falling(0.6));
+    run(&mut world, 5);
+    let state = |world: &World| (world.state_hash(), world.walls().to_vec(), world.snapshot());
+    let before = state(&world);
+    // Not at the first poll, which is before the step.
+    for polls in 1..9 {
+        LEFT.set(polls);
+        let poll = || {
+            let left = LEFT.get();
+            LEFT.set(left.saturating_sub(1));
+            left == 0
+        };
+        let step = watch(poll, || world.step(STEP, 1, &mut |_| ()));
+        if step.is_ok() {
+            assert!(polls > 3, "hardly anything was polled");
+            return;
+        }
+        assert_eq!(state(&world), before, "{polls}");
     }
 }
 
