@@ -3,24 +3,22 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Each, Error, Stage, Wall, World, WorldSettings};
+use jostle::{Each, Error, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{
-    Argument, Given, column, count, decimal, long_ids, number, point, read_only, table,
-};
+use crate::arrays::{Argument, Given, column, count, decimal, number, point, read_only, table};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
 use crate::forces;
+use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
 use crate::particles::{Draft, reals, truths, vectors};
 use crate::quadtree::PyQuadtree;
-use crate::queries::told;
 use crate::results;
 use crate::settings;
 use crate::walls;
@@ -31,8 +29,9 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 
 /// Particles: discs that move, collide and bounce off walls.
 ///
-/// Particles are rows, in the order of adding; their row numbers are their ids.
-/// All columns are float32; other numbers are converted. What rounding to float32 removes
+/// Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
+/// order of adding. The columns are in the order of `ids`; as long as no particle was removed and
+/// none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
 /// from positions is kept from step to step; positions that are assigned are exact. The same
 /// input gives the same bits on every machine, for every number of threads and for both
 /// methods.
@@ -90,8 +89,7 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
-///     friction are the means weighted by mass, and the id is the smallest; the following ids
-///     decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
+///     friction are the means weighted by mass, and the id is the smallest, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
 ///     particle is not movable either, and momentum is lost. Particles do not merge if the
 ///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
@@ -307,7 +305,7 @@ impl PyWorld {
     /// Returns
     /// -------
     /// ndarray of int64, shape (k,)
-    ///     Their ids: the rows that they have in every column.
+    ///     Their ids, above all ids before. Their rows are the last ones of every column.
     ///
     /// Raises
     /// ------
@@ -354,20 +352,18 @@ impl PyWorld {
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
-        Ok(column(py, ids.map_err(refused)?.map(i64::from).collect()))
+        Ok(column(py, ids.map_err(refused)?.collect()))
     }
 
-    /// Remove particles, which changes the ids of others.
+    /// Remove particles. Their ids are never used again.
     ///
-    /// An id is a row number: the rows after a removed one move up, so an old id may belong to
-    /// another particle afterwards. `renumbered` gives the new id of each old one. Springs
-    /// and attractors of a removed particle are removed too; the ids in the others are
-    /// updated.
+    /// The ids of other particles stay the same; in the columns, the rows after a removed one move
+    /// up. Springs and attractors of a removed particle are removed too.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Row numbers, each at most once.
+    ///     The particles, each at most once.
     ///
     /// Raises
     /// ------
@@ -378,15 +374,15 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    /// >>> world.remove([1])
+    /// >>> world.remove(1)
     /// >>> world.positions
     /// array([[0., 0.],
     ///        [9., 0.]], dtype=float32)
-    /// >>> world.renumbered  # particle 2 is now 1, and 1 is removed
-    /// array([ 0, -1,  1])
+    /// >>> world.ids
+    /// array([0, 2])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
-        let rows = Rows::read(ids)?;
-        rows.told(self.long(py, |state| state.world.remove(&rows.all))?)
+        let ids = Ids::read(ids, "particle")?;
+        ids.told(self.long(py, |state| state.world.remove(&ids.all))?)
     }
 
     /// Change some columns of some particles.
@@ -394,7 +390,7 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Row numbers, each at most once.
+    ///     The particles, each at most once.
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
@@ -435,11 +431,11 @@ impl PyWorld {
         angles: Option<&Bound<'_, PyAny>>,
         angular_velocities: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let rows = Rows::read(ids)?;
-        let len = rows.all.len();
+        let ids = Ids::read(ids, "particle")?;
+        let len = ids.all.len();
         let draft = Draft {
-            positions: rows.vectors("positions", positions)?,
-            velocities: rows.vectors("velocities", velocities)?,
+            positions: vectors_of(&ids, "positions", positions)?,
+            velocities: vectors_of(&ids, "velocities", velocities)?,
             radii: reals("radii", radii, len)?,
             masses: reals("masses", masses, len)?,
             restitutions: reals("restitutions", restitutions, len)?,
@@ -449,14 +445,42 @@ impl PyWorld {
             angles: reals("angles", angles, len)?,
             angular_velocities: reals("angular_velocities", angular_velocities, len)?,
         };
-        rows.told(self.long(py, |state| state.write_some(draft, &rows.all))?)
+        ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
+    }
+
+    /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
+    ///
+    /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
+    /// used again. ``np.searchsorted(world.ids, ids)`` gives the rows of ids that exist, and
+    /// ``id in world`` tells whether one exists.
+    ///
+    /// See Also
+    /// --------
+    /// renumbered : What became of merged particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(0)
+    /// >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
+    /// array([3])
+    /// >>> world.ids
+    /// array([1, 2, 3])
+    /// >>> row = np.searchsorted(world.ids, 2)
+    /// >>> world.positions[row]
+    /// array([9., 0.], dtype=float32)
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
+        let ids = self.long(py, |state| state.world.ids())?;
+        Ok(read_only(column(py, ids)))
     }
 
     /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
     ///
     /// Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
     /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
-    /// ``world.positions = world.positions + 1``, or change some rows with
+    /// ``world.positions = world.positions + 1``, or change some particles with
     /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
@@ -476,7 +500,7 @@ impl PyWorld {
     /// second.
     ///
     /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
-    /// or change some rows with ``world.set([0], velocities=[(7, 7)])``.
+    /// or change some particles with ``world.set([0], velocities=[(7, 7)])``.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let velocities = self.long(py, |state| state.world.velocities())?;
@@ -779,7 +803,7 @@ impl PyWorld {
     /// to the merged particle, and a spring between two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        forces::show(py, self.long(py, |state| state.world.forces().to_vec())?)
+        forces::show(py, self.long(py, |state| state.world.forces())?)
     }
 
     #[setter]
@@ -800,18 +824,35 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.on_touch = on_touch)
     }
 
-    /// New ids after the last call of `step` or `remove`: a read-only ndarray of int64, shape
-    /// (n before the call,), or None if that call changed no id.
+    /// What became of each id in the last call of `step`: a read-only ndarray of int64, or None if
+    /// no particles merged.
     ///
-    /// Row i is the new id of the old id i: ``ids = world.renumbered[ids]`` updates ids.
-    /// Particles that merged share an id. A removed particle has -1; drop it with
-    /// ``ids = ids[ids >= 0]`` before the next call. Each call of `step` or `remove` replaces
-    /// the array: read it after every call that may merge or remove particles.
+    /// It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
+    /// ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
+    /// stands for an id that no particle has, also if it was removed since. Each call of `step`
+    /// replaces the array: read it after every call that may merge particles.
+    ///
+    /// Raises
+    /// ------
+    /// MemoryError
+    ///     If more than 134217728 ids were given, or there is not enough memory.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
+    /// ... )
+    /// >>> world.step(0.1)
+    /// >>> world.ids
+    /// array([0, 1, 3])
+    /// >>> mine = np.array([2, 3])
+    /// >>> world.renumbered[mine]  # 2 is part of 0 now
+    /// array([0, 3])
     #[getter]
     fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
-        let new = |id: &Option<u32>| id.map_or(-1, i64::from);
-        let ids = self
-            .long(py, |state| state.world.renumbered().map(|ids| ids.iter().map(new).collect()))?;
+        let ids = self.long(py, |state| state.world.renumbered())?.map_err(refused)?;
+        let ids = ids.map(|ids| ids.into_iter().map(|id| id.unwrap_or(-1)).collect());
         Ok(ids.map(|ids| read_only(column(py, ids))))
     }
 
@@ -925,8 +966,9 @@ impl PyWorld {
 
     /// Return a quadtree of the particles as they are now.
     ///
-    /// It is a copy: later steps do not change it. Its ids are the row numbers of the particles. A
-    /// query does not look beyond the sides of a torus.
+    /// It is a copy: later steps do not change it. It answers with rows: ``world.ids[rows]`` are the
+    /// ids of these particles, if none was added, removed or merged since. A query does not look
+    /// beyond the sides of a torus.
     ///
     /// Returns
     /// -------
@@ -957,7 +999,7 @@ impl PyWorld {
         Ok(PyQuadtree::of(tree.map_err(refused)?))
     }
 
-    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2) of ids,
     /// ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
     /// its end, negative for pairs that had separated, and the sums of the impulses of the step
     /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
@@ -1194,6 +1236,11 @@ impl PyWorld {
         Ok((py.get_type::<Self>().getattr("restore")?, (self.snapshot(py)?,)))
     }
 
+    fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let id = one_id(id, "np.isin(ids, world.ids) tests many")?;
+        id.map_or(Ok(false), |id| Ok(self.state(py)?.world.contains(id)))
+    }
+
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.len(py)
     }
@@ -1316,50 +1363,26 @@ impl State {
         })
     }
 
-    fn write_some(&mut self, draft: Draft, ids: &[u32]) -> jostle::Result<()> {
+    fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
         draft.check()?;
-        self.world.check_rows(ids)?;
+        let rows = self.world.rows_of(ids)?;
         self.world.edit(|particles| {
-            draft.write(particles, Some(ids));
+            draft.write(particles, Some(&rows));
             Ok(())
         })
     }
 }
 
-/// Which particles a call is about.
-struct Rows {
-    all: Vec<u32>,
-    /// Whether it was one id and no array.
-    single: bool,
-}
-
-impl Rows {
-    fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let ids = long_ids("ids", value, "particle")?;
-        let single = matches!(ids, Each::One(_));
-        let row = |(index, id): (usize, i64)| {
-            u32::try_from(id).map_err(|_| Error::at("ids", index, id, "no particle has this id"))
-        };
-        let all = ids.rows(1).into_iter().enumerate().map(row).collect();
-        Ok(Self { all: told(all, single)?, single })
+/// A pair for each id, or one pair for a single one.
+fn vectors_of(
+    ids: &Ids,
+    name: &'static str,
+    value: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<Vec<[f32; 2]>>> {
+    if !ids.single {
+        return vectors(name, value, ids.all.len());
     }
-
-    /// A pair for each, or one pair for a single id.
-    fn vectors(
-        &self,
-        name: &'static str,
-        value: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Option<Vec<[f32; 2]>>> {
-        if !self.single {
-            return vectors(name, value, self.all.len());
-        }
-        value.map(|value| Ok(vec![Argument::reals(name, value)?.only_pair()?])).transpose()
-    }
-
-    /// Where one id was given, an error names no row.
-    fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
-        told(done, self.single)
-    }
+    value.map(|value| Ok(vec![Argument::reals(name, value)?.only_pair()?])).transpose()
 }
 
 /// What is wrong with a file of a world.

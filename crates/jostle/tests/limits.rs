@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use jostle::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle::interrupt::watch;
-use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle::{Container, Id, OnTouch, Particles, Stage, World, WorldSettings};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -18,8 +18,8 @@ fn within_bounds(act: impl FnOnce()) {
 }
 
 /// Everything that another step depends on.
-fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<u32>>>) {
-    (world.snapshot(), world.renumbered().map(<[_]>::to_vec))
+fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<Id>>>) {
+    (world.snapshot(), world.renumbered().unwrap())
 }
 
 /// Three heavy discs that press against each other with more than float32 can hold.

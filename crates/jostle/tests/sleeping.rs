@@ -451,7 +451,7 @@ fn a_disc_falls_when_the_immovable_one_under_it_is_removed_or_moved() {
 }
 
 #[test]
-fn rows_follow_when_particles_are_removed() {
+fn ids_stay_when_particles_are_removed() {
     let mut world = triangles(&[-20.0, 0.0, 20.0]);
     sleep(&mut world);
     world.add(discs(&[[-10.0, 50.0], [10.0, 60.0]], 0.5)).unwrap();
@@ -459,14 +459,16 @@ fn rows_follow_when_particles_are_removed() {
     world.remove(&[0, 9]).unwrap();
     assert_eq!(world.asleep(), [false, false, true, true, true, true, true, true, false]);
     let rows = [1, 2, 3, 4, 5, 6, 7, 8, 10];
+    let row_of = |world: &World, id| world.rows_of(&[id]).unwrap()[0] as usize;
+    assert_eq!(world.ids(), rows.map(|row| row as jostle::Id));
     assert_eq!(world.positions(), rows.map(|row| before.positions[row]));
     for touch in world.contacts().unwrap() {
-        let [a, b] = touch.pair.map(|row| world.positions()[row as usize]);
+        let [a, b] = touch.pair.map(|id| world.positions()[row_of(&world, id)]);
         let distance = (b[0] - a[0]).hypot(b[1] - a[1]);
         assert!((distance - 2.0).abs() < 0.02, "{touch:?}");
     }
     for touch in world.wall_contacts() {
-        assert!(world.positions()[touch.row as usize][1] < 1.1);
+        assert!(world.positions()[row_of(&world, touch.id)][1] < 1.1);
     }
     let kept = World::restore(&world.snapshot()).unwrap();
     assert_eq!(kept.snapshot(), world.snapshot());
@@ -553,7 +555,7 @@ fn story(all: Particles, start: WorldSettings, observe: &dyn Fn(World) -> World)
                 let order =
                     |&a: &usize, &b: &usize| all.positions[a][0].total_cmp(&all.positions[b][0]);
                 let row = rows.min_by(order).expect("there is one");
-                world.remove(&[row as u32])
+                world.remove(&[world.ids()[row]])
             }
             _ => Ok(()),
         }

@@ -1,5 +1,6 @@
 //! Restores the state before a step that is refused or interrupted.
 
+use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{Stats, World};
@@ -8,6 +9,7 @@ use crate::container::MAX_WALLS;
 use crate::forces::Force;
 use crate::particles::Particles;
 use crate::resting::WallPush;
+use crate::space::Id;
 
 /// The columns that a step reorders.
 #[derive(Debug, Default)]
@@ -32,7 +34,9 @@ pub(super) struct Before {
     forces: Vec<Force>,
     wall_impulses: Vec<WallImpulse>,
     stats: Stats,
-    renumbered: Option<Vec<Option<u32>>>,
+    /// Those before the first merger of the step.
+    pub(super) ids: Option<Ids>,
+    renumbered: Option<Vec<[Id; 2]>>,
 }
 
 impl World {
@@ -49,6 +53,7 @@ impl World {
         self.memory.wall_pushes.clear();
         self.memory.wall_pushes.extend(pushes);
         before.stats = self.stats;
+        before.ids = None;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
@@ -82,6 +87,9 @@ impl World {
         std::mem::swap(&mut self.forces, &mut before.forces);
         std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
+        if let Some(ids) = before.ids.take() {
+            self.ids = ids;
+        }
         self.renumbered = before.renumbered.take();
     }
 }

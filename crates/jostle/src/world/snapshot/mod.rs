@@ -5,8 +5,10 @@
 //! column with the same value for all particles is stored as one value.
 
 mod forces;
+mod ids;
 mod sleepers;
 
+use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{OnTouch, Stats, Walls, World, WorldSettings, check_plane};
@@ -17,16 +19,18 @@ use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
+use crate::space::Id;
 use crate::walls::{FIRST, Wall};
 use forces::{get_force, put_force};
+use ids::{get_ids, put_ids};
 use sleepers::{get_sleepers, put_sleepers};
 
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container.
-const VERSION: u32 = 6;
+/// version 4 no sleeping, version 5 no walls besides the container, version 6 no ids.
+const VERSION: u32 = 7;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -64,6 +68,7 @@ impl World {
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
         put_walls(&mut to, self.walls());
+        put_ids(&mut to, &self.ids);
         to.finish(MAGIC, VERSION)
     }
 
@@ -107,19 +112,21 @@ impl World {
             let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
             world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
         }
-        let all_rows: Vec<u32> = world.rows.iter().copied().chain(world.asleep.rows()).collect();
-        world.check_rows(&all_rows).map_err(valid)?;
+        world.ids = Ids::of_rows(world.len());
+        let all_rows = world.rows.iter().copied().chain(world.asleep.rows()).map(Id::from);
+        world.rows_of(&all_rows.collect::<Vec<Id>>()).map_err(valid)?;
         world.check_sleeping()?;
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
         world.forces = forces?;
-        all_forces::validate(&world.forces, world.len()).map_err(valid)?;
+        all_forces::validate(&world.forces, |row| world.contains(row)).map_err(valid)?;
         if version > 5 {
             let walls = get_walls(&mut from)?;
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
         }
+        world.ids = get_ids(&mut from, world.len(), version)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
