@@ -42,7 +42,12 @@ class History:
         places = [[self.random.uniform(1, SIDE - 1) for _ in "xy"] for _ in range(count)]
         speeds = [[self.random.uniform(-9, 9) for _ in "xy"] for _ in range(count)]
         masses = [float(np.float32(self.random.uniform(1, 9))) for _ in range(count)]
-        ids = self.world.add(places, speeds, 0.4, masses=masses).tolist()
+        if count == 1:
+            one = self.world.add(tuple(places[0]), velocities=tuple(speeds[0]), masses=masses[0])
+            assert type(one) is int
+            ids = [one]
+        else:
+            ids = self.world.add(places, speeds, 0.4, masses=masses).tolist()
         assert ids == list(range(self.given, self.given + count))
         self.given += count
         self.masses.update(zip(ids, masses, strict=True))

@@ -2120,39 +2120,50 @@ class World:
         >>> world.positions
         array([[4., 0.]], dtype=float32)
         """
+    @overload
     def add(
         self,
-        positions: _Vectors,
+        positions: _Point,
         velocities: _Vectors,
-        radii: ArrayLike,
+        radii: ArrayLike | None = None,
         *,
         masses: ArrayLike | None = None,
-        densities: ArrayLike = 1.0,
-        restitutions: ArrayLike = 1.0,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
         movable: ArrayLike | None = None,
-        friction: ArrayLike = 0.0,
+        friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
-    ) -> _Ids:
-        """Add particles after the others.
+    ) -> int:
+        """Add one particle or many, after the others.
+
+        What is omitted is the number that was last given for all particles: to `World`, as in
+        ``World(..., friction=0.5)``, or by assigning it, as in ``world.friction = 0.5``. An array
+        with a number for each particle does not count.
 
         Parameters
         ----------
-        positions, velocities : array_like, shape (k, 2)
-        radii : array_like, a number or shape (k,)
+        positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+        radii : array_like, a number or shape (k,), optional
+            Required if no number was given for all particles.
         masses : array_like, a number or shape (k,), optional
-            If omitted, density times radius squared.
-        densities : array_like, a number or shape (k,), default 1.0
-        restitutions : array_like, a number or shape (k,), default 1.0
-        movable : array_like of bool, one or shape (k,), optional
-        friction : array_like, a number or shape (k,), default 0.0
-        angles, angular_velocities : array_like, a number or shape (k,), optional
-            0 if omitted.
+            If omitted and no number was given for all particles, or if `densities` are given, density
+            times radius squared.
+        densities : array_like, a number or shape (k,), optional
+            1.0 if no number was given to `World`.
+        restitutions : array_like, a number or shape (k,), optional
+            1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor of
+            all contacts anyway.
+        movable : array_like of bool, one or shape (k,), default True
+        friction : array_like, a number or shape (k,), optional
+            0.0 if no number was given for all particles.
+        angles, angular_velocities : array_like, a number or shape (k,), default 0.0
 
         Returns
         -------
-        ndarray of int64, shape (k,)
-            Their ids, above all ids before. Their rows are the last ones of every column.
+        ndarray of int64, shape (k,), or int
+            Their ids, above all ids before; one id for one position. Their rows are the last ones of
+            every column.
 
         Raises
         ------
@@ -2165,7 +2176,56 @@ class World:
         >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
         >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
         array([1, 2])
+        >>> world.add((0, 5), velocities=(1, 0))
+        3
+        >>> world.radii
+        array([1. , 0.5, 0.5, 1. ], dtype=float32)
         """
+    @overload
+    def add(
+        self,
+        positions: _Points,
+        velocities: _Vectors,
+        radii: ArrayLike | None = None,
+        *,
+        masses: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
+    ) -> _Ids: ...
+    @overload
+    def add(
+        self,
+        positions: Sequence[_Real],
+        velocities: _Vectors,
+        radii: ArrayLike | None = None,
+        *,
+        masses: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        positions: _Undecided,
+        velocities: _Vectors,
+        radii: ArrayLike | None = None,
+        *,
+        masses: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
+    ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
 

@@ -181,11 +181,11 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// The pair of a single id.
-    pub fn only_pair<T: Scalar + Element>(&self) -> PyResult<[T; 2]> {
+    /// The only pair; `of` says what there is one of.
+    pub fn only_pair<T: Scalar + Element>(&self, of: &str) -> PyResult<[T; 2]> {
         match self.array.shape() {
             [2] => self.only(self.real_pairs()?),
-            _ => Err(self.wrong_shape("(2,), as there is one id")),
+            _ => Err(self.wrong_shape(&format!("(2,), as there is one {of}"))),
         }
     }
 

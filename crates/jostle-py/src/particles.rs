@@ -4,7 +4,7 @@ use jostle::particles::{
     MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
     check_restitutions, check_vectors,
 };
-use jostle::{Each, Error, Particles, Spin};
+use jostle::{Defaults, Each, Error, Particles, Spin};
 use pyo3::prelude::*;
 
 use crate::arrays::Argument;
@@ -44,12 +44,53 @@ impl Draft {
         Ok((draft, len))
     }
 
+    /// The same of one particle, and then no number, or of many.
+    pub fn of_one_or_many<'py>(
+        positions: &Bound<'py, PyAny>,
+        velocities: &Bound<'py, PyAny>,
+        radii: Maybe<'_, 'py>,
+    ) -> PyResult<(Self, Option<usize>)> {
+        let positions: Each<[f32; 2]> = Argument::reals("positions", positions)?.one_or_rows()?;
+        let len = positions.len();
+        let draft = Self {
+            positions: Some(positions.rows(1)),
+            velocities: match len {
+                Some(len) => vectors("velocities", Some(velocities), len)?,
+                None => Some(only_vector("velocities", velocities, "particle")?),
+            },
+            radii: reals("radii", radii, len.unwrap_or(1))?,
+            ..Self::default()
+        };
+        Ok((draft, len))
+    }
+
+    /// What is given by one number for all particles becomes the default of those that are added
+    /// later.
+    pub fn defaults(&self, before: Defaults) -> Defaults {
+        fn one(column: Option<&Each<f32>>) -> Option<f32> {
+            column.and_then(|column| if let Each::One(one) = column { Some(*one) } else { None })
+        }
+        Defaults {
+            radius: one(self.radii.as_ref()).or(before.radius),
+            mass: one(self.masses.as_ref()).or(before.mass),
+            density: one(self.densities.as_ref()).unwrap_or(before.density),
+            restitution: one(self.restitutions.as_ref()).unwrap_or(before.restitution),
+            friction: one(self.friction.as_ref()).unwrap_or(before.friction),
+        }
+    }
+
     /// New particles of these columns; what was left out takes its default. Needs no Python.
-    pub fn particles(mut self, len: usize) -> jostle::Result<Particles> {
+    pub fn particles(mut self, len: usize, defaults: &Defaults) -> jostle::Result<Particles> {
         self.check()?;
+        self.radii = self.radii.or(defaults.radius.map(Each::One));
+        self.restitutions.get_or_insert(Each::One(defaults.restitution));
+        self.friction.get_or_insert(Each::One(defaults.friction));
+        if self.densities.is_none() {
+            self.masses = self.masses.or(defaults.mass.map(Each::One));
+        }
         let blank = vec![[0.0; 2]; len];
         let mut particles = Particles::new(blank.clone(), blank, vec![0.0; len], 1.0);
-        let densities = self.densities.take().unwrap_or(Each::One(1.0)).rows(len);
+        let densities = self.densities.take().unwrap_or(Each::One(defaults.density)).rows(len);
         let has_masses = self.masses.is_some();
         self.write(&mut particles, None);
         if !has_masses {
@@ -97,6 +138,15 @@ pub fn vectors(
     len: usize,
 ) -> PyResult<Option<Vec<[f32; 2]>>> {
     value.map(|value| Argument::reals(name, value)?.pairs(len)).transpose()
+}
+
+/// The only pair of float32; `of` says what there is one of.
+pub fn only_vector(
+    name: &'static str,
+    value: &Bound<'_, PyAny>,
+    of: &str,
+) -> PyResult<Vec<[f32; 2]>> {
+    Ok(vec![Argument::reals(name, value)?.only_pair(of)?])
 }
 
 /// A float32 for all or one for each of `len` particles.

@@ -1,15 +1,17 @@
 //! `jostle.World`.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Each, Error, Id, Stage, Wall, World, WorldSettings};
+use jostle::{Defaults, Each, Error, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
-use pyo3::exceptions::PyValueError;
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{Argument, Given, column, count, decimal, number, point, read_only, table};
+use crate::arrays::{Given, column, count, decimal, number, point, read_only, table};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
@@ -17,8 +19,9 @@ use crate::forces;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, reals, truths, vectors};
+use crate::particles::{Draft, only_vector, reals, truths, vectors};
 use crate::quadtree::PyQuadtree;
+use crate::queries::told;
 use crate::results;
 use crate::settings;
 use crate::walls;
@@ -237,7 +240,9 @@ impl PyWorld {
         walls::set_restitution(&mut walls, &wall_restitution)?;
         walls::set_friction(&mut walls, wall_friction)?;
         let world = py.detach(|| {
-            let mut world = World::new(draft.particles(len)?, rules)?;
+            let defaults = draft.defaults(Defaults::default());
+            let mut world = World::new(draft.particles(len, &defaults)?, rules)?;
+            world.set_defaults(defaults)?;
             world.set_forces(forces)?;
             world.set_walls(walls)?;
             Ok(world)
@@ -287,25 +292,35 @@ impl PyWorld {
         Ok(())
     }
 
-    /// Add particles after the others.
+    /// Add one particle or many, after the others.
+    ///
+    /// What is omitted is the number that was last given for all particles: to `World`, as in
+    /// ``World(..., friction=0.5)``, or by assigning it, as in ``world.friction = 0.5``. An array
+    /// with a number for each particle does not count.
     ///
     /// Parameters
     /// ----------
-    /// positions, velocities : array_like, shape (k, 2)
-    /// radii : array_like, a number or shape (k,)
+    /// positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+    /// radii : array_like, a number or shape (k,), optional
+    ///     Required if no number was given for all particles.
     /// masses : array_like, a number or shape (k,), optional
-    ///     If omitted, density times radius squared.
-    /// densities : array_like, a number or shape (k,), default 1.0
-    /// restitutions : array_like, a number or shape (k,), default 1.0
-    /// movable : array_like of bool, one or shape (k,), optional
-    /// friction : array_like, a number or shape (k,), default 0.0
-    /// angles, angular_velocities : array_like, a number or shape (k,), optional
-    ///     0 if omitted.
+    ///     If omitted and no number was given for all particles, or if `densities` are given, density
+    ///     times radius squared.
+    /// densities : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was given to `World`.
+    /// restitutions : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor of
+    ///     all contacts anyway.
+    /// movable : array_like of bool, one or shape (k,), default True
+    /// friction : array_like, a number or shape (k,), optional
+    ///     0.0 if no number was given for all particles.
+    /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
     ///
     /// Returns
     /// -------
-    /// ndarray of int64, shape (k,)
-    ///     Their ids, above all ids before. Their rows are the last ones of every column.
+    /// ndarray of int64, shape (k,), or int
+    ///     Their ids, above all ids before; one id for one position. Their rows are the last ones of
+    ///     every column.
     ///
     /// Raises
     /// ------
@@ -318,41 +333,48 @@ impl PyWorld {
     /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
     /// >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
     /// array([1, 2])
-    #[pyo3(
-        signature = (
-            positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
-            restitutions=Given::NOTHING, movable=None, friction=Given::NOTHING, angles=None,
-            angular_velocities=None,
-        ),
-        text_signature = "($self, positions, velocities, radii, *, masses=None, densities=1.0, \
-                          restitutions=1.0, movable=None, friction=0.0, angles=None, \
-                          angular_velocities=None)"
-    )]
+    /// >>> world.add((0, 5), velocities=(1, 0))
+    /// 3
+    /// >>> world.radii
+    /// array([1. , 0.5, 0.5, 1. ], dtype=float32)
+    #[pyo3(signature = (
+        positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
+        movable=None, friction=None, angles=None, angular_velocities=None,
+    ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
-        radii: &Bound<'py, PyAny>,
+        radii: Option<&Bound<'py, PyAny>>,
         masses: Option<&Bound<'py, PyAny>>,
-        densities: Given<'py>,
-        restitutions: Given<'py>,
+        densities: Option<&Bound<'py, PyAny>>,
+        restitutions: Option<&Bound<'py, PyAny>>,
         movable: Option<&Bound<'py, PyAny>>,
-        friction: Given<'py>,
+        friction: Option<&Bound<'py, PyAny>>,
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
-        let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
+        let len = many.unwrap_or(1);
         draft.masses = reals("masses", masses, len)?;
-        draft.densities = reals("densities", densities.value(), len)?;
-        draft.restitutions = reals("restitutions", restitutions.value(), len)?;
+        draft.densities = reals("densities", densities, len)?;
+        draft.restitutions = reals("restitutions", restitutions, len)?;
         draft.movable = truths("movable", movable, len)?;
-        draft.friction = reals("friction", friction.value(), len)?;
+        draft.friction = reals("friction", friction, len)?;
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
-        let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
-        Ok(column(py, ids.map_err(refused)?.collect()))
+        if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
+            let rule = "add needs radii: no number was given for all particles of this world";
+            return Err(PyTypeError::new_err(rule));
+        }
+        let ids = told(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        if many.is_none() {
+            ids.start.into_bound_py_any(py)
+        } else {
+            Ok(column(py, ids.collect()).into_any())
+        }
     }
 
     /// Remove particles. Their ids are never used again.
@@ -1357,10 +1379,17 @@ impl State {
             // Another thread has added or removed particles meanwhile.
             return Err(Error::Length { argument: "the new column", found, expected });
         }
+        let defaults = draft.defaults(self.world.defaults());
         self.world.edit(|particles| {
             draft.write(particles, None);
             Ok(())
-        })
+        })?;
+        self.world.set_defaults(defaults)
+    }
+
+    fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
+        let particles = draft.particles(len, &self.world.defaults())?;
+        self.world.add(particles)
     }
 
     fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
@@ -1382,7 +1411,7 @@ fn vectors_of(
     if !ids.single {
         return vectors(name, value, ids.all.len());
     }
-    value.map(|value| Ok(vec![Argument::reals(name, value)?.only_pair()?])).transpose()
+    value.map(|value| only_vector(name, value, "id")).transpose()
 }
 
 /// What is wrong with a file of a world.

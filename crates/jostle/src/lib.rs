@@ -46,4 +46,4 @@ pub use settings::{Method, Settings};
 pub use shapes::{Each, Shapes};
 pub use space::{Id, Space};
 pub use walls::Wall;
-pub use world::{OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};
+pub use world::{Defaults, OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};

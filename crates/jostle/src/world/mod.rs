@@ -10,6 +10,7 @@
 mod asleep;
 mod bounds;
 mod columns;
+mod defaults;
 mod feel;
 mod ids;
 mod merge;
@@ -41,6 +42,7 @@ use crate::shapes::{MOST_ROWS, Shapes};
 use crate::space::Id;
 use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
+pub use defaults::Defaults;
 use feel::ForceMemory;
 use ids::Ids;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
@@ -127,6 +129,7 @@ pub struct World {
     rows: Vec<u32>,
     /// The id of each row.
     ids: Ids,
+    defaults: Defaults,
     /// How each particle moved in the last quarters of a second; empty if nothing may fall asleep.
     drifts: Vec<Drift>,
     /// Impulse over mass that each wall gave in the last sub-step, at rest.

@@ -4,6 +4,7 @@
 //! their canonical order, and the impulses of resting contacts with walls and particles. A
 //! column with the same value for all particles is stored as one value.
 
+mod defaults;
 mod forces;
 mod ids;
 mod sleepers;
@@ -21,6 +22,7 @@ use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
 use crate::space::Id;
 use crate::walls::{FIRST, Wall};
+use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
 use ids::{get_ids, put_ids};
 use sleepers::{get_sleepers, put_sleepers};
@@ -29,7 +31,8 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container, version 6 no ids.
+/// version 4 no sleeping, version 5 no walls besides the container, version 6 no ids and no
+/// defaults.
 const VERSION: u32 = 7;
 
 impl World {
@@ -69,6 +72,7 @@ impl World {
         self.forces.iter().for_each(|force| put_force(&mut to, force));
         put_walls(&mut to, self.walls());
         put_ids(&mut to, &self.ids);
+        put_defaults(&mut to, &self.defaults);
         to.finish(MAGIC, VERSION)
     }
 
@@ -127,6 +131,7 @@ impl World {
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
+        world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
