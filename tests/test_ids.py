@@ -117,6 +117,10 @@ class History:
             self.world.set([*some, id], radii=1.0)
         with pytest.raises(ValueError, match=f"^ids is {id}; no particle has this id any more"):
             self.world.set(id, masses=1.0)
+        with pytest.raises(ValueError, match=message):
+            self.world.rows([*some, id])
+        with pytest.raises(ValueError, match=f"^ids is {id}; no particle has this id any more"):
+            self.world.rows(id)
         with pytest.raises(ValueError, match=rf"^forces\[0\] is a force on particle {id}; no part"):
             self.world.forces = [jostle.Attractor(particle=id, strength=1.0)]
         assert self.world.snapshot() == before
@@ -129,6 +133,11 @@ class History:
         np.testing.assert_allclose(world.masses, [self.masses[id] for id in ids], rtol=1e-5)
         self.masses = dict(zip(ids, world.masses.tolist(), strict=True))
         assert all(id in world for id in ids)
+        some = self.some()
+        assert world.ids[world.rows(some)].tolist() == some
+        if some:
+            row = world.rows(some[0])
+            assert (type(row), ids[row]) == (int, some[0])
         pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
         assert [tuple(pair) for table in pairs for pair in table.tolist()] == self.springs
         poles = [force.particle for force in world.forces if isinstance(force, jostle.Attractor)]
@@ -213,6 +222,14 @@ def test_ids_are_rows_until_one_is_removed() -> None:
     world.remove([0, 1, 3])
     assert world.ids.tolist() == []
     assert world.add([(20, 0)], [(0, 0)], radii=1.0).tolist() == [4]
+
+
+def test_rows_may_be_asked_for_twice() -> None:
+    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    world.remove(0)
+    rows = world.rows([2, 1, 2])
+    assert (rows.dtype, rows.tolist()) == (np.int64, [1, 0, 1])
+    assert world.rows([]).shape == (0,)
 
 
 def test_in_takes_one_id() -> None:

@@ -26,6 +26,7 @@ def added_of_any_type(world: World, given: dict[str, Any]) -> None:
     assert_type(world.add(np.load("positions.npy"), np.load("velocities.npy")), Any)
     balls: dict[int, str] = {world.add(given["position"], given["velocity"]): "ball"}
     print(balls)
+    assert_type(world.rows(given["ids"]), Any)
 
 
 def changed(world: World, id: int, ids: Ids, vector: pygame.Vector2) -> None:
@@ -33,5 +34,8 @@ def changed(world: World, id: int, ids: Ids, vector: pygame.Vector2) -> None:
     assert_type(id in world, bool)
     world.set(id, positions=(0, 1), velocities=vector)
     world.set(ids, positions=[(0, 1), (2, 3)])
+    assert_type(world.rows(id), int)
+    assert_type(world.rows(ids), Ids)
+    assert_type(world.rows([1, 2]), Ids)
     world.remove(id)
     world.remove(ids[world.radii < 1])

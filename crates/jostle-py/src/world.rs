@@ -33,8 +33,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// Particles: discs that move, collide and bounce off walls.
 ///
 /// Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
-/// order of adding. The columns are in the order of `ids`; as long as no particle was removed and
-/// none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
+/// order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as long as
+/// no particle was removed and none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
 /// from positions is kept from step to step; positions that are assigned are exact. The same
 /// input gives the same bits on every machine, for every number of threads and for both
 /// methods.
@@ -46,7 +46,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// velocities : array_like, shape (n, 2)
 ///     In units of length per second.
 /// radii : array_like, a number or shape (n,)
-///     In units of length: 0, or between 1e-18 and 1e18.
+///     In units of length: 0, or between 1e-18 and 1e18. One number, also for `masses`, `densities` and
+///     `friction`, is that of particles that are added later, too.
 /// masses : array_like, a number or shape (n,), optional
 ///     Above 0. If omitted, density times radius squared, as in the article; required for
 ///     a particle of radius 0.
@@ -473,11 +474,11 @@ impl PyWorld {
     /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
     ///
     /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
-    /// used again. ``np.searchsorted(world.ids, ids)`` gives the rows of ids that exist, and
-    /// ``id in world`` tells whether one exists.
+    /// used again. ``id in world`` tells whether a particle has an id.
     ///
     /// See Also
     /// --------
+    /// rows : The rows of ids.
     /// renumbered : What became of merged particles.
     ///
     /// Examples
@@ -489,13 +490,50 @@ impl PyWorld {
     /// array([3])
     /// >>> world.ids
     /// array([1, 2, 3])
-    /// >>> row = np.searchsorted(world.ids, 2)
-    /// >>> world.positions[row]
-    /// array([9., 0.], dtype=float32)
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
         let ids = self.long(py, |state| state.world.ids())?;
         Ok(read_only(column(py, ids)))
+    }
+
+    /// Return the rows that particles have in the columns.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (k,), or int
+    ///     Their rows, until a particle before them is removed or merges; one row for one id.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If no particle has an id.
+    ///
+    /// See Also
+    /// --------
+    /// ids : The ids of all rows.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(0)
+    /// >>> world.positions[world.rows(2)]
+    /// array([9., 0.], dtype=float32)
+    fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let ids = Ids::read(ids, "particle")?;
+        let rows = ids.told(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
+        if ids.single {
+            rows[0].into_bound_py_any(py)
+        } else {
+            Ok(column(py, rows.into_iter().map(i64::from).collect()).into_any())
+        }
     }
 
     /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
@@ -1394,7 +1432,7 @@ impl State {
 
     fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
         draft.check()?;
-        let rows = self.world.rows_of(ids)?;
+        let rows = self.world.distinct_rows_of(ids)?;
         self.world.edit(|particles| {
             draft.write(particles, Some(&rows));
             Ok(())

@@ -111,7 +111,17 @@ fn worlds() -> Vec<(&'static str, World)> {
         all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
         make(all, WorldSettings { container: torus, ..Default::default() })
     };
+    // Particles merge before the last part of a step.
+    let merging_fast = {
+        let mut all = crowd(120, 30.0);
+        all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
+        all.radii.iter_mut().for_each(|radius| *radius *= 0.1);
+        let mut world = make(all, merging);
+        world.remove(&[7]).unwrap();
+        world
+    };
     vec![
+        ("merging fast", merging_fast),
         ("pile", make(crowd(60, 30.0), pile)),
         ("springs", sprung),
         ("merging", make(crowd(60, 30.0), merging)),

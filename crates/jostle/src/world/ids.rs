@@ -109,16 +109,20 @@ impl World {
         self.ids.row(id).is_some()
     }
 
-    /// The rows of some ids. Refuses ids that no particle has, and ids given twice.
+    /// The rows of some ids. Refuses ids that no particle has.
     pub fn rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
+        let row = |(index, &id)| self.ids.row(id).ok_or_else(|| self.ids.refuse(index, id));
+        ids.iter().enumerate().map(row).collect()
+    }
+
+    /// The same; refuses ids given twice, too.
+    pub fn distinct_rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
+        let rows = self.rows_of(ids)?;
         let mut seen = vec![false; self.len()];
-        let mut rows = Vec::with_capacity(ids.len());
-        for (index, &id) in ids.iter().enumerate() {
-            let row = self.ids.row(id).ok_or_else(|| self.ids.refuse(index, id))?;
+        for (index, &row) in rows.iter().enumerate() {
             if std::mem::replace(&mut seen[row as usize], true) {
-                return Err(Error::at("ids", index, id, "it is given twice"));
+                return Err(Error::at("ids", index, ids[index], "it is given twice"));
             }
-            rows.push(row);
         }
         Ok(rows)
     }
@@ -162,5 +166,32 @@ impl World {
         if let Some(all) = &mut self.renumbered {
             all.retain(|&[_, heir]| ids.row(heir).is_some());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_that_no_world_can_have_are_refused() {
+        let read = |listed: Option<&[Id]>, len, next| {
+            Ids::read(listed.map(<[Id]>::to_vec), len, next).is_ok()
+        };
+        assert!(read(None, 3, 3) && read(Some(&[]), 0, 7) && read(Some(&[0, 1, 6]), 3, 7));
+        assert!(!read(None, 3, 4) && !read(None, 3, -1) && !read(Some(&[]), 0, -1));
+        assert!(!read(Some(&[0, 1]), 3, 7) && !read(Some(&[0, 1, 7]), 3, 7));
+        assert!(!read(Some(&[1, 0]), 2, 7) && !read(Some(&[1, 1]), 2, 7));
+        assert!(!read(Some(&[-1, 1]), 2, 7));
+    }
+
+    #[test]
+    fn ids_run_out_and_never_repeat() {
+        let mut ids = Ids::read(Some(vec![4]), 1, Id::MAX - 2).unwrap();
+        assert_eq!(ids.add(2), Ok(Id::MAX - 2..Id::MAX));
+        let before = ids.clone();
+        assert!(ids.add(1).unwrap_err().to_string().contains("no ids left"));
+        assert_eq!((ids.add(0), &ids), (Ok(Id::MAX..Id::MAX), &before));
+        assert_eq!([4, Id::MAX - 1, Id::MAX].map(|id| ids.row(id)), [Some(0), Some(2), None]);
     }
 }

@@ -314,7 +314,7 @@ impl World {
     /// attractors of a removed particle are removed too. The islands of removed particles wake; all
     /// wake if an immovable one is removed.
     pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
-        let rows = self.rows_of(ids)?;
+        let rows = self.distinct_rows_of(ids)?;
         if rows.is_empty() {
             return Ok(());
         }

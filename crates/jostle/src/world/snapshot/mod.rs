@@ -118,7 +118,7 @@ impl World {
         }
         world.ids = Ids::of_rows(world.len());
         let all_rows = world.rows.iter().copied().chain(world.asleep.rows()).map(Id::from);
-        world.rows_of(&all_rows.collect::<Vec<Id>>()).map_err(valid)?;
+        world.distinct_rows_of(&all_rows.collect::<Vec<Id>>()).map_err(valid)?;
         world.check_sleeping()?;
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
