@@ -4,7 +4,7 @@ use jostle::particles::{
     MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
     check_restitutions, check_vectors,
 };
-use jostle::{Defaults, Each, Error, Particles, Spin};
+use jostle::{Defaults, Each, Error, Particles};
 use pyo3::prelude::*;
 
 use crate::arrays::Argument;
@@ -92,7 +92,7 @@ impl Draft {
         let mut particles = Particles::new(blank.clone(), blank, vec![0.0; len], 1.0);
         let densities = self.densities.take().unwrap_or(Each::One(defaults.density)).rows(len);
         let has_masses = self.masses.is_some();
-        self.write(&mut particles, None);
+        self.write(&mut particles);
         if !has_masses {
             let pairs = particles.radii.iter().zip(densities);
             particles.masses = pairs.map(|(r, density)| density * r * r).collect();
@@ -114,20 +114,24 @@ impl Draft {
         check_column(self.angular_velocities.as_ref(), check_angular_velocities)
     }
 
-    /// Writes the columns over those of the particles `ids`, or of all.
-    pub fn write(self, particles: &mut Particles, ids: Option<&[u32]>) {
+    /// Writes the columns over those of the particles.
+    pub fn write(self, particles: &mut Particles) {
         // Given positions are exact.
         let residuals = self.positions.is_some().then_some(Each::One([0.0; 2]));
-        put(residuals, &mut particles.residuals, ids);
-        put(self.positions.map(Each::Rows), &mut particles.positions, ids);
-        put(self.velocities.map(Each::Rows), &mut particles.velocities, ids);
-        put(self.radii, &mut particles.radii, ids);
-        put(self.masses, &mut particles.masses, ids);
-        put(self.restitutions, &mut particles.restitutions, ids);
-        put(self.movable, &mut particles.movable, ids);
-        put_spins(self.friction, particles, ids, |spin, friction| spin.friction = friction);
-        put_spins(self.angles, particles, ids, |spin, angle| spin.angle = f64::from(angle));
-        put_spins(self.angular_velocities, particles, ids, |spin, speed| spin.velocity = speed);
+        put(residuals, &mut particles.residuals, |to, value| *to = value);
+        put(self.positions.map(Each::Rows), &mut particles.positions, |to, value| *to = value);
+        put(self.velocities.map(Each::Rows), &mut particles.velocities, |to, value| *to = value);
+        put(self.radii, &mut particles.radii, |to, value| *to = value);
+        put(self.masses, &mut particles.masses, |to, value| *to = value);
+        put(self.restitutions, &mut particles.restitutions, |to, value| *to = value);
+        put(self.movable, &mut particles.movable, |to, value| *to = value);
+        // There is no column of friction and rotation while all of it is 0.
+        if self.friction.is_some() || self.angles.is_some() || self.angular_velocities.is_some() {
+            let spins = particles.spins_mut();
+            put(self.friction, spins, |spin, friction| spin.friction = friction);
+            put(self.angles, spins, |spin, angle| spin.angle = f64::from(angle));
+            put(self.angular_velocities, spins, |spin, speed| spin.velocity = speed);
+        }
     }
 }
 
@@ -198,40 +202,13 @@ fn check_densities(densities: &[f32]) -> jostle::Result<()> {
     }
 }
 
-fn put<V: Copy>(values: Option<Each<V>>, column: &mut [V], ids: Option<&[u32]>) {
-    if let Some(values) = values {
-        put_each(values, column, ids, |to, value| *to = value);
-    }
-}
-
-/// As [`put`] for friction and rotation, of which there is no column while all of it is 0.
-fn put_spins(
-    values: Option<Each<f32>>,
-    particles: &mut Particles,
-    ids: Option<&[u32]>,
-    set: impl Fn(&mut Spin, f32),
-) {
-    if let Some(values) = values {
-        put_each(values, particles.spins_mut(), ids, set);
-    }
-}
-
-fn put_each<V: Copy, C>(
-    values: Each<V>,
-    column: &mut [C],
-    ids: Option<&[u32]>,
-    set: impl Fn(&mut C, V),
-) {
-    match (values, ids) {
-        (Each::One(value), None) => column.iter_mut().for_each(|to| set(to, value)),
-        (Each::Rows(values), None) => {
+/// Sets a value in each row.
+fn put<V: Copy, C>(values: Option<Each<V>>, column: &mut [C], set: impl Fn(&mut C, V)) {
+    match values {
+        None => (),
+        Some(Each::One(value)) => column.iter_mut().for_each(|to| set(to, value)),
+        Some(Each::Rows(values)) => {
             column.iter_mut().zip(values).for_each(|(to, value)| set(to, value));
-        }
-        (Each::One(value), Some(ids)) => {
-            ids.iter().for_each(|&id| set(&mut column[id as usize], value));
-        }
-        (Each::Rows(values), Some(ids)) => {
-            ids.iter().zip(values).for_each(|(&id, value)| set(&mut column[id as usize], value));
         }
     }
 }

@@ -1419,7 +1419,7 @@ impl State {
         }
         let defaults = draft.defaults(self.world.defaults());
         self.world.edit(|particles| {
-            draft.write(particles, None);
+            draft.write(particles);
             Ok(())
         })?;
         self.world.set_defaults(defaults)
@@ -1433,8 +1433,8 @@ impl State {
     fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
         draft.check()?;
         let rows = self.world.distinct_rows_of(ids)?;
-        self.world.edit(|particles| {
-            draft.write(particles, Some(&rows));
+        self.world.edit_rows(&rows, |particles| {
+            draft.write(particles);
             Ok(())
         })
     }

@@ -591,6 +591,46 @@ fn sleeping_does_not_show_how_it_is_computed() {
 }
 
 #[test]
+fn changing_a_few_is_changing_all_of_which_a_few_differ() {
+    for seed in 0..12 {
+        let friction = seed % 3 > 0;
+        let mut world = World::new(heap(seed, 40, friction), narrow()).unwrap();
+        run(&mut world, if seed % 4 > 0 { 400 } else { 5 });
+        let mut random = Random::new(seed);
+        let mut rows: Vec<u32> = (0..40).filter(|_| random.whole(0, 9) < 2.0).collect();
+        rows.reverse();
+        let values: Vec<f32> = rows.iter().map(|_| random.between(-2.0, 2.0)).collect();
+        let change = |all: &mut Particles, index: usize, value: f32| match seed % 5 {
+            0 => all.velocities[index] = [value, -0.0],
+            1 => all.positions[index][1] += 0.1 + value.abs(),
+            2 => all.spins_mut()[index].friction = value.abs(),
+            3 => all.masses[index] = 1.0, // as it was
+            _ => all.movable[index] = value > 1.0,
+        };
+        let mut other = World::restore(&world.snapshot()).unwrap();
+        world
+            .edit(|all| {
+                let pairs = rows.iter().zip(&values);
+                pairs.for_each(|(&row, &value)| change(all, row as usize, value));
+                Ok(())
+            })
+            .unwrap();
+        other
+            .edit_rows(&rows, |some| {
+                values.iter().enumerate().for_each(|(index, &value)| change(some, index, value));
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!(world.asleep(), other.asleep());
+        for _ in 0..3 {
+            assert_eq!(world.snapshot(), other.snapshot(), "seed {seed}");
+            run(&mut world, 20);
+            run(&mut other, 20);
+        }
+    }
+}
+
+#[test]
 fn the_order_of_adding_does_not_change_who_sleeps() {
     let all = heap(5, 72, true);
     let order: Vec<u32> = (0..72u32).map(|row| (row * 31 + 7) % 72).collect();

@@ -105,7 +105,7 @@ impl World {
                 continue;
             };
             any = true;
-            self.particles.put(places[0], &one);
+            self.particles.put(places[0], &one, 0);
             self.wall_pushes[places[0]] = Default::default();
             if !self.wall_frictions.is_empty() {
                 self.wall_frictions[places[0]] = Default::default();

@@ -364,29 +364,56 @@ impl World {
     /// adding. A particle with a new position has no residual. Refused values change nothing.
     /// The islands of changed particles wake; all wake if an immovable one changes.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
-        let mut copy = self.particles();
+        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        self.edit_rows(&rows, change)
+    }
+
+    /// As [`World::edit`], of the particles in some rows, in this order; each at most once.
+    pub fn edit_rows(
+        &mut self,
+        rows: &[u32],
+        change: impl FnOnce(&mut Particles) -> Result<()>,
+    ) -> Result<()> {
+        let mut copy = self.particles_in(rows);
         let before = copy.clone();
         change(&mut copy)?;
-        if copy.len() != self.len() {
-            let (found, expected) = (copy.len(), self.len());
+        if copy.len() != rows.len() {
+            let (found, expected) = (copy.len(), rows.len());
             return Err(Error::Length { argument: "positions", found, expected });
         }
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
         copy.simplify();
-        let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
-        let moved = rows.filter(|(_, (new, old))| new != old);
+        let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
+        let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
-        let changed: Vec<bool> = (0..copy.len()).map(|row| !copy.is_same(row, &before)).collect();
+        let mut changed = vec![false; self.len()];
+        for (index, &row) in rows.iter().enumerate() {
+            changed[row as usize] = !copy.is_same(index, &before);
+        }
         self.wake_changed(&changed);
         for (drift, &row) in self.drifts.iter_mut().zip(&self.rows) {
             if changed[row as usize] {
                 *drift = Drift::UNKNOWN;
             }
         }
-        self.particles.gather(&copy, &self.rows, Some(1));
-        self.particles.simplify();
+        self.put(rows, &copy);
         Ok(())
+    }
+
+    /// Writes particles over those in some rows. Sleeping ones, which have not changed, stay.
+    fn put(&mut self, rows: &[u32], copy: &Particles) {
+        let (places, awake) = (self.places(), self.rows.len());
+        if !copy.spins.is_empty() {
+            self.particles.spins_mut();
+        }
+        for (index, &row) in rows.iter().enumerate() {
+            let place = places[row as usize] as usize;
+            if place < awake {
+                self.particles.put(place, copy, index);
+            }
+        }
+        self.particles.simplify();
     }
 
     /// Simulated seconds.
