@@ -17,7 +17,7 @@ from jostle.app.act.deeds import scatter, usual  # noqa: E402
 from jostle.app.simulate import engine as engine_of_the_app  # noqa: E402
 from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
-from jostle.app.simulate.simulation import Pull  # noqa: E402
+from jostle.app.simulate.simulation import Pull, Wants  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
 
@@ -238,13 +238,33 @@ def test_what_is_removed_takes_its_attraction_with_it_and_scenes_keep_their_forc
     simulation.remove([0])
     assert simulation.frame().attractors == (Pull(4.0, tag=3), Pull(4.0, (0.0, 0.0)))
     springs, first, second = simulation.world.forces
-    assert springs.pairs.tolist() == [[0, 1]] and first.particle == 2 and second.particle is None
+    assert springs.pairs.tolist() == [[1, 2]] and first.particle == 3 and second.particle is None
+    simulation.change([2], velocities=(5, 0))
+    assert simulation.frame().velocities[1].tolist() == [5, 0]
     simulation.attract(())
     assert len(simulation.world.forces) == 1
     simulation.remove([1])  # the spring goes with its end
     simulation.attract((Pull(4.0, (0.0, 0.0)),))
     springs, pull = simulation.world.forces
     assert len(springs) == 0 and pull.point == (0, 0)
+
+
+def test_frames_name_contacts_and_springs_by_rows() -> None:
+    spring = jostle.Springs([(1, 2)], 20.0, 100.0)
+    simulation = world_of([(100, 100), (300, 100), (315, 100)], forces=[spring])
+    simulation.remove([0])
+    simulation.step()
+    frame = simulation.frame(Wants(contacts=True))
+    assert tags(frame.tags) == [1, 2] and frame.springs is not None and frame.touching is not None
+    assert frame.springs.tolist() == frame.touching.pairs.tolist() == [[0, 1]]
+
+
+def test_a_held_particle_is_found_after_others_are_removed() -> None:
+    simulation = world_of([(100, 100), (300, 100), (500, 100)])
+    simulation.remove([0])
+    simulation.drag(2, (520.0, 100.0), (0.0, 0.0))
+    speeds = simulation.frame().velocities[:, 0]
+    assert speeds[0] == 0 and speeds[1] > 0
 
 
 def test_particles_that_merge_keep_the_tag_of_the_oldest() -> None:

@@ -127,9 +127,9 @@ def test_what_names_a_removed_particle_goes_with_it() -> None:
     follower, springs = world.forces
     assert isinstance(follower, jostle.Attractor)
     assert isinstance(springs, jostle.Springs)
-    assert follower.particle == 0
-    np.testing.assert_array_equal(springs.pairs, [(0, 1)])
-    world.remove([0])
+    assert follower.particle == 1
+    np.testing.assert_array_equal(springs.pairs, [(1, 2)])
+    world.remove([1])
     (springs,) = world.forces
     assert isinstance(springs, jostle.Springs)
     assert len(springs) == 0

@@ -254,3 +254,25 @@ def test_a_round_wall() -> None:
     assert (contacts.ids.tolist(), contacts.walls.tolist()) == ([0], [0])
     assert contacts.normals.tolist() == [[0, 1]]
     assert contacts.normal_impulses * 60 == pytest.approx(G, rel=1e-4)
+
+
+@pytest.mark.parametrize("friction", [1e20, 1e30, 3.4e38])
+def test_a_coefficient_as_large_as_it_may_be_prevents_sliding_and_nothing_else(
+    friction: float,
+) -> None:
+    def heap(friction: float) -> jostle.World:
+        rng = np.random.default_rng(3)
+        places = np.stack(np.meshgrid(np.arange(8), np.arange(6)), -1).reshape(-1, 2) * 2.3 + 3
+        world = jostle.World(
+            places, rng.normal(0, 5, (48, 2)), 1.0, masses=10 ** rng.uniform(-3, 3, 48),
+            gravity=(0, -9.8), restitution=0.5, friction=friction, wall_friction=friction,
+            container=jostle.Box(0, 0, 30, 30), walls=[((20, 0), (30, 8))],
+        )  # fmt: skip
+        world.step(1 / 60, steps=120)
+        return world
+
+    world, rough = heap(friction), heap(1e10)
+    assert (world.positions == rough.positions).all()
+    assert (world.angular_velocities == rough.angular_velocities).all()
+    assert (world.contacts.friction_impulses == rough.contacts.friction_impulses).all()
+    assert np.isfinite(world.wall_contacts.friction_impulses).all()

@@ -309,6 +309,8 @@ def test_every_id_is_an_int64() -> None:
         "space's pairs": collection.pairs(),
         "entered": events.entered,
         "World.add": added,
+        "World.ids": world.ids,
+        "World.rows": world.rows([0]),
         "World.renumbered": world.renumbered,
         "World.contacts": other.contacts.pairs,
         "Springs.pairs": jostle.Springs([(0, 1)], lengths=1.0, stiffness=1.0).pairs,

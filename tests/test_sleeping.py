@@ -166,9 +166,9 @@ def act(world: jostle.World, deed: int, rng: np.random.Generator) -> None:
     if deed == 0:
         world.add([(rng.uniform(-9, 9), 30)], [(0, -rng.choice([1, 50, 900]))], radii=0.8)
     elif deed == 1 and n > 5:
-        world.remove(rng.choice(n, 2, replace=False))
+        world.remove(rng.choice(world.ids, 2, replace=False))
     elif deed == 2:
-        world.set(int(rng.integers(n)), velocities=(1, 4))
+        world.set(int(rng.choice(world.ids)), velocities=(1, 4))
     elif deed == 3:
         world.add([(rng.uniform(-9, 9), 40)], [(0, 0)], radii=0.8, movable=False)
     elif deed == 4:

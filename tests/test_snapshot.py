@@ -109,6 +109,21 @@ def test_a_snapshot_of_format_5_can_be_loaded() -> None:
     assert again.state_hash() == world.state_hash()
 
 
+def test_a_snapshot_of_format_6_can_be_loaded() -> None:
+    """Its ids are rows."""
+    world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-6.jostle")
+    assert world.state_hash() == 0xCF10FD0278F5E99B
+    assert world.ids.tolist() == [0, 1, 2, 3]
+    springs, attractor = world.forces
+    assert isinstance(springs, jostle.Springs) and springs.pairs.tolist() == [[0, 3]]
+    assert isinstance(attractor, jostle.Attractor) and attractor.particle == 2
+    again = jostle.World.restore(world.snapshot())
+    for of in (world, again):
+        of.step(STEP, steps=150)
+    assert again.state_hash() == world.state_hash()
+    assert world.add([(3, 9)], [(0, 0)], 1.0).tolist() == [4]
+
+
 def test_other_bytes_like_objects() -> None:
     data = pile().snapshot()
     assert isinstance(data, bytes)

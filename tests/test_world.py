@@ -6,6 +6,7 @@ What its particles do is tested in test_physics*.py.
 from __future__ import annotations
 
 import inspect
+import pickle
 import re
 import threading
 import time
@@ -236,34 +237,33 @@ def test_columns_of_springs_are_read_only() -> None:
             getattr(springs, name)[0] = 1
 
 
-def test_removing_tells_the_new_ids() -> None:
+def test_removing_changes_no_id() -> None:
     world = three()
-    marks, ids = world.masses, np.arange(3)
-    assert world.renumbered is None
+    marks = world.masses
     world.remove([1])
+    assert world.renumbered is None
+    assert world.ids.tolist() == [0, 2]
+    assert (world.masses == marks[world.ids]).all()
+    with pytest.raises(ValueError, match="ids"):
+        world.remove([1])
+    assert "ids" in (jostle.World.remove.__doc__ or "").splitlines()[0]
+
+
+def test_what_became_of_ids_is_told_until_the_next_step() -> None:
+    positions = [(0, 0), (9, 0), (1, 0), (20, 0)]
+    world = jostle.World(positions, [(0, 0)] * 4, 1.0, on_touch="merge")
+    world.step(0.1)
     new = world.renumbered
     assert new is not None
-    assert (new.dtype, new.tolist(), new.flags.writeable) == (np.int64, [0, -1, 1], False)
-    ids = new[ids]
-    assert (world.masses[ids[ids >= 0]] == marks[ids >= 0]).all()
-    # Each call replaces it: two removals are followed one after the other.
-    world.remove([0])
-    assert world.renumbered is not None
-    assert world.renumbered.tolist() == [-1, 0]
-    with pytest.raises(ValueError, match="ids"):
-        world.remove([5])
-    assert world.renumbered.tolist() == [-1, 0]
-    world.add([(50, 50)], [(0, 0)], 1)
-    assert world.renumbered.tolist() == [-1, 0]
+    assert (new.dtype, new.tolist(), new.flags.writeable) == (np.int64, [0, 1, 0, 3], False)
     with pytest.raises(ValueError, match="dt"):
         world.step(-1)
-    assert world.renumbered.tolist() == [-1, 0]
-    world.step(0.01)
+    world.add([(50, 50)], [(0, 0)], 1)
+    world.remove([0, 1])
+    assert world.renumbered is not None
+    assert world.renumbered.tolist() == [-1, -1, -1, 3, 4]
+    world.step(0.1)
     assert world.renumbered is None
-    world.remove([0])
-    world.remove([])
-    assert world.renumbered is None
-    assert "ids" in (jostle.World.remove.__doc__ or "").splitlines()[0]
 
 
 def test_set_changes_several_columns_at_once() -> None:
@@ -311,6 +311,67 @@ def test_add_appends_rows() -> None:
     assert len(world) == 6
 
 
+def test_add_takes_one_particle() -> None:
+    world = three()
+    id = world.add((30, 0), velocities=(0, 1), radii=2, friction=0.5)
+    assert (type(id), id) == (int, 3)
+    assert world.positions[3].tolist() == [30, 0]
+    assert world.velocities[3].tolist() == [0, 1]
+    assert (world.radii[3], world.masses[3], world.friction[3]) == (2, 4, 0.5)
+    assert world.add(np.array([40, 0]), np.zeros(2), [1]) == 4
+    assert world.add([[50, 0]], [[0, 0]], 1).tolist() == [5]
+    world.remove(id)
+    assert world.add((30, 0), (0, 1), 1) == 6
+
+
+MATERIALS: dict[str, Any] = {"radii": 0.5, "masses": 3, "friction": 0.25}
+
+
+def test_new_particles_have_the_numbers_that_all_were_given() -> None:
+    world = jostle.World([(0, 0), (5, 0)], [(0, 0)] * 2, **MATERIALS, restitution=0.5)
+    world = pickle.loads(pickle.dumps(world))
+    one = world.add((10, 0), (0, 0))
+    many = world.add([(20, 0), (30, 0)], [(0, 0)] * 2, friction=[0, 1])
+    world.add((40, 0), (0, 0), 2, masses=5, restitutions=0.1)
+    world.add((50, 0), (0, 0), 2, densities=0.5)  # a density replaces the mass
+    assert (one, many.tolist()) == (2, [3, 4])
+    assert world.radii.tolist() == [0.5] * 5 + [2, 2]
+    assert world.masses.tolist() == [3] * 5 + [5, 2]
+    assert world.friction.tolist() == [0.25] * 3 + [0, 1] + [0.25] * 2
+    # The world's own coefficient of restitution is not that of a particle.
+    np.testing.assert_array_equal(world.restitutions, np.float32([1] * 5 + [0.1, 1]))
+
+
+def test_new_particles_have_the_density_that_all_were_given() -> None:
+    world = jostle.World([(0, 0)], [(0, 0)], radii=[2], densities=3, movable=False)
+    world.add((10, 0), (0, 0), radii=1)
+    assert world.masses.tolist() == [12, 3]
+    assert world.movable.tolist() == [False, True]
+
+
+def test_one_number_that_is_assigned_is_for_new_particles_too() -> None:
+    world = jostle.World([(0, 0), (9, 0)], [(0, 0)] * 2, radii=[1, 2])
+    with pytest.raises(TypeError, match=r"^add needs radii: no number was given for all"):
+        world.add((20, 0), (0, 0))
+    world.radii, world.masses, world.friction, world.restitutions = 2.0, 7.0, 0.75, 0.5
+    world.add((20, 0), (0, 0))
+    assert [world.radii[2], world.masses[2]] == [2, 7]
+    assert [world.friction[2], world.restitutions[2]] == [0.75, 0.5]
+    with pytest.raises(ValueError, match="friction is -1"):
+        world.friction = -1
+    world.friction = [0, 0.5, 1]  # not one for all
+    world.set(0, friction=0)
+    world.add((30, 0), (0, 0))
+    assert world.friction.tolist() == [0, 0.5, 1, 0.75]
+
+
+def test_new_grains_of_a_heap_have_its_friction() -> None:
+    world = jostle.scenes.create("heap", n=50)
+    world.add((0, -900), (0, 0), radii=1.0)
+    assert world.friction[0] > 0
+    assert (world.friction == world.friction[0]).all()
+
+
 @given(st.sets(st.integers(0, 9)), st.randoms(use_true_random=False))
 def test_remove_closes_the_gaps(gone: set[int], random: Any) -> None:
     world = jostle.World([(3 * i, 0) for i in range(10)], [(0, 0)] * 10, 1, masses=np.arange(1, 11))
@@ -325,15 +386,15 @@ def test_remove_closes_the_gaps(gone: set[int], random: Any) -> None:
     assert len(world) == len(left)
 
 
-def test_contacts_follow_the_rows() -> None:
+def test_contacts_go_with_either_particle() -> None:
     world = jostle.World([(0, 0), (50, 0), (51.5, 0)], [(0, 0)] * 3, 1.0)
     world.step(0.01)
     assert world.contacts.pairs.tolist() == [[1, 2]]
     world.remove([0])
-    assert world.contacts.pairs.tolist() == [[0, 1]]
+    assert world.contacts.pairs.tolist() == [[1, 2]]
     world.remove([1])
     assert world.contacts.pairs.shape == (0, 2)
-    world.remove([0])
+    world.remove([2])
     assert world.contacts.pairs.shape == (0, 2)
     world.step(0.01)
     assert world.contacts.pairs.shape == (0, 2)
@@ -511,12 +572,13 @@ def test_what_touches_merges_and_ids_can_be_followed() -> None:
     assert world.renumbered is None
     world.step(0.01)
     assert world.renumbered is not None
-    assert (world.renumbered.dtype, world.renumbered.tolist()) == (np.int64, [0, 1, 0, 2])
+    assert world.renumbered.tolist() == [0, 1, 0, 3]
+    assert world.ids.tolist() == [0, 1, 3]
     assert world.masses.tolist() == [2, 1, 1]
     assert world.positions[0].tolist() == [0.75, 0]
     (springs,) = world.forces
     assert isinstance(springs, jostle.Springs)
-    assert springs.pairs.tolist() == [[0, 2]]
+    assert springs.pairs.tolist() == [[0, 3]]
     assert world.contacts.pairs.shape == (0, 2)
     world.step(0.01)
     assert world.renumbered is None
@@ -529,7 +591,8 @@ def test_ids_are_followed_through_long_calls() -> None:
     ids = world.renumbered
     assert ids is not None
     assert 0 < len(world) < 1000
-    sums = np.bincount(ids, weights=masses, minlength=len(world))
+    assert (np.unique(ids) == world.ids).all()
+    sums = np.bincount(ids, weights=masses)[world.ids]
     np.testing.assert_allclose(world.masses, sums, rtol=1e-5)
     world.step(1 / 600, steps=0)
     assert world.renumbered is None
@@ -605,6 +668,22 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: w.step("1"), TypeError, "dt must be a number, not str"),
     (lambda w: w.step(0.1, -1), ValueError, "steps is -1; it must be at least 0"),
     (lambda w: w.step(0.1, 1.5), TypeError, "steps must be an integer, not float"),
+    (lambda w: w.add((0, np.nan), (0, 0), 1), ValueError, "positions is (0, NaN); both"),
+    (
+        lambda w: w.add((0, 1), [(0, 0)], 1),
+        ValueError,
+        "velocities has shape (1, 2); it must be (2",
+    ),
+    (lambda w: w.add([(0, 1)], (0, 0), 1), ValueError, "velocities has shape (2,); it must be (1"),
+    (
+        lambda w: w.add((0, 1, 2), (0, 0), 1),
+        ValueError,
+        "positions has shape (3,); it must be (2,)",
+    ),
+    (lambda w: w.add((0, 1), (0, 0), [1, 2]), ValueError, "radii has shape (2,); it must be a num"),
+    (lambda w: w.add((0, 1), (0, 0), -1), ValueError, "radii is -1; a radius must be finite"),
+    (lambda w: w.add((0, 1), (0, 0), 0), ValueError, "radii is 0; its mass, density times radius"),
+    (lambda w: w.add((0, 1), (0, 0)), TypeError, "add needs radii: no number was given for all"),
     (lambda w: w.remove([3]), ValueError, "ids[0] is 3; no particle has this id; ids are below 3"),
     (lambda w: w.remove([0, 1, 0]), ValueError, "ids[2] is 0; it is given twice"),
     (lambda w: w.remove([0, -1]), ValueError, "ids[1] is -1; no particle has this id"),

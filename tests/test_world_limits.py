@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import re
 import signal
 import threading
 import time
@@ -43,6 +44,19 @@ def overflowing() -> jostle.World:
         restitution=0.5,
         substeps=1,
     )
+
+
+def test_a_step_that_overflows_names_the_id_where_it_is_not_the_row() -> None:
+    world = overflowing()
+    world.remove(world.add((-15, 0), (0, 0), masses=1.0))
+    ids = world.add([(10, 0), (13, 0), (16, 0)], np.zeros((3, 2)))
+    world.remove([0, 1, 2])
+    with pytest.raises(ValueError, match="would make") as error:
+        world.step(0.01, 1000)
+    found = re.match(r"the step would make \w+\[(\d)\] of particle (\d) ", str(error.value))
+    assert found is not None
+    row, id = map(int, found.groups())
+    assert world.ids[row] == id == ids[row]
 
 
 def test_a_step_that_overflows_names_the_particle_and_changes_nothing() -> None:

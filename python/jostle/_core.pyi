@@ -1940,8 +1940,9 @@ class Events:
 class World:
     """Particles: discs that move, collide and bounce off walls.
 
-    Particles are rows, in the order of adding; their row numbers are their ids.
-    All columns are float32; other numbers are converted. What rounding to float32 removes
+    Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
+    order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as long as
+    no particle was removed and none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
     from positions is kept from step to step; positions that are assigned are exact. The same
     input gives the same bits on every machine, for every number of threads and for both
     methods.
@@ -1953,7 +1954,8 @@ class World:
     velocities : array_like, shape (n, 2)
         In units of length per second.
     radii : array_like, a number or shape (n,)
-        In units of length: 0, or between 1e-18 and 1e18.
+        In units of length: 0, or between 1e-18 and 1e18. One number, also for `masses`, `densities` and
+        `friction`, is that of particles that are added later, too.
     masses : array_like, a number or shape (n,), optional
         Above 0. If omitted, density times radius squared, as in the article; required for
         a particle of radius 0.
@@ -2005,10 +2007,10 @@ class World:
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
-        friction are the means weighted by mass, and the id is the smallest; the following ids
-        decrease, see `renumbered`. If one has friction or turns, angular momentum is
-        conserved. If some of the particles are not movable, the merged particle is not movable
-        either and has the place and the velocity of the heaviest of these; momentum is lost. Particles do not merge if the
+        friction are the means weighted by mass, and the id is the smallest, see `renumbered`. If one has
+        friction or turns, angular momentum is conserved. If some of the particles are not movable, the
+        merged particle is not movable either and has the place and the velocity of the heaviest of
+        these; momentum is lost. Particles do not merge if the
         result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
         How pairs are found; the pairs are the same.
@@ -2128,39 +2130,50 @@ class World:
         >>> world.positions
         array([[4., 0.]], dtype=float32)
         """
+    @overload
     def add(
         self,
-        positions: _Vectors,
+        positions: _Point,
         velocities: _Vectors,
-        radii: ArrayLike,
+        radii: ArrayLike | None = None,
         *,
         masses: ArrayLike | None = None,
-        densities: ArrayLike = 1.0,
-        restitutions: ArrayLike = 1.0,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
         movable: ArrayLike | None = None,
-        friction: ArrayLike = 0.0,
+        friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
-    ) -> _Ids:
-        """Add particles after the others.
+    ) -> int:
+        """Add one particle or many, after the others.
+
+        What is omitted is the number that was last given for all particles: to `World`, as in
+        ``World(..., friction=0.5)``, or by assigning it, as in ``world.friction = 0.5``. An array
+        with a number for each particle does not count.
 
         Parameters
         ----------
-        positions, velocities : array_like, shape (k, 2)
-        radii : array_like, a number or shape (k,)
+        positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+        radii : array_like, a number or shape (k,), optional
+            Required if no number was given for all particles.
         masses : array_like, a number or shape (k,), optional
-            If omitted, density times radius squared.
-        densities : array_like, a number or shape (k,), default 1.0
-        restitutions : array_like, a number or shape (k,), default 1.0
-        movable : array_like of bool, one or shape (k,), optional
-        friction : array_like, a number or shape (k,), default 0.0
-        angles, angular_velocities : array_like, a number or shape (k,), optional
-            0 if omitted.
+            If omitted and no number was given for all particles, or if `densities` are given, density
+            times radius squared.
+        densities : array_like, a number or shape (k,), optional
+            1.0 if no number was given to `World`.
+        restitutions : array_like, a number or shape (k,), optional
+            1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor of
+            all contacts anyway.
+        movable : array_like of bool, one or shape (k,), default True
+        friction : array_like, a number or shape (k,), optional
+            0.0 if no number was given for all particles.
+        angles, angular_velocities : array_like, a number or shape (k,), default 0.0
 
         Returns
         -------
-        ndarray of int64, shape (k,)
-            Their ids: the rows that they have in every column.
+        ndarray of int64, shape (k,), or int
+            Their ids, above all ids before; one id for one position. Their rows are the last ones of
+            every column.
 
         Raises
         ------
@@ -2173,19 +2186,66 @@ class World:
         >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
         >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
         array([1, 2])
+        >>> world.add((0, 5), velocities=(1, 0))
+        3
+        >>> world.radii
+        array([1. , 0.5, 0.5, 1. ], dtype=float32)
         """
+    @overload
+    def add(
+        self,
+        positions: _Points,
+        velocities: _Vectors,
+        radii: ArrayLike | None = None,
+        *,
+        masses: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
+    ) -> _Ids: ...
+    @overload
+    def add(
+        self,
+        positions: Sequence[_Real],
+        velocities: _Vectors,
+        radii: ArrayLike | None = None,
+        *,
+        masses: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        positions: _Undecided,
+        velocities: _Vectors,
+        radii: ArrayLike | None = None,
+        *,
+        masses: ArrayLike | None = None,
+        densities: ArrayLike | None = None,
+        restitutions: ArrayLike | None = None,
+        movable: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        angular_velocities: ArrayLike | None = None,
+    ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
-        """Remove particles, which changes the ids of others.
+        """Remove particles. Their ids are never used again.
 
-        An id is a row number: the rows after a removed one move up, so an old id may belong to
-        another particle afterwards. `renumbered` gives the new id of each old one. Springs
-        and attractors of a removed particle are removed too; the ids in the others are
-        updated.
+        The ids of other particles stay the same; in the columns, the rows after a removed one move
+        up. Springs and attractors of a removed particle are removed too.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Row numbers, each at most once.
+            The particles, each at most once.
 
         Raises
         ------
@@ -2196,12 +2256,12 @@ class World:
         --------
         >>> import jostle
         >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-        >>> world.remove([1])
+        >>> world.remove(1)
         >>> world.positions
         array([[0., 0.],
                [9., 0.]], dtype=float32)
-        >>> world.renumbered  # particle 2 is now 1, and 1 is removed
-        array([ 0, -1,  1])
+        >>> world.ids
+        array([0, 2])
         """
     def set(
         self,
@@ -2222,7 +2282,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Row numbers, each at most once.
+            The particles, each at most once.
         positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
@@ -2246,12 +2306,71 @@ class World:
         >>> world.set(0, positions=(2, 1))
         """
     @property
+    def ids(self) -> _Ids:
+        """The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
+
+        The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
+        used again. ``id in world`` tells whether a particle has an id.
+
+        See Also
+        --------
+        rows : The rows of ids.
+        renumbered : What became of merged particles.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+        >>> world.remove(0)
+        >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
+        array([3])
+        >>> world.ids
+        array([1, 2, 3])
+        """
+    @overload
+    def rows(self, ids: _Id) -> int:
+        """Return the rows that particles have in the columns.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The particles.
+
+        Returns
+        -------
+        ndarray of int64, shape (k,), or int
+            Their rows, until a particle before them is removed or merges; one row for one id.
+
+        Raises
+        ------
+        TypeError
+            If `ids` does not hold integers.
+        ValueError
+            If no particle has an id.
+
+        See Also
+        --------
+        ids : The ids of all rows.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+        >>> world.remove(0)
+        >>> world.positions[world.rows(2)]
+        array([9., 0.], dtype=float32)
+        """
+    @overload
+    def rows(self, ids: _IdList) -> _Ids: ...
+    @overload
+    def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
+    @property
     def positions(self) -> NDArray[np.float32]:
         """Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
 
         Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
         ``world.positions += 1``, raises ValueError. Assign a whole column instead,
-        ``world.positions = world.positions + 1``, or change some rows with
+        ``world.positions = world.positions + 1``, or change some particles with
         ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
         """
     @positions.setter
@@ -2262,7 +2381,7 @@ class World:
         second.
 
         To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
-        or change some rows with ``world.set([0], velocities=[(7, 7)])``.
+        or change some particles with ``world.set([0], velocities=[(7, 7)])``.
         """
     @velocities.setter
     def velocities(self, value: _Vectors) -> None: ...
@@ -2481,13 +2600,31 @@ class World:
     def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
     @property
     def renumbered(self) -> _Ids | None:
-        """New ids after the last call of `step` or `remove`: a read-only ndarray of int64, shape
-        (n before the call,), or None if that call changed no id.
+        """What became of each id in the last call of `step`: a read-only ndarray of int64, or None if
+        no particles merged.
 
-        Row i is the new id of the old id i: ``ids = world.renumbered[ids]`` updates ids.
-        Particles that merged share an id. A removed particle has -1; drop it with
-        ``ids = ids[ids >= 0]`` before the next call. Each call of `step` or `remove` replaces
-        the array: read it after every call that may merge or remove particles.
+        It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
+        ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
+        stands for an id that no particle has, also if it was removed since. Each call of `step`
+        replaces the array: read it after every call that may merge particles.
+
+        Raises
+        ------
+        MemoryError
+            If more than 134217728 ids were given, or there is not enough memory.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(
+        ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
+        ... )
+        >>> world.step(0.1)
+        >>> world.ids
+        array([0, 1, 3])
+        >>> mine = np.array([2, 3])
+        >>> world.renumbered[mine]  # 2 is part of 0 now
+        array([0, 3])
         """
     @property
     def method(self) -> Literal["quadtree", "brute"]:
@@ -2558,8 +2695,9 @@ class World:
     def quadtree(self) -> Quadtree:
         """Return a quadtree of the particles as they are now.
 
-        It is a copy: later steps do not change it. Its ids are the row numbers of the particles. A
-        query does not look beyond the sides of a torus.
+        It is a copy: later steps do not change it. It answers with rows: ``world.ids[rows]`` are the
+        ids of these particles, if none was added, removed or merged since. A query does not look
+        beyond the sides of a torus.
 
         Returns
         -------
@@ -2588,7 +2726,7 @@ class World:
         """
     @property
     def contacts(self) -> WorldContacts:
-        """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+        """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2) of ids,
         ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
         its end, negative for pairs that had separated, and the sums of the impulses of the step
         along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
@@ -2758,6 +2896,7 @@ class World:
         <jostle.World of 50 particles after 0.000 s>
         """
     def __reduce__(self) -> tuple[Callable[[bytes], World], tuple[bytes]]: ...
+    def __contains__(self, id: object, /) -> bool: ...
     def __len__(self) -> int: ...
 
 @final
@@ -2935,9 +3074,7 @@ class Attractor:
         """ "harmonic" or "inverse_square"."""
     @property
     def particle(self) -> int | None:
-        """Id of the attracting particle, or None. It changes in a world when particles with smaller
-        ids are removed.
-        """
+        """Id of the attracting particle, or None."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs_ex__(
@@ -3046,9 +3183,7 @@ class Springs:
     ) -> Self: ...
     @property
     def pairs(self) -> _Pairs:
-        """Ids of the ends: read-only ndarray of int64, shape (m, 2). They change in a world when
-        particles with smaller ids are removed.
-        """
+        """Ids of the ends: read-only ndarray of int64, shape (m, 2)."""
     @property
     def lengths(self) -> NDArray[np.float32]:
         """Lengths at rest: ndarray of float32, shape (m,)."""

@@ -9,7 +9,7 @@ use std::fmt::Display;
 
 use jostle::interrupt::Pulse;
 use jostle::shapes::MOST_ROWS;
-use jostle::{Each, Scalar, memory};
+use jostle::{Each, Id, Scalar, memory};
 use numpy::ndarray::Array2;
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
@@ -50,7 +50,7 @@ const BIT_SET_RULE: &str = "a set of 32 bits: between 0 and 4294967295, or a neg
                             -4294967296 as ~bits gives it";
 
 /// Values of the ids of particles.
-const ROW_RULE: &str = "the id of a particle, between 0 and 4294967295";
+const ID_RULE: &str = "the id of a particle, between 0 and 9223372036854775807";
 
 /// What an array argument may hold.
 #[derive(Clone, Copy, PartialEq)]
@@ -191,11 +191,11 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// The pair of a single id.
-    pub fn only_pair<T: Scalar + Element>(&self) -> PyResult<[T; 2]> {
+    /// The only pair; `of` says what there is one of.
+    pub fn only_pair<T: Scalar + Element>(&self, of: &str) -> PyResult<[T; 2]> {
         match self.array.shape() {
             [2] => self.only(self.real_pairs()?),
-            _ => Err(self.wrong_shape("(2,), as there is one id")),
+            _ => Err(self.wrong_shape(&format!("(2,), as there is one {of}"))),
         }
     }
 
@@ -284,10 +284,11 @@ impl<'py> Argument<'py> {
     }
 
     /// Pairs of ids of particles.
-    pub fn id_pairs(&self) -> PyResult<Vec<[u32; 2]>> {
+    pub fn id_pairs(&self) -> PyResult<Vec<[Id; 2]>> {
         match self.array.shape() {
             [_, 2] | [0] => {
-                let ids = self.unsigned(|number| number.try_into().ok(), ROW_RULE)?;
+                let id = |number: i128| Id::try_from(number).ok().filter(|&id| id >= 0);
+                let ids = self.integer_each(id, ID_RULE)?;
                 let pairs = ids.as_chunks::<2>().0;
                 self.collected(pairs.len(), pairs.iter().copied())
             }
@@ -368,6 +369,10 @@ impl<'py> Argument<'py> {
         if self.array.dtype().is_equiv_to(&dtype::<u32>(self.array.py())) {
             return self.copied();
         }
+        self.integer_each(narrow, rule)
+    }
+
+    fn integer_each<N>(&self, narrow: fn(i128) -> Option<N>, rule: &str) -> PyResult<Vec<N>> {
         // Every unsigned type fits into u64, every signed one into i64.
         if self.array.dtype().kind() == b'u' {
             self.read(|all: &[u64]| self.narrowed(all, narrow, rule))
@@ -376,12 +381,12 @@ impl<'py> Argument<'py> {
         }
     }
 
-    fn narrowed<V: Copy + Into<i128>>(
+    fn narrowed<V: Copy + Into<i128>, N>(
         &self,
         values: &[V],
-        narrow: fn(i128) -> Option<u32>,
+        narrow: fn(i128) -> Option<N>,
         rule: &str,
-    ) -> PyResult<Vec<u32>> {
+    ) -> PyResult<Vec<N>> {
         let mut narrowed = self.room_for(values.len())?;
         for (index, &value) in values.iter().enumerate() {
             let refused = || value_error(&self.entry(index), value.into(), rule);

@@ -2,7 +2,7 @@
 //! accelerates the particles of a world, as values.
 
 use jostle::forces::{self, Law, Pole, Spring};
-use jostle::{Each, Force};
+use jostle::{Each, Force, Id};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -108,13 +108,12 @@ impl PyAttractor {
         }
     }
 
-    /// Id of the attracting particle, or None. It changes in a world when particles with smaller
-    /// ids are removed.
+    /// Id of the attracting particle, or None.
     #[getter]
-    fn particle(&self) -> Option<u32> {
+    fn particle(&self) -> Option<Id> {
         match self.0.pole {
             Pole::Point(_) => None,
-            Pole::Particle(row) => Some(row),
+            Pole::Particle(id) => Some(id),
         }
     }
 
@@ -138,8 +137,8 @@ impl PyAttractor {
                 let [x, y] = point.map(decimal);
                 format!("Attractor(({x:?}, {y:?}), {strength:?}, '{law}')")
             }
-            Pole::Particle(row) => {
-                format!("Attractor(None, {strength:?}, '{law}', particle={row})")
+            Pole::Particle(id) => {
+                format!("Attractor(None, {strength:?}, '{law}', particle={id})")
             }
         }
     }
@@ -320,14 +319,10 @@ impl PySprings {
         Ok(Self(springs))
     }
 
-    /// Ids of the ends: read-only ndarray of int64, shape (m, 2). They change in a world when
-    /// particles with smaller ids are removed.
+    /// Ids of the ends: read-only ndarray of int64, shape (m, 2).
     #[getter]
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
-        Ok(read_only(table(
-            py,
-            self.0.0.iter().map(|spring| spring.pair.map(i64::from)).collect(),
-        )?))
+        Ok(read_only(table(py, self.0.0.iter().map(|spring| spring.pair).collect())?))
     }
 
     /// Lengths at rest: ndarray of float32, shape (m,).
@@ -450,10 +445,10 @@ fn read_law(given: &Given<'_>) -> PyResult<Law> {
     }
 }
 
-/// The row number of a particle.
-fn id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u32> {
-    let row = count(name, value, 0)?;
-    u32::try_from(row).map_err(|_| value_error(name, row, "the id of a particle"))
+/// The id of a particle.
+fn id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Id> {
+    let id = count(name, value, 0)?;
+    Id::try_from(id).map_err(|_| value_error(name, id, "the id of a particle"))
 }
 
 /// The core's forces of a sequence of Python ones.

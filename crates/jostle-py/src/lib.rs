@@ -12,6 +12,7 @@ mod settings;
 mod shapes;
 mod results;
 mod queries;
+mod ids;
 mod find_pairs;
 mod quadtree;
 mod space;

@@ -4,7 +4,7 @@ use jostle::particles::{
     MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
     check_restitutions, check_vectors,
 };
-use jostle::{Each, Error, Particles, Spin};
+use jostle::{Defaults, Each, Error, Particles};
 use pyo3::prelude::*;
 
 use crate::arrays::Argument;
@@ -44,14 +44,55 @@ impl Draft {
         Ok((draft, len))
     }
 
+    /// The same of one particle, and then no number, or of many.
+    pub fn of_one_or_many<'py>(
+        positions: &Bound<'py, PyAny>,
+        velocities: &Bound<'py, PyAny>,
+        radii: Maybe<'_, 'py>,
+    ) -> PyResult<(Self, Option<usize>)> {
+        let positions: Each<[f32; 2]> = Argument::reals("positions", positions)?.one_or_rows()?;
+        let len = positions.len();
+        let draft = Self {
+            positions: Some(positions.rows(1)),
+            velocities: match len {
+                Some(len) => vectors("velocities", Some(velocities), len)?,
+                None => Some(only_vector("velocities", velocities, "particle")?),
+            },
+            radii: reals("radii", radii, len.unwrap_or(1))?,
+            ..Self::default()
+        };
+        Ok((draft, len))
+    }
+
+    /// What is given by one number for all particles becomes the default of those that are added
+    /// later.
+    pub fn defaults(&self, before: Defaults) -> Defaults {
+        fn one(column: Option<&Each<f32>>) -> Option<f32> {
+            column.and_then(|column| if let Each::One(one) = column { Some(*one) } else { None })
+        }
+        Defaults {
+            radius: one(self.radii.as_ref()).or(before.radius),
+            mass: one(self.masses.as_ref()).or(before.mass),
+            density: one(self.densities.as_ref()).unwrap_or(before.density),
+            restitution: one(self.restitutions.as_ref()).unwrap_or(before.restitution),
+            friction: one(self.friction.as_ref()).unwrap_or(before.friction),
+        }
+    }
+
     /// New particles of these columns; what was left out takes its default. Needs no Python.
-    pub fn particles(mut self, len: usize) -> jostle::Result<Particles> {
+    pub fn particles(mut self, len: usize, defaults: &Defaults) -> jostle::Result<Particles> {
         self.check()?;
+        self.radii = self.radii.or(defaults.radius.map(Each::One));
+        self.restitutions.get_or_insert(Each::One(defaults.restitution));
+        self.friction.get_or_insert(Each::One(defaults.friction));
+        if self.densities.is_none() {
+            self.masses = self.masses.or(defaults.mass.map(Each::One));
+        }
         let blank = vec![[0.0; 2]; len];
         let mut particles = Particles::new(blank.clone(), blank, vec![0.0; len], 1.0);
-        let densities = self.densities.take().unwrap_or(Each::One(1.0)).rows(len);
+        let densities = self.densities.take().unwrap_or(Each::One(defaults.density)).rows(len);
         let has_masses = self.masses.is_some();
-        self.write(&mut particles, None);
+        self.write(&mut particles);
         if !has_masses {
             let pairs = particles.radii.iter().zip(densities);
             particles.masses = pairs.map(|(r, density)| density * r * r).collect();
@@ -73,20 +114,24 @@ impl Draft {
         check_column(self.angular_velocities.as_ref(), check_angular_velocities)
     }
 
-    /// Writes the columns over those of the particles `ids`, or of all.
-    pub fn write(self, particles: &mut Particles, ids: Option<&[u32]>) {
+    /// Writes the columns over those of the particles.
+    pub fn write(self, particles: &mut Particles) {
         // Given positions are exact.
         let residuals = self.positions.is_some().then_some(Each::One([0.0; 2]));
-        put(residuals, &mut particles.residuals, ids);
-        put(self.positions.map(Each::Rows), &mut particles.positions, ids);
-        put(self.velocities.map(Each::Rows), &mut particles.velocities, ids);
-        put(self.radii, &mut particles.radii, ids);
-        put(self.masses, &mut particles.masses, ids);
-        put(self.restitutions, &mut particles.restitutions, ids);
-        put(self.movable, &mut particles.movable, ids);
-        put_spins(self.friction, particles, ids, |spin, friction| spin.friction = friction);
-        put_spins(self.angles, particles, ids, |spin, angle| spin.angle = f64::from(angle));
-        put_spins(self.angular_velocities, particles, ids, |spin, speed| spin.velocity = speed);
+        put(residuals, &mut particles.residuals, |to, value| *to = value);
+        put(self.positions.map(Each::Rows), &mut particles.positions, |to, value| *to = value);
+        put(self.velocities.map(Each::Rows), &mut particles.velocities, |to, value| *to = value);
+        put(self.radii, &mut particles.radii, |to, value| *to = value);
+        put(self.masses, &mut particles.masses, |to, value| *to = value);
+        put(self.restitutions, &mut particles.restitutions, |to, value| *to = value);
+        put(self.movable, &mut particles.movable, |to, value| *to = value);
+        // There is no column of friction and rotation while all of it is 0.
+        if self.friction.is_some() || self.angles.is_some() || self.angular_velocities.is_some() {
+            let spins = particles.spins_mut();
+            put(self.friction, spins, |spin, friction| spin.friction = friction);
+            put(self.angles, spins, |spin, angle| spin.angle = f64::from(angle));
+            put(self.angular_velocities, spins, |spin, speed| spin.velocity = speed);
+        }
     }
 }
 
@@ -97,6 +142,15 @@ pub fn vectors(
     len: usize,
 ) -> PyResult<Option<Vec<[f32; 2]>>> {
     value.map(|value| Argument::reals(name, value)?.pairs(len)).transpose()
+}
+
+/// The only pair of float32; `of` says what there is one of.
+pub fn only_vector(
+    name: &'static str,
+    value: &Bound<'_, PyAny>,
+    of: &str,
+) -> PyResult<Vec<[f32; 2]>> {
+    Ok(vec![Argument::reals(name, value)?.only_pair(of)?])
 }
 
 /// A float32 for all or one for each of `len` particles.
@@ -148,40 +202,13 @@ fn check_densities(densities: &[f32]) -> jostle::Result<()> {
     }
 }
 
-fn put<V: Copy>(values: Option<Each<V>>, column: &mut [V], ids: Option<&[u32]>) {
-    if let Some(values) = values {
-        put_each(values, column, ids, |to, value| *to = value);
-    }
-}
-
-/// As [`put`] for friction and rotation, of which there is no column while all of it is 0.
-fn put_spins(
-    values: Option<Each<f32>>,
-    particles: &mut Particles,
-    ids: Option<&[u32]>,
-    set: impl Fn(&mut Spin, f32),
-) {
-    if let Some(values) = values {
-        put_each(values, particles.spins_mut(), ids, set);
-    }
-}
-
-fn put_each<V: Copy, C>(
-    values: Each<V>,
-    column: &mut [C],
-    ids: Option<&[u32]>,
-    set: impl Fn(&mut C, V),
-) {
-    match (values, ids) {
-        (Each::One(value), None) => column.iter_mut().for_each(|to| set(to, value)),
-        (Each::Rows(values), None) => {
+/// Sets a value in each row.
+fn put<V: Copy, C>(values: Option<Each<V>>, column: &mut [C], set: impl Fn(&mut C, V)) {
+    match values {
+        None => (),
+        Some(Each::One(value)) => column.iter_mut().for_each(|to| set(to, value)),
+        Some(Each::Rows(values)) => {
             column.iter_mut().zip(values).for_each(|(to, value)| set(to, value));
-        }
-        (Each::One(value), Some(ids)) => {
-            ids.iter().for_each(|&id| set(&mut column[id as usize], value));
-        }
-        (Each::Rows(values), Some(ids)) => {
-            ids.iter().zip(values).for_each(|(&id, value)| set(&mut column[id as usize], value));
         }
     }
 }

@@ -4,7 +4,7 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{GaltonBoard, Nozzle};
-use jostle::{Scalar, Touch, WallTouch, memory};
+use jostle::{Id, Scalar, Touch, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -25,7 +25,7 @@ pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<
 pub fn world_contacts(py: Python<'_>, all: Vec<Touch>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pairs = detached(py, || {
-        let pairs: Vec<[u32; 2]> = all.iter().map(|touch| touch.pair).collect();
+        let pairs: Vec<[Id; 2]> = all.iter().map(|touch| touch.pair).collect();
         long(&pairs)
     })?;
     let fields = (
@@ -42,7 +42,7 @@ pub fn world_contacts(py: Python<'_>, all: Vec<Touch>) -> PyResult<Bound<'_, PyA
 pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (
-        column(py, all.iter().map(|touch| i64::from(touch.row)).collect()),
+        column(py, all.iter().map(|touch| touch.id).collect()),
         column(py, all.iter().map(|touch| i64::from(touch.wall)).collect()),
         table(py, all.iter().map(|touch| touch.normal).collect())?,
         column(py, all.iter().map(|touch| touch.depth).collect()),

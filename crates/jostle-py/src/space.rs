@@ -9,11 +9,11 @@ use numpy::{Element, PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString};
 
-use crate::arrays::{Argument, Given, column, long_ids, table, truth};
-use crate::error::{refused, type_error, value_error};
+use crate::arrays::{Argument, Given, column, table, truth};
+use crate::error::{refused, value_error};
 use crate::events::PyEvents;
+use crate::ids::{Ids, one_id};
 use crate::interrupt::detached;
 use crate::lock::Shared;
 use crate::queries::{self, Asked, Maybe, told};
@@ -238,7 +238,7 @@ impl PySpace {
         boxes: Maybe<'_, 'py>,
     ) -> PyResult<()> {
         with_space!(self, space => {
-            let ids = Ids::read(ids)?;
+            let ids = Ids::read(ids, "shape")?;
             let places = Where::read(centers, None, boxes)?;
             let places = if ids.single { places.only() } else { places.rows(ids.all.len()) }?;
             ids.told(long(py, space, |space| match &places {
@@ -286,7 +286,7 @@ impl PySpace {
         half_sizes: Maybe<'_, '_>,
     ) -> PyResult<()> {
         with_space!(self, space => {
-            let ids = Ids::read(ids)?;
+            let ids = Ids::read(ids, "shape")?;
             let radii = reals("radii", radii, ids.all.len())?;
             let sizes = sizes(half_sizes, ids.all.len())?;
             let (radii, sizes) = (radii.as_ref(), sizes.as_ref());
@@ -330,7 +330,7 @@ impl PySpace {
         masks: Maybe<'_, '_>,
     ) -> PyResult<()> {
         with_space!(self, space => {
-            let ids = Ids::read(ids)?;
+            let ids = Ids::read(ids, "shape")?;
             let [categories, masks] = bits([categories, masks], ids.all.len())?;
             let (categories, masks) = (categories.as_ref(), masks.as_ref());
             ids.told(long(py, space, |space| space.set_filter(&ids.all, categories, masks))?)
@@ -361,7 +361,7 @@ impl PySpace {
     /// array([2])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         with_space!(self, space => {
-            let ids = Ids::read(ids)?;
+            let ids = Ids::read(ids, "shape")?;
             ids.told(long(py, space, |space| space.remove(&ids.all))?)
         })
     }
@@ -971,12 +971,8 @@ impl PySpace {
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
-        if !id.is_instance_of::<PyString>() && id.len().is_ok() {
-            let rule = "one id; np.isin(ids, space.ids) tests many";
-            return Err(type_error("the left side of `in`", rule, id));
-        }
-        let number = if id.is_instance_of::<PyBool>() { None } else { id.extract::<Id>().ok() };
-        let Some(id) = number else { return Ok(false) };
+        let id = one_id(id, "np.isin(ids, space.ids) tests many")?;
+        let Some(id) = id else { return Ok(false) };
         with_space!(self, space => Ok(space.lock_attached(py)?.contains(id)))
     }
 
@@ -1044,26 +1040,6 @@ fn is_single(dtype: &Given<'_>) -> PyResult<bool> {
     }
 }
 
-/// Which shapes a call is about.
-struct Ids {
-    all: Vec<Id>,
-    /// Whether it was one id and no array.
-    single: bool,
-}
-
-impl Ids {
-    fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let ids = long_ids("ids", value, "shape")?;
-        let single = matches!(ids, Each::One(_));
-        Ok(Self { all: ids.rows(1), single })
-    }
-
-    /// Where one id was given, an error names no row.
-    fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
-        told(done, self.single)
-    }
-}
-
 /// What new shapes are besides where they are.
 struct Draft<T> {
     radii: Option<Each<T>>,
@@ -1112,7 +1088,7 @@ fn read<T: Scalar, V: Send>(
     ids: Maybe<'_, '_>,
     of: impl Fn(Shape<T>) -> V + Send,
 ) -> PyResult<(Vec<V>, bool)> {
-    let ids = ids.map(Ids::read).transpose()?;
+    let ids = ids.map(|ids| Ids::read(ids, "shape")).transpose()?;
     let single = ids.as_ref().is_some_and(|ids| ids.single);
     let values = long(py, space, |space| {
         let all = ids.map_or_else(|| space.ids(), |ids| Ok(ids.all))?;

@@ -1,24 +1,25 @@
 //! `jostle.World`.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Each, Error, Stage, Wall, World, WorldSettings};
+use jostle::{Defaults, Each, Error, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
-use pyo3::exceptions::PyValueError;
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{
-    Argument, Given, column, count, decimal, long_ids, number, point, read_only, table,
-};
+use crate::arrays::{Given, column, count, decimal, number, point, read_only, table};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
 use crate::forces;
+use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, reals, truths, vectors};
+use crate::particles::{Draft, only_vector, reals, truths, vectors};
 use crate::quadtree::PyQuadtree;
 use crate::queries::told;
 use crate::results;
@@ -31,8 +32,9 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 
 /// Particles: discs that move, collide and bounce off walls.
 ///
-/// Particles are rows, in the order of adding; their row numbers are their ids.
-/// All columns are float32; other numbers are converted. What rounding to float32 removes
+/// Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
+/// order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as long as
+/// no particle was removed and none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
 /// from positions is kept from step to step; positions that are assigned are exact. The same
 /// input gives the same bits on every machine, for every number of threads and for both
 /// methods.
@@ -44,7 +46,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// velocities : array_like, shape (n, 2)
 ///     In units of length per second.
 /// radii : array_like, a number or shape (n,)
-///     In units of length: 0, or between 1e-18 and 1e18.
+///     In units of length: 0, or between 1e-18 and 1e18. One number, also for `masses`, `densities` and
+///     `friction`, is that of particles that are added later, too.
 /// masses : array_like, a number or shape (n,), optional
 ///     Above 0. If omitted, density times radius squared, as in the article; required for
 ///     a particle of radius 0.
@@ -96,10 +99,10 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
-///     friction are the means weighted by mass, and the id is the smallest; the following ids
-///     decrease, see `renumbered`. If one has friction or turns, angular momentum is
-///     conserved. If some of the particles are not movable, the merged particle is not movable
-///     either and has the place and the velocity of the heaviest of these; momentum is lost. Particles do not merge if the
+///     friction are the means weighted by mass, and the id is the smallest, see `renumbered`. If one has
+///     friction or turns, angular momentum is conserved. If some of the particles are not movable, the
+///     merged particle is not movable either and has the place and the velocity of the heaviest of
+///     these; momentum is lost. Particles do not merge if the
 ///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found; the pairs are the same.
@@ -248,7 +251,9 @@ impl PyWorld {
         walls::set_restitution(&mut walls, &wall_restitution)?;
         walls::set_friction(&mut walls, wall_friction)?;
         let world = py.detach(|| {
-            let mut world = World::new(draft.particles(len)?, rules)?;
+            let defaults = draft.defaults(Defaults::default());
+            let mut world = World::new(draft.particles(len, &defaults)?, rules)?;
+            world.set_defaults(defaults)?;
             world.set_forces(forces)?;
             world.set_walls(walls)?;
             Ok(world)
@@ -298,25 +303,35 @@ impl PyWorld {
         Ok(())
     }
 
-    /// Add particles after the others.
+    /// Add one particle or many, after the others.
+    ///
+    /// What is omitted is the number that was last given for all particles: to `World`, as in
+    /// ``World(..., friction=0.5)``, or by assigning it, as in ``world.friction = 0.5``. An array
+    /// with a number for each particle does not count.
     ///
     /// Parameters
     /// ----------
-    /// positions, velocities : array_like, shape (k, 2)
-    /// radii : array_like, a number or shape (k,)
+    /// positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+    /// radii : array_like, a number or shape (k,), optional
+    ///     Required if no number was given for all particles.
     /// masses : array_like, a number or shape (k,), optional
-    ///     If omitted, density times radius squared.
-    /// densities : array_like, a number or shape (k,), default 1.0
-    /// restitutions : array_like, a number or shape (k,), default 1.0
-    /// movable : array_like of bool, one or shape (k,), optional
-    /// friction : array_like, a number or shape (k,), default 0.0
-    /// angles, angular_velocities : array_like, a number or shape (k,), optional
-    ///     0 if omitted.
+    ///     If omitted and no number was given for all particles, or if `densities` are given, density
+    ///     times radius squared.
+    /// densities : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was given to `World`.
+    /// restitutions : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor of
+    ///     all contacts anyway.
+    /// movable : array_like of bool, one or shape (k,), default True
+    /// friction : array_like, a number or shape (k,), optional
+    ///     0.0 if no number was given for all particles.
+    /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
     ///
     /// Returns
     /// -------
-    /// ndarray of int64, shape (k,)
-    ///     Their ids: the rows that they have in every column.
+    /// ndarray of int64, shape (k,), or int
+    ///     Their ids, above all ids before; one id for one position. Their rows are the last ones of
+    ///     every column.
     ///
     /// Raises
     /// ------
@@ -329,54 +344,59 @@ impl PyWorld {
     /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
     /// >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
     /// array([1, 2])
-    #[pyo3(
-        signature = (
-            positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
-            restitutions=Given::NOTHING, movable=None, friction=Given::NOTHING, angles=None,
-            angular_velocities=None,
-        ),
-        text_signature = "($self, positions, velocities, radii, *, masses=None, densities=1.0, \
-                          restitutions=1.0, movable=None, friction=0.0, angles=None, \
-                          angular_velocities=None)"
-    )]
+    /// >>> world.add((0, 5), velocities=(1, 0))
+    /// 3
+    /// >>> world.radii
+    /// array([1. , 0.5, 0.5, 1. ], dtype=float32)
+    #[pyo3(signature = (
+        positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
+        movable=None, friction=None, angles=None, angular_velocities=None,
+    ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
-        radii: &Bound<'py, PyAny>,
+        radii: Option<&Bound<'py, PyAny>>,
         masses: Option<&Bound<'py, PyAny>>,
-        densities: Given<'py>,
-        restitutions: Given<'py>,
+        densities: Option<&Bound<'py, PyAny>>,
+        restitutions: Option<&Bound<'py, PyAny>>,
         movable: Option<&Bound<'py, PyAny>>,
-        friction: Given<'py>,
+        friction: Option<&Bound<'py, PyAny>>,
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
-        let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
+        let len = many.unwrap_or(1);
         draft.masses = reals("masses", masses, len)?;
-        draft.densities = reals("densities", densities.value(), len)?;
-        draft.restitutions = reals("restitutions", restitutions.value(), len)?;
+        draft.densities = reals("densities", densities, len)?;
+        draft.restitutions = reals("restitutions", restitutions, len)?;
         draft.movable = truths("movable", movable, len)?;
-        draft.friction = reals("friction", friction.value(), len)?;
+        draft.friction = reals("friction", friction, len)?;
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
-        let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
-        Ok(column(py, ids.map_err(refused)?.map(i64::from).collect()))
+        if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
+            let rule = "add needs radii: no number was given for all particles of this world";
+            return Err(PyTypeError::new_err(rule));
+        }
+        let ids = told(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        if many.is_none() {
+            ids.start.into_bound_py_any(py)
+        } else {
+            Ok(column(py, ids.collect()).into_any())
+        }
     }
 
-    /// Remove particles, which changes the ids of others.
+    /// Remove particles. Their ids are never used again.
     ///
-    /// An id is a row number: the rows after a removed one move up, so an old id may belong to
-    /// another particle afterwards. `renumbered` gives the new id of each old one. Springs
-    /// and attractors of a removed particle are removed too; the ids in the others are
-    /// updated.
+    /// The ids of other particles stay the same; in the columns, the rows after a removed one move
+    /// up. Springs and attractors of a removed particle are removed too.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Row numbers, each at most once.
+    ///     The particles, each at most once.
     ///
     /// Raises
     /// ------
@@ -387,15 +407,15 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    /// >>> world.remove([1])
+    /// >>> world.remove(1)
     /// >>> world.positions
     /// array([[0., 0.],
     ///        [9., 0.]], dtype=float32)
-    /// >>> world.renumbered  # particle 2 is now 1, and 1 is removed
-    /// array([ 0, -1,  1])
+    /// >>> world.ids
+    /// array([0, 2])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
-        let rows = Rows::read(ids)?;
-        rows.told(self.long(py, |state| state.world.remove(&rows.all))?)
+        let ids = Ids::read(ids, "particle")?;
+        ids.told(self.long(py, |state| state.world.remove(&ids.all))?)
     }
 
     /// Change some columns of some particles.
@@ -403,7 +423,7 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     Row numbers, each at most once.
+    ///     The particles, each at most once.
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
@@ -444,11 +464,11 @@ impl PyWorld {
         angles: Option<&Bound<'_, PyAny>>,
         angular_velocities: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let rows = Rows::read(ids)?;
-        let len = rows.all.len();
+        let ids = Ids::read(ids, "particle")?;
+        let len = ids.all.len();
         let draft = Draft {
-            positions: rows.vectors("positions", positions)?,
-            velocities: rows.vectors("velocities", velocities)?,
+            positions: vectors_of(&ids, "positions", positions)?,
+            velocities: vectors_of(&ids, "velocities", velocities)?,
             radii: reals("radii", radii, len)?,
             masses: reals("masses", masses, len)?,
             restitutions: reals("restitutions", restitutions, len)?,
@@ -458,14 +478,79 @@ impl PyWorld {
             angles: reals("angles", angles, len)?,
             angular_velocities: reals("angular_velocities", angular_velocities, len)?,
         };
-        rows.told(self.long(py, |state| state.write_some(draft, &rows.all))?)
+        ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
+    }
+
+    /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
+    ///
+    /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
+    /// used again. ``id in world`` tells whether a particle has an id.
+    ///
+    /// See Also
+    /// --------
+    /// rows : The rows of ids.
+    /// renumbered : What became of merged particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(0)
+    /// >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
+    /// array([3])
+    /// >>> world.ids
+    /// array([1, 2, 3])
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
+        let ids = self.long(py, |state| state.world.ids())?;
+        Ok(read_only(column(py, ids)))
+    }
+
+    /// Return the rows that particles have in the columns.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (k,), or int
+    ///     Their rows, until a particle before them is removed or merges; one row for one id.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If no particle has an id.
+    ///
+    /// See Also
+    /// --------
+    /// ids : The ids of all rows.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(0)
+    /// >>> world.positions[world.rows(2)]
+    /// array([9., 0.], dtype=float32)
+    fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let ids = Ids::read(ids, "particle")?;
+        let rows = ids.told(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
+        if ids.single {
+            rows[0].into_bound_py_any(py)
+        } else {
+            Ok(column(py, rows.into_iter().map(i64::from).collect()).into_any())
+        }
     }
 
     /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
     ///
     /// Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
     /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
-    /// ``world.positions = world.positions + 1``, or change some rows with
+    /// ``world.positions = world.positions + 1``, or change some particles with
     /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
@@ -485,7 +570,7 @@ impl PyWorld {
     /// second.
     ///
     /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
-    /// or change some rows with ``world.set([0], velocities=[(7, 7)])``.
+    /// or change some particles with ``world.set([0], velocities=[(7, 7)])``.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let velocities = self.long(py, |state| state.world.velocities())?;
@@ -830,7 +915,7 @@ impl PyWorld {
     /// to the merged particle, and a spring between two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        forces::show(py, self.long(py, |state| state.world.forces().to_vec())?)
+        forces::show(py, self.long(py, |state| state.world.forces())?)
     }
 
     #[setter]
@@ -851,18 +936,35 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.on_touch = on_touch)
     }
 
-    /// New ids after the last call of `step` or `remove`: a read-only ndarray of int64, shape
-    /// (n before the call,), or None if that call changed no id.
+    /// What became of each id in the last call of `step`: a read-only ndarray of int64, or None if
+    /// no particles merged.
     ///
-    /// Row i is the new id of the old id i: ``ids = world.renumbered[ids]`` updates ids.
-    /// Particles that merged share an id. A removed particle has -1; drop it with
-    /// ``ids = ids[ids >= 0]`` before the next call. Each call of `step` or `remove` replaces
-    /// the array: read it after every call that may merge or remove particles.
+    /// It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
+    /// ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
+    /// stands for an id that no particle has, also if it was removed since. Each call of `step`
+    /// replaces the array: read it after every call that may merge particles.
+    ///
+    /// Raises
+    /// ------
+    /// MemoryError
+    ///     If more than 134217728 ids were given, or there is not enough memory.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
+    /// ... )
+    /// >>> world.step(0.1)
+    /// >>> world.ids
+    /// array([0, 1, 3])
+    /// >>> mine = np.array([2, 3])
+    /// >>> world.renumbered[mine]  # 2 is part of 0 now
+    /// array([0, 3])
     #[getter]
     fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
-        let new = |id: &Option<u32>| id.map_or(-1, i64::from);
-        let ids = self
-            .long(py, |state| state.world.renumbered().map(|ids| ids.iter().map(new).collect()))?;
+        let ids = self.long(py, |state| state.world.renumbered())?.map_err(refused)?;
+        let ids = ids.map(|ids| ids.into_iter().map(|id| id.unwrap_or(-1)).collect());
         Ok(ids.map(|ids| read_only(column(py, ids))))
     }
 
@@ -977,8 +1079,9 @@ impl PyWorld {
 
     /// Return a quadtree of the particles as they are now.
     ///
-    /// It is a copy: later steps do not change it. Its ids are the row numbers of the particles. A
-    /// query does not look beyond the sides of a torus.
+    /// It is a copy: later steps do not change it. It answers with rows: ``world.ids[rows]`` are the
+    /// ids of these particles, if none was added, removed or merged since. A query does not look
+    /// beyond the sides of a torus.
     ///
     /// Returns
     /// -------
@@ -1009,7 +1112,7 @@ impl PyWorld {
         Ok(PyQuadtree::of(tree.map_err(refused)?))
     }
 
-    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2),
+    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2) of ids,
     /// ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
     /// its end, negative for pairs that had separated, and the sums of the impulses of the step
     /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
@@ -1246,6 +1349,11 @@ impl PyWorld {
         Ok((py.get_type::<Self>().getattr("restore")?, (self.snapshot(py)?,)))
     }
 
+    fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let id = one_id(id, "np.isin(ids, world.ids) tests many")?;
+        id.map_or(Ok(false), |id| Ok(self.state(py)?.world.contains(id)))
+    }
+
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.len(py)
     }
@@ -1362,56 +1470,39 @@ impl State {
             // Another thread has added or removed particles meanwhile.
             return Err(Error::Length { argument: "the new column", found, expected });
         }
+        let defaults = draft.defaults(self.world.defaults());
         self.world.edit(|particles| {
-            draft.write(particles, None);
+            draft.write(particles);
             Ok(())
-        })
+        })?;
+        self.world.set_defaults(defaults)
     }
 
-    fn write_some(&mut self, draft: Draft, ids: &[u32]) -> jostle::Result<()> {
+    fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
+        let particles = draft.particles(len, &self.world.defaults())?;
+        self.world.add(particles)
+    }
+
+    fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
         draft.check()?;
-        self.world.check_rows(ids)?;
-        self.world.edit(|particles| {
-            draft.write(particles, Some(ids));
+        let rows = self.world.distinct_rows_of(ids)?;
+        self.world.edit_rows(&rows, |particles| {
+            draft.write(particles);
             Ok(())
         })
     }
 }
 
-/// Which particles a call is about.
-struct Rows {
-    all: Vec<u32>,
-    /// Whether it was one id and no array.
-    single: bool,
-}
-
-impl Rows {
-    fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let ids = long_ids("ids", value, "particle")?;
-        let single = matches!(ids, Each::One(_));
-        let row = |(index, id): (usize, i64)| {
-            u32::try_from(id).map_err(|_| Error::at("ids", index, id, "no particle has this id"))
-        };
-        let all = ids.rows(1).into_iter().enumerate().map(row).collect();
-        Ok(Self { all: told(all, single)?, single })
+/// A pair for each id, or one pair for a single one.
+fn vectors_of(
+    ids: &Ids,
+    name: &'static str,
+    value: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<Vec<[f32; 2]>>> {
+    if !ids.single {
+        return vectors(name, value, ids.all.len());
     }
-
-    /// A pair for each, or one pair for a single id.
-    fn vectors(
-        &self,
-        name: &'static str,
-        value: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Option<Vec<[f32; 2]>>> {
-        if !self.single {
-            return vectors(name, value, self.all.len());
-        }
-        value.map(|value| Ok(vec![Argument::reals(name, value)?.only_pair()?])).transpose()
-    }
-
-    /// Where one id was given, an error names no row.
-    fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
-        told(done, self.single)
-    }
+    value.map(|value| only_vector(name, value, "id")).transpose()
 }
 
 /// What is wrong with a file of a world.

@@ -46,6 +46,8 @@ pub enum Error {
         argument: &'static str,
         /// Row of the particle.
         index: usize,
+        /// Its id.
+        id: i64,
         /// The new value as text.
         value: String,
     },
@@ -121,11 +123,12 @@ impl fmt::Display for Error {
                 "more than {most} pairs of particles may touch in one step; \
                  spread the particles out, or take smaller steps"
             ),
-            Self::NotFinite { argument, index, value } => write!(
+            Self::NotFinite { argument, index, id, value } => write!(
                 f,
-                "the step would make {argument}[{index}] {value}, which is not finite; the world \
+                "the step would make {argument}[{index}]{} {value}, which is not finite; the world \
                  is as it was before this step: take smaller steps, or smaller masses, forces or \
-                 speeds"
+                 speeds",
+                if *id == *index as i64 { String::new() } else { format!(" of particle {id}") }
             ),
             Self::TooManyIds { most } => {
                 write!(f, "the answer has more than {most} ids; query fewer regions in one call")

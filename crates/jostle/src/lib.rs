@@ -44,6 +44,6 @@ pub use particles::{Particles, Spin};
 pub use quadtree::{Node, Quadtree};
 pub use settings::{Method, Settings};
 pub use shapes::{Each, Shapes};
-pub use space::Space;
+pub use space::{Id, Space};
 pub use walls::Wall;
-pub use world::{OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};
+pub use world::{Defaults, OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};

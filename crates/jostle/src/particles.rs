@@ -147,6 +147,21 @@ impl Particles {
         self.movable.extend_from_slice(&other.movable);
     }
 
+    /// Appends the row `from` of `source`.
+    pub fn push(&mut self, source: &Self, from: usize) {
+        if !self.spins.is_empty() || !source.spins.is_empty() {
+            self.spins_mut();
+            self.spins.push(source.spin(from));
+        }
+        self.positions.push(source.positions[from]);
+        self.residuals.push(source.residuals[from]);
+        self.velocities.push(source.velocities[from]);
+        self.radii.push(source.radii[from]);
+        self.masses.push(source.masses[from]);
+        self.restitutions.push(source.restitutions[from]);
+        self.movable.push(source.movable[from]);
+    }
+
     /// Replaces the contents by the rows `order` of `source`, in that order.
     pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
         parallel::gather(threads, &mut self.positions, &source.positions, order);
@@ -163,17 +178,17 @@ impl Particles {
         }
     }
 
-    /// Writes the first row of `one` over `row`.
-    pub fn put(&mut self, row: usize, one: &Self) {
-        self.positions[row] = one.positions[0];
-        self.residuals[row] = one.residuals[0];
-        self.velocities[row] = one.velocities[0];
-        self.radii[row] = one.radii[0];
-        self.masses[row] = one.masses[0];
-        self.restitutions[row] = one.restitutions[0];
-        self.movable[row] = one.movable[0];
+    /// Writes the row `from` of `source` over `row`.
+    pub fn put(&mut self, row: usize, source: &Self, from: usize) {
+        self.positions[row] = source.positions[from];
+        self.residuals[row] = source.residuals[from];
+        self.velocities[row] = source.velocities[from];
+        self.radii[row] = source.radii[from];
+        self.masses[row] = source.masses[from];
+        self.restitutions[row] = source.restitutions[from];
+        self.movable[row] = source.movable[from];
         if !self.spins.is_empty() {
-            self.spins[row] = one.spin(0);
+            self.spins[row] = source.spin(from);
         }
     }
 

@@ -130,7 +130,7 @@ fn friction_does_not_show_how_it_is_computed() {
         let mut particles = Particles::default();
         particles.gather(&straight.particles(), &order, None);
         let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
-        mixed_up.set_forces(renamed(straight.forces(), &order)).expect("still valid");
+        mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut mixed_up, 40);
         let mut particles = Particles::default();
         particles.gather(&expected.particles(), &order, None);
@@ -319,7 +319,7 @@ fn a_permutation_permutes_and_changes_nothing_else() {
         let mut particles = Particles::default();
         particles.gather(&straight.particles(), &order, None);
         let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
-        mixed_up.set_forces(renamed(straight.forces(), &order)).expect("still valid");
+        mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut straight, 120);
         run(&mut mixed_up, 120);
         if straight.len() == order.len() {

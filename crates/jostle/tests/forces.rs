@@ -7,7 +7,7 @@ use jostle::forces::{
     self, Attractor, Bodies, Gravitation, Law, Pole, Spring, Springs, Thermostat,
 };
 use jostle::scenes::random::Random;
-use jostle::{Container, Force, Method, Particles, World, WorldSettings};
+use jostle::{Container, Force, Id, Method, Particles, World, WorldSettings};
 
 fn particles(positions: Vec<[f32; 2]>, velocities: Vec<[f32; 2]>, masses: Vec<f32>) -> Particles {
     let len = positions.len();
@@ -35,7 +35,7 @@ fn gravitation(theta: f32) -> Gravitation {
     Gravitation { g: 1.0, softening: 0.0, theta }
 }
 
-fn spring(pair: [u32; 2], length: f32, stiffness: f32) -> Spring {
+fn spring(pair: [Id; 2], length: f32, stiffness: f32) -> Spring {
     Spring { pair, length, stiffness, damping: 0.0, max_stretch: f32::INFINITY }
 }
 
@@ -285,9 +285,9 @@ fn an_attractor_follows_its_particle_and_goes_with_it() {
         ],
     );
     world.remove(&[0]).expect("it is there");
-    let poles = [0, 1].map(|row| attractor(Pole::Particle(row), 1.0, Law::Harmonic));
+    let poles = [1, 2].map(|id| attractor(Pole::Particle(id), 1.0, Law::Harmonic));
     assert_eq!(world.forces(), poles);
-    world.remove(&[1]).expect("it is there");
+    world.remove(&[2]).expect("it is there");
     assert_eq!(world.forces(), &poles[..1]);
     run(&mut world, 0.5, 2);
     assert_eq!(world.positions(), [[1.0, 0.0]]); // its own attractor does not move it
@@ -383,7 +383,7 @@ fn a_spring_goes_with_either_end() {
     let ties = vec![spring([0, 1], 1.0, 1.0), spring([4, 2], 1.0, 1.0), spring([2, 3], 1.0, 1.0)];
     let mut world = world(bodies, WorldSettings::default(), vec![Force::Springs(Springs(ties))]);
     world.remove(&[3, 0]).expect("they are there");
-    assert_eq!(world.forces(), [Force::Springs(Springs(vec![spring([2, 1], 1.0, 1.0)]))]);
+    assert_eq!(world.forces(), [Force::Springs(Springs(vec![spring([4, 2], 1.0, 1.0)]))]);
     run(&mut world, 0.1, 10);
 }
 
@@ -530,6 +530,7 @@ fn many_bodies_have_the_energy_of_the_sum_over_all() {
 
 /// Every kind of force; `row` says where a particle stands.
 fn all_forces(count: u32, row: impl Fn(u32) -> u32) -> Vec<Force> {
+    let row = |particle: u32| Id::from(row(particle));
     let tie = |i: u32| Spring {
         pair: [row(i), row((i * 7 + 1) % count)],
         length: 1.0,

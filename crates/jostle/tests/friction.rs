@@ -407,10 +407,10 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
 /// The forces of contacts and walls on each disc in a step.
 fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
     let mut forces = vec![[0.0; 2]; world.len()];
-    let mut add = |row: u32, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
+    let mut add = |id: jostle::Id, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
         let [x, y] = [x, y].map(f64::from);
         let [normal, friction] = [normal, friction].map(f64::from);
-        let force = &mut forces[row as usize];
+        let force = &mut forces[id as usize];
         force[0] += sign * (normal * x - friction * y) / dt;
         force[1] += sign * (normal * y + friction * x) / dt;
     };
@@ -420,7 +420,7 @@ fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
         add(touch.pair[1], 1.0, touch.normal, impulses);
     }
     for touch in world.wall_contacts() {
-        add(touch.row, 1.0, touch.normal, [touch.normal_impulse, touch.friction_impulse]);
+        add(touch.id, 1.0, touch.normal, [touch.normal_impulse, touch.friction_impulse]);
     }
     forces
 }
@@ -531,14 +531,14 @@ fn impulses_of_walls_follow_their_particles() {
     };
     let mut world = world(all, settings);
     run(&mut world, STEP, 3);
-    let rows = |world: &World| world.wall_contacts().iter().map(|of| of.row).collect::<Vec<_>>();
-    assert_eq!(rows(&world), [0, 1, 2]);
+    let ids = |world: &World| world.wall_contacts().iter().map(|of| of.id).collect::<Vec<_>>();
+    assert_eq!(ids(&world), [0, 1, 2]);
     let again = World::restore(&world.snapshot()).unwrap();
     assert_eq!(again.wall_contacts(), world.wall_contacts());
     assert!(world.step(1e30, 1, &mut |_| ()).is_err());
     assert_eq!(again.wall_contacts(), world.wall_contacts());
     world.remove(&[1]).unwrap();
-    assert_eq!(rows(&world), [0, 1]);
+    assert_eq!(ids(&world), [0, 2]);
     let container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
     world.configure(WorldSettings { container, ..*world.settings() }).unwrap();
     assert!(world.wall_contacts().is_empty());

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use jostle::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle::interrupt::watch;
-use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle::{Container, Id, OnTouch, Particles, Stage, World, WorldSettings};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -18,8 +18,8 @@ fn within_bounds(act: impl FnOnce()) {
 }
 
 /// Everything that another step depends on.
-fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<u32>>>) {
-    (world.snapshot(), world.renumbered().map(<[_]>::to_vec))
+fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<Id>>>) {
+    (world.snapshot(), world.renumbered().unwrap())
 }
 
 /// Three heavy discs that press against each other with more than float32 can hold.
@@ -111,7 +111,17 @@ fn worlds() -> Vec<(&'static str, World)> {
         all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
         make(all, WorldSettings { container: torus, ..Default::default() })
     };
+    // Particles merge before the last part of a step.
+    let merging_fast = {
+        let mut all = crowd(120, 30.0);
+        all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
+        all.radii.iter_mut().for_each(|radius| *radius *= 0.1);
+        let mut world = make(all, merging);
+        world.remove(&[7]).unwrap();
+        world
+    };
     vec![
+        ("merging fast", merging_fast),
         ("pile", make(crowd(60, 30.0), pile)),
         ("springs", sprung),
         ("merging", make(crowd(60, 30.0), merging)),

@@ -2,7 +2,7 @@
 
 use jostle::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
 use jostle::scenes::random::Random;
-use jostle::{Container, Force, Method, OnTouch, Particles, World, WorldSettings};
+use jostle::{Container, Force, Id, Method, OnTouch, Particles, World, WorldSettings};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {
     World::new(particles, settings).expect("the test's particles are valid")
@@ -47,9 +47,10 @@ fn sums(world: &World) -> [f64; 6] {
     sums
 }
 
-/// Where merging has brought each row; nothing is gone.
-fn new_rows(world: &World) -> Option<Vec<u32>> {
-    world.renumbered().map(|all| all.iter().map(|row| row.expect("none is gone")).collect())
+/// What became of each id; nothing is gone.
+fn new_ids(world: &World) -> Option<Vec<Id>> {
+    let all = world.renumbered().expect("there is memory");
+    all.map(|all| all.into_iter().map(|id| id.expect("none is gone")).collect())
 }
 
 #[test]
@@ -103,14 +104,14 @@ fn two_become_one_as_written() {
     assert_eq!(one.radii, [1.25]);
     assert_eq!(one.restitutions, [0.5]);
     assert_eq!(one.positions, [[(1.0 + 4.5) / 4.0, 6.0 / 4.0]]);
-    assert_eq!(new_rows(&world), Some(vec![0, 0]));
+    assert_eq!(new_ids(&world), Some(vec![0, 0]));
 }
 
 #[test]
 fn touching_is_not_overlapping() {
     let mut world = world(row(&[[0.0, 0.0], [2.0, 0.0]], &[[0.0; 2]; 2], 1.0), merging());
     run(&mut world, 0.1, 10);
-    assert_eq!((world.len(), world.renumbered()), (2, None));
+    assert_eq!((world.len(), new_ids(&world)), (2, None));
 }
 
 #[test]
@@ -119,12 +120,12 @@ fn a_chain_merges_in_one_go_and_what_that_makes_touch_follows() {
     let at = [[1.9, 2.1], [0.0, 0.0], [50.0, 0.0], [1.9, 0.0], [3.8, 0.0]];
     let mut world = world(row(&at, &[[0.0; 2]; 5], 1.0), merging());
     run(&mut world, 1e-3, 1);
-    assert_eq!(new_rows(&world), Some(vec![0, 0, 1, 0, 0]));
+    assert_eq!(new_ids(&world), Some(vec![0, 0, 2, 0, 0]));
     assert_eq!(world.radii(), [2.0, 1.0]);
     assert_eq!(world.positions()[1], [50.0, 0.0]);
     world.forget_renumbering();
     run(&mut world, 1e-3, 1);
-    assert_eq!(world.renumbered(), None);
+    assert_eq!(new_ids(&world), None);
 }
 
 #[test]
@@ -206,11 +207,11 @@ fn forces_follow_what_their_particles_become() {
         Force::Attractor(Attractor { pole, strength: 0.0, law: Law::Harmonic })
     };
     let ties =
-        |pairs: &[[u32; 2]]| Force::Springs(Springs(pairs.iter().map(|&pair| tie(pair)).collect()));
+        |pairs: &[[Id; 2]]| Force::Springs(Springs(pairs.iter().map(|&pair| tie(pair)).collect()));
     world.set_forces(vec![pull(2), pull(3), ties(&[[0, 2], [2, 3], [1, 3]])]).expect("valid");
     run(&mut world, 1e-3, 1);
-    assert_eq!(new_rows(&world), Some(vec![0, 1, 0, 2]));
-    assert_eq!(world.forces(), [pull(0), pull(2), ties(&[[0, 2], [1, 2]])]);
+    assert_eq!(new_ids(&world), Some(vec![0, 1, 0, 3]));
+    assert_eq!(world.forces(), [pull(0), pull(3), ties(&[[0, 3], [1, 3]])]);
     run(&mut world, 1e-3, 5);
 }
 
@@ -220,38 +221,46 @@ fn account_of_merging_is_kept_over_several_steps() {
     let all = world.particles();
     let marks = |world: &World| world.masses().iter().map(|&m| f64::from(m)).collect::<Vec<_>>();
     run(&mut world, 1.0 / 60.0, 50);
-    let map = new_rows(&world).expect("some merged");
+    let map = new_ids(&world).expect("some merged");
     assert_eq!(map.len(), 400);
     let mut expected = vec![0.0; world.len()];
     for (row, &new) in map.iter().enumerate() {
-        expected[new as usize] += f64::from(all.masses[row]);
+        expected[world.rows_of(&[new]).unwrap()[0] as usize] += f64::from(all.masses[row]);
     }
     for (found, expected) in marks(&world).iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
     }
-    // The first of a group gives its slot: new rows come in the order of first members.
-    let mut next = 0;
-    for &new in &map {
-        assert!(new <= next);
-        next = next.max(new + 1);
+    // The first of a group gives its id.
+    for (id, &new) in map.iter().enumerate() {
+        assert!(new as usize <= id && map[new as usize] == new);
     }
-    world.add(row(&[[500.0; 2]], &[[0.0; 2]], 1.0)).expect("valid");
-    assert_eq!(new_rows(&world), Some(map));
+    let mut left = map.clone();
+    left.sort_unstable();
+    left.dedup();
+    assert_eq!(world.ids(), left);
+    let added = world.add(row(&[[500.0; 2]], &[[0.0; 2]], 1.0)).expect("valid");
+    assert_eq!(added, 400..401);
+    assert_eq!(new_ids(&world), Some([map, vec![400]].concat()));
 }
 
 #[test]
-fn removing_records_the_new_rows() {
-    let mut world =
-        world(row(&[[0.0; 2], [9.0, 0.0], [18.0, 0.0]], &[[0.0; 2]; 3], 1.0), merging());
+fn removing_changes_no_id() {
+    let at = [[0.0; 2], [9.0, 0.0], [18.0, 0.0], [10.5, 0.0]];
+    let mut world = world(row(&at, &[[0.0; 2]; 4], 1.0), merging());
+    world.remove(&[2]).expect("it is there");
+    assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0, 1, 3], None));
+    run(&mut world, 0.1, 1);
+    let merged = vec![Some(0), Some(1), None, Some(1)];
+    assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0, 1], Some(merged)));
+    let error = world.remove(&[3]).expect_err("it is part of another").to_string();
+    assert!(error.starts_with("ids[0] is 3; no particle has this id any more"), "{error}");
     world.remove(&[1]).expect("it is there");
-    assert_eq!(world.renumbered(), Some([Some(0), None, Some(1)].as_slice()));
-    world.remove(&[0]).expect("it is there");
-    assert_eq!(world.renumbered(), Some([None, Some(0)].as_slice()));
+    let merged = vec![Some(0), None, None, None];
+    assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0], Some(merged)));
     world.remove(&[]).expect("nothing to do");
-    assert_eq!(world.renumbered(), None);
-    world.remove(&[1]).expect_err("there is one particle");
     world.remove(&[0]).expect("it is there");
-    assert_eq!(world.renumbered(), Some([None].as_slice()));
+    assert!(world.is_empty() && world.ids().is_empty());
+    assert_eq!(world.add(row(&[[0.0; 2]], &[[0.0; 2]], 1.0)).expect("valid"), 4..5);
 }
 
 // ---- the same bits -------------------------------------------------------------------------------
@@ -275,7 +284,7 @@ fn threads_and_methods_do_not_show() {
     let end = |count, threads, method| {
         let mut world = stars(crowd(count, 70.0), threads, method);
         run(&mut world, 1.0 / 60.0, 5);
-        (world.state_hash(), world.contacts().unwrap(), new_rows(&world))
+        (world.state_hash(), world.contacts().unwrap(), new_ids(&world))
     };
     let one = end(13_000, Some(1), Method::Quadtree);
     assert_eq!(one, end(13_000, Some(2), Method::Quadtree));
@@ -297,7 +306,11 @@ fn the_order_of_adding_moves_slots_and_nothing_else() {
     assert!(first.len() < 1200);
     assert_eq!(first.len(), second.len());
     // Where each of the second stands in the first, by way of the rows they began in.
-    let (map, other) = (new_rows(&first).unwrap(), new_rows(&second).unwrap());
+    let (map, other) = (new_ids(&first).unwrap(), new_ids(&second).unwrap());
+    let rows = |world: &World, ids: &[Id]| -> Vec<u32> {
+        ids.iter().map(|&id| world.rows_of(&[id]).unwrap()[0]).collect()
+    };
+    let (map, other) = (rows(&first, &map), rows(&second, &other));
     let mut back = vec![0; first.len()];
     order.iter().zip(other).for_each(|(&row, new)| back[map[row as usize] as usize] = new);
     let mut permuted = Particles::default();

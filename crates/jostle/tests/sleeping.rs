@@ -451,7 +451,7 @@ fn a_disc_falls_when_the_immovable_one_under_it_is_removed_or_moved() {
 }
 
 #[test]
-fn rows_follow_when_particles_are_removed() {
+fn ids_stay_when_particles_are_removed() {
     let mut world = triangles(&[-20.0, 0.0, 20.0]);
     sleep(&mut world);
     world.add(discs(&[[-10.0, 50.0], [10.0, 60.0]], 0.5)).unwrap();
@@ -459,14 +459,16 @@ fn rows_follow_when_particles_are_removed() {
     world.remove(&[0, 9]).unwrap();
     assert_eq!(world.asleep(), [false, false, true, true, true, true, true, true, false]);
     let rows = [1, 2, 3, 4, 5, 6, 7, 8, 10];
+    let row_of = |world: &World, id| world.rows_of(&[id]).unwrap()[0] as usize;
+    assert_eq!(world.ids(), rows.map(|row| row as jostle::Id));
     assert_eq!(world.positions(), rows.map(|row| before.positions[row]));
     for touch in world.contacts().unwrap() {
-        let [a, b] = touch.pair.map(|row| world.positions()[row as usize]);
+        let [a, b] = touch.pair.map(|id| world.positions()[row_of(&world, id)]);
         let distance = (b[0] - a[0]).hypot(b[1] - a[1]);
         assert!((distance - 2.0).abs() < 0.02, "{touch:?}");
     }
     for touch in world.wall_contacts() {
-        assert!(world.positions()[touch.row as usize][1] < 1.1);
+        assert!(world.positions()[row_of(&world, touch.id)][1] < 1.1);
     }
     let kept = World::restore(&world.snapshot()).unwrap();
     assert_eq!(kept.snapshot(), world.snapshot());
@@ -553,7 +555,7 @@ fn story(all: Particles, start: WorldSettings, observe: &dyn Fn(World) -> World)
                 let order =
                     |&a: &usize, &b: &usize| all.positions[a][0].total_cmp(&all.positions[b][0]);
                 let row = rows.min_by(order).expect("there is one");
-                world.remove(&[row as u32])
+                world.remove(&[world.ids()[row]])
             }
             _ => Ok(()),
         }
@@ -585,6 +587,46 @@ fn sleeping_does_not_show_how_it_is_computed() {
             again
         };
         assert_eq!(story(make(), narrow(), &restored), expected);
+    }
+}
+
+#[test]
+fn changing_a_few_is_changing_all_of_which_a_few_differ() {
+    for seed in 0..12 {
+        let friction = seed % 3 > 0;
+        let mut world = World::new(heap(seed, 40, friction), narrow()).unwrap();
+        run(&mut world, if seed % 4 > 0 { 400 } else { 5 });
+        let mut random = Random::new(seed);
+        let mut rows: Vec<u32> = (0..40).filter(|_| random.whole(0, 9) < 2.0).collect();
+        rows.reverse();
+        let values: Vec<f32> = rows.iter().map(|_| random.between(-2.0, 2.0)).collect();
+        let change = |all: &mut Particles, index: usize, value: f32| match seed % 5 {
+            0 => all.velocities[index] = [value, -0.0],
+            1 => all.positions[index][1] += 0.1 + value.abs(),
+            2 => all.spins_mut()[index].friction = value.abs(),
+            3 => all.masses[index] = 1.0, // as it was
+            _ => all.movable[index] = value > 1.0,
+        };
+        let mut other = World::restore(&world.snapshot()).unwrap();
+        world
+            .edit(|all| {
+                let pairs = rows.iter().zip(&values);
+                pairs.for_each(|(&row, &value)| change(all, row as usize, value));
+                Ok(())
+            })
+            .unwrap();
+        other
+            .edit_rows(&rows, |some| {
+                values.iter().enumerate().for_each(|(index, &value)| change(some, index, value));
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!(world.asleep(), other.asleep());
+        for _ in 0..3 {
+            assert_eq!(world.snapshot(), other.snapshot(), "seed {seed}");
+            run(&mut world, 20);
+            run(&mut other, 20);
+        }
     }
 }
 

@@ -4,14 +4,15 @@ use super::{Bodies, check_number, nearest};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
+use crate::space::Id;
 
 /// The centre of an attraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pole {
     /// A fixed point.
     Point([f32; 2]),
-    /// The particle in this row. If it is removed, the attractor is removed too.
-    Particle(u32),
+    /// The particle with this id. If it is removed, the attractor is removed too.
+    Particle(Id),
 }
 
 /// The acceleration a as a function of the distance d.

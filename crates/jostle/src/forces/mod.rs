@@ -19,8 +19,9 @@ use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::FARTHEST;
+use crate::space::Id;
 
-/// A force.
+/// A force. It names particles by ids; inside of a world by rows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Force {
     /// Attraction to a point or to a particle.
@@ -44,17 +45,17 @@ impl Force {
         }
     }
 
-    /// The rows of particles that it names.
-    fn rows(&self) -> Vec<u32> {
+    /// The particles that it names.
+    fn named(&self) -> Vec<Id> {
         match self {
-            Self::Attractor(Attractor { pole: Pole::Particle(row), .. }) => vec![*row],
+            Self::Attractor(Attractor { pole: Pole::Particle(id), .. }) => vec![*id],
             Self::Springs(springs) => springs.0.iter().flat_map(|spring| spring.pair).collect(),
             _ => Vec::new(),
         }
     }
 
-    /// Whether it names particles by their rows.
-    fn names_rows(&self) -> bool {
+    /// Whether it names particles.
+    fn names_any(&self) -> bool {
         match self {
             Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
             Self::Springs(springs) => !springs.0.is_empty(),
@@ -63,14 +64,14 @@ impl Force {
     }
 }
 
-/// Refuses forces that a world of `len` particles cannot have.
-pub fn validate(forces: &[Force], len: usize) -> Result<()> {
+/// Refuses forces that a world cannot have; `exists` tells which particles are in it.
+pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
     let mut thermostats = 0;
     for (index, force) in forces.iter().enumerate() {
         force.validate()?;
-        if let Some(row) = force.rows().into_iter().find(|&row| row as usize >= len) {
-            let value = format!("a force on particle {row}");
-            return Err(Error::at("forces", index, value, &format!("there are {len} particles")));
+        if let Some(id) = force.named().into_iter().find(|&id| !exists(id)) {
+            let value = format!("a force on particle {id}");
+            return Err(Error::at("forces", index, value, "no particle has this id"));
         }
         thermostats += usize::from(matches!(force, Force::Thermostat(_)));
         if thermostats > 1 {
@@ -81,26 +82,26 @@ pub fn validate(forces: &[Force], len: usize) -> Result<()> {
     Ok(())
 }
 
-/// Updates the rows of particles that are removed or merged: `moved[row]` is the new row, None if
-/// the particle was removed. Attractors and springs of a removed particle are removed.
-pub fn follow(forces: &mut Vec<Force>, moved: &[Option<u32>]) {
+/// Renames particles: `renamed` returns the new name of an old one, None if the particle was
+/// removed. Attractors and springs of a removed particle are removed.
+pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
     forces.retain_mut(|force| match force {
-        Force::Attractor(Attractor { pole: Pole::Particle(row), .. }) => {
-            let new = moved[*row as usize];
-            *row = new.unwrap_or(*row);
+        Force::Attractor(Attractor { pole: Pole::Particle(name), .. }) => {
+            let new = renamed(*name);
+            *name = new.unwrap_or(*name);
             new.is_some()
         }
         Force::Springs(springs) => {
-            springs.follow(moved);
+            springs.follow(&renamed);
             true
         }
         _ => true,
     });
 }
 
-/// Whether any of them names particles by their rows.
-pub fn name_rows(forces: &[Force]) -> bool {
-    forces.iter().any(Force::names_rows)
+/// Whether any of them names particles.
+pub fn name_any(forces: &[Force]) -> bool {
+    forces.iter().any(Force::names_any)
 }
 
 /// Whether any of them is summed by [`accelerate`].
@@ -126,7 +127,7 @@ pub struct Bodies<'a> {
     /// Radii.
     pub radii: &'a [f32],
     /// `places[row]` is the place of the particle in `row`; may be empty if no force
-    /// names rows.
+    /// names particles.
     pub places: &'a [u32],
     /// The container; on a torus forces act between nearest images.
     pub container: Container,

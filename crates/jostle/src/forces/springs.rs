@@ -12,6 +12,7 @@ use crate::flow::Kick;
 use crate::groups::Groups;
 use crate::motion::Motions;
 use crate::particles::FARTHEST;
+use crate::space::Id;
 
 /// Parts of a sub-step at most.
 const MOST_PARTS: f64 = 32.0;
@@ -28,8 +29,8 @@ const MOST_DAMPING: f64 = 0.25;
 /// F = stiffness · (L − length) + damping · dL/dt along the line between two particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
-    /// Rows of its ends.
-    pub pair: [u32; 2],
+    /// Ids of its ends.
+    pub pair: [Id; 2],
     /// Its length at rest.
     pub length: f32,
     /// Force for each unit of length.
@@ -69,11 +70,11 @@ impl Springs {
         Ok(())
     }
 
-    /// Updates the rows of particles that are removed or merged. Springs of removed particles
-    /// are removed, and springs whose ends merged into one particle.
-    pub fn follow(&mut self, moved: &[Option<u32>]) {
+    /// Renames particles, see [`follow`](super::follow). Springs of removed particles are removed,
+    /// and springs whose ends merged into one particle.
+    pub fn follow(&mut self, renamed: impl Fn(Id) -> Option<Id>) {
         self.0.retain_mut(|spring| {
-            let [i, j] = spring.pair.map(|row| moved[row as usize]);
+            let [i, j] = spring.pair.map(&renamed);
             let both = i.zip(j);
             spring.pair = both.map_or(spring.pair, |(i, j)| [i, j]);
             both.is_some_and(|(i, j)| i != j)

@@ -22,7 +22,7 @@ use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::forces::Force;
 use crate::particles::Particles;
-use crate::world::{World, WorldSettings};
+use crate::world::{Defaults, World, WorldSettings};
 pub use fountain::{Nozzle, fountains};
 pub use galton::{GaltonBoard, galton_board};
 pub use list::SCENES;
@@ -78,8 +78,10 @@ impl Scene {
     pub fn create(&self, count: Option<usize>, seed: u64) -> Result<World> {
         let count = self.count(count)?;
         let start = (self.make)(count, &mut Random::new(seed));
+        let friction = common_friction(&start.particles);
         let mut world = World::new(start.particles, start.settings)?;
         world.set_forces(start.forces)?;
+        world.set_defaults(Defaults { friction, ..Defaults::default() })?;
         Ok(world)
     }
 
@@ -94,6 +96,12 @@ impl Scene {
             count => Err(Error::of("n", count, &format!("a scene holds at most {MAX_COUNT}"))),
         }
     }
+}
+
+/// The coefficient of friction of all particles; 0 if they differ.
+fn common_friction(all: &Particles) -> f32 {
+    let first = all.spin(0).friction;
+    if all.spins.iter().all(|spin| spin.friction == first) { first } else { 0.0 }
 }
 
 /// Area of a disc.

@@ -5,6 +5,7 @@ use super::random::Random;
 use super::{Start, boxed};
 use crate::forces::{Force, Spring, Springs};
 use crate::particles::Particles;
+use crate::space::Id;
 use crate::world::WorldSettings;
 
 /// Particles of one room, which holds a cloth, a chain and some bodies. Where more are
@@ -72,7 +73,7 @@ impl Tissue {
         let masses = [a, b].map(|row| self.particles.masses[row as usize]);
         let mass = masses[0].min(masses[1]);
         self.springs.push(Spring {
-            pair: [a, b],
+            pair: [a, b].map(Id::from),
             length: (offset[0] * offset[0] + offset[1] * offset[1]).sqrt(),
             stiffness: tie.stiffness * mass,
             damping: 2.0 * tie.damping * tie.stiffness.sqrt() * mass,

@@ -10,7 +10,7 @@ use crate::memory;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, middle_of};
 use crate::sorting;
 
-/// The id of a shape in a space, at least 0.
+/// The id of a shape in a space, or of a particle in a world; at least 0.
 pub type Id = i64;
 
 /// A bit of a slot's generation: no shape is in it. No id has the bit, so none fits.

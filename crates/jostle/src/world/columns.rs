@@ -10,14 +10,29 @@ use crate::shapes::{Each, Shapes};
 impl World {
     /// A copy of all particles in the order of adding.
     pub fn particles(&self) -> Particles {
+        self.particles_at(&self.places())
+    }
+
+    /// A copy of the particles in some rows, in this order.
+    pub(super) fn particles_in(&self, rows: &[u32]) -> Particles {
+        let places = self.places();
+        self.particles_at(&rows.iter().map(|&row| places[row as usize]).collect::<Vec<u32>>())
+    }
+
+    /// A copy of the particles at some places, in this order.
+    fn particles_at(&self, places: &[u32]) -> Particles {
         let mut copy = Particles::default();
         if self.asleep.is_empty() {
-            copy.gather(&self.particles, &self.places(), Some(1));
+            copy.gather(&self.particles, places, Some(1));
             return copy;
         }
-        let mut all = self.particles.clone();
-        all.extend(&self.asleep.sleepers().particles);
-        copy.gather(&all, &self.places(), Some(1));
+        let (awake, sleepers) = (self.rows.len(), self.asleep.sleepers());
+        for &place in places {
+            match (place as usize).checked_sub(awake) {
+                None => copy.push(&self.particles, place as usize),
+                Some(at) => copy.push(&sleepers.particles, at),
+            }
+        }
         copy.simplify();
         copy
     }

@@ -13,7 +13,7 @@ use crate::particles::{self, Particles};
 #[derive(Debug, Default)]
 pub(super) struct ForceMemory {
     pub(super) all: forces::Memory,
-    /// The place of each row, where forces name rows.
+    /// The place of each row, where forces name particles.
     pub(super) places: Vec<u32>,
     /// Positions of the particles in the middle of the sub-step.
     pub(super) halfway: Vec<[f32; 2]>,
@@ -82,8 +82,8 @@ impl World {
             return Ok(());
         }
         let most = particles::FARTHEST;
-        let row = self.row_of(longest, |place| way(place).unwrap_or(0.0));
-        let rule = format!("forces would move particle {row} by {longest:e}, more than {most:e}");
+        let id = self.id_of(longest, |place| way(place).unwrap_or(0.0));
+        let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
     }
 
@@ -108,10 +108,10 @@ pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs
     })
 }
 
-/// Writes the place of each row, if any force names rows.
+/// Writes the place of each row, if any force names particles.
 pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>) {
     places.clear();
-    if forces::name_rows(forces) {
+    if forces::name_any(forces) {
         places.resize(rows.len(), 0);
         for (place, &row) in rows.iter().enumerate() {
             places[row as usize] = place as u32;

@@ -7,10 +7,12 @@
 
 use super::World;
 use crate::container::Container;
+use crate::forces;
 use crate::groups::Groups;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
+use crate::space::Id;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
 const ROUNDS: usize = 16;
@@ -103,7 +105,7 @@ impl World {
                 continue;
             };
             any = true;
-            self.particles.put(places[0], &one);
+            self.particles.put(places[0], &one, 0);
             self.wall_pushes[places[0]] = Default::default();
             if !self.wall_frictions.is_empty() {
                 self.wall_frictions[places[0]] = Default::default();
@@ -124,14 +126,15 @@ impl World {
     /// Removes the rows that became others.
     fn close_up(&mut self, heirs: &[u32]) {
         let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
+        let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
+        let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
+        let merged = merged.collect();
+        self.memory.before.ids.get_or_insert_with(|| self.ids.clone());
         let shifted = self.take_out(&gone);
-        let moved: Vec<Option<u32>> =
-            heirs.iter().map(|&heir| Some(shifted[heir as usize])).collect();
-        crate::forces::follow(&mut self.forces, &moved);
-        self.renumbered = Some(match self.renumbered.take() {
-            None => moved,
-            Some(before) => before.iter().map(|row| moved[(*row)? as usize]).collect(),
+        forces::follow(&mut self.forces, |row| {
+            Some(Id::from(shifted[heirs[row as usize] as usize]))
         });
+        self.record_renumbering(merged);
     }
 }
 

@@ -4,12 +4,15 @@
 //! Particles are kept in the canonical order of the last step: Morton order of their
 //! positions at its beginning, ties by their other values. So neighbours in space are
 //! neighbours in memory, and every sum and every loop runs in an order that comes from
-//! the state. `rows` gives the order of adding, which is the only one that callers see.
+//! the state. `rows` gives the order of adding, which is the only one that callers see; they name
+//! particles by `ids`.
 
 mod asleep;
 mod bounds;
 mod columns;
+mod defaults;
 mod feel;
+mod ids;
 mod merge;
 mod search;
 mod settings;
@@ -36,9 +39,12 @@ use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::resting::{Resting, WallPush};
 use crate::shapes::{MOST_ROWS, Shapes};
+use crate::space::Id;
 use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
+pub use defaults::Defaults;
 use feel::ForceMemory;
+use ids::Ids;
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use sleeping::Drift;
 use step::MAX_CANDIDATES;
@@ -114,12 +120,16 @@ pub struct Stats {
 #[derive(Debug, Default)]
 pub struct World {
     settings: WorldSettings,
+    /// They name particles by rows.
     forces: Vec<Force>,
     walls: Walls,
     /// Those that are awake, in canonical order, like `rows`, `wall_pushes` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
     rows: Vec<u32>,
+    /// The id of each row.
+    ids: Ids,
+    defaults: Defaults,
     /// How each particle moved in the last quarters of a second; empty if nothing may fall asleep.
     drifts: Vec<Drift>,
     /// Impulse over mass that each wall gave in the last sub-step, at rest.
@@ -133,8 +143,8 @@ pub struct World {
     asleep: Asleep,
     time: f64,
     stats: Stats,
-    /// The new row of each old one, if the last call removed or merged any.
-    renumbered: Option<Vec<Option<u32>>>,
+    /// The old and the new id of each particle that became part of another.
+    renumbered: Option<Vec<[Id; 2]>>,
     memory: Memory,
 }
 
@@ -259,23 +269,27 @@ impl World {
         Ok(())
     }
 
-    /// The forces.
-    pub fn forces(&self) -> &[Force] {
-        &self.forces
+    /// The forces. They name particles by ids.
+    pub fn forces(&self) -> Vec<Force> {
+        let mut forces = self.forces.clone();
+        forces::follow(&mut forces, |row| Some(self.ids.of(row as u32)));
+        forces
     }
 
-    /// Changes the forces. They name particles by their rows. If they are refused, the old
-    /// ones stay. All particles wake.
-    pub fn set_forces(&mut self, forces: Vec<Force>) -> Result<()> {
-        forces::validate(&forces, self.len())?;
+    /// Changes the forces. They name particles by ids. If they are refused, the old ones stay. All
+    /// particles wake.
+    pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
+        forces::validate(&forces, |id| self.contains(id))?;
+        forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
         self.wake_all();
         self.drifts.clear();
         self.forces = forces;
         Ok(())
     }
 
-    /// Adds particles after the others and returns their rows. An immovable one wakes all.
-    pub fn add(&mut self, mut particles: Particles) -> Result<Range<u32>> {
+    /// Adds particles after the others and returns their ids, which are above all ids before. An
+    /// immovable one wakes all.
+    pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
         particles.simplify();
@@ -283,6 +297,7 @@ impl World {
         if new > MOST_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
+        let ids = self.ids.add(particles.len())?;
         if !particles.movable.iter().all(|&movable| movable) {
             self.wake_all();
         }
@@ -296,22 +311,25 @@ impl World {
         if !self.drifts.is_empty() {
             self.drifts.resize(awake, Drift::UNKNOWN);
         }
-        Ok(old as u32..new as u32)
+        Ok(ids)
     }
 
-    /// Removes the particles in `rows`; the rows after them move up. Springs and
+    /// Removes particles. The rows after them move up; the ids of others stay. Springs and
     /// attractors of a removed particle are removed too. The islands of removed particles wake; all
     /// wake if an immovable one is removed.
-    pub fn remove(&mut self, rows: &[u32]) -> Result<()> {
-        self.check_rows(rows)?;
+    pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
+        let rows = self.distinct_rows_of(ids)?;
+        if rows.is_empty() {
+            return Ok(());
+        }
         let mut gone = vec![false; self.len()];
         rows.iter().for_each(|&row| gone[row as usize] = true);
         self.wake_changed(&gone);
         let shifted = self.take_out(&gone);
-        let moved: Vec<Option<u32>> =
-            gone.iter().zip(shifted).map(|(&gone, new)| (!gone).then_some(new)).collect();
-        forces::follow(&mut self.forces, &moved);
-        self.renumbered = (!rows.is_empty()).then_some(moved);
+        forces::follow(&mut self.forces, |row| {
+            (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
+        });
+        self.shorten_renumbering();
         Ok(())
     }
 
@@ -329,6 +347,7 @@ impl World {
         self.wall_impulses.retain(|of| !gone[of.row as usize]);
         self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
         self.keep(&keep);
+        self.ids.remove(gone);
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         shifted
@@ -345,65 +364,65 @@ impl World {
         retain(&mut self.drifts, keep);
     }
 
-    /// The new row of each old one, after rows were removed or merged since the last reset:
-    /// merged particles share one, a removed one has none. None if no row changed.
-    pub fn renumbered(&self) -> Option<&[Option<u32>]> {
-        self.renumbered.as_deref()
-    }
-
-    /// Resets the record of new rows.
-    pub fn forget_renumbering(&mut self) {
-        self.renumbered = None;
-    }
-
     /// Changes columns of the particles: `change` gets a copy of them in the order of
     /// adding. A particle with a new position has no residual. Refused values change nothing.
     /// The islands of changed particles wake. All wake if an immovable one changes, but those that do not
     /// touch it sleep on if only its velocities change.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
-        let mut copy = self.particles();
+        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        self.edit_rows(&rows, change)
+    }
+
+    /// As [`World::edit`], of the particles in some rows, in this order; each at most once.
+    pub fn edit_rows(
+        &mut self,
+        rows: &[u32],
+        change: impl FnOnce(&mut Particles) -> Result<()>,
+    ) -> Result<()> {
+        let mut copy = self.particles_in(rows);
         let before = copy.clone();
         change(&mut copy)?;
-        if copy.len() != self.len() {
-            let (found, expected) = (copy.len(), self.len());
+        if copy.len() != rows.len() {
+            let (found, expected) = (copy.len(), rows.len());
             return Err(Error::Length { argument: "positions", found, expected });
         }
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
         copy.simplify();
-        let rows = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
-        let moved = rows.filter(|(_, (new, old))| new != old);
+        let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
+        let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
-        let mut changed: Vec<bool> =
-            (0..copy.len()).map(|row| !copy.is_same(row, &before)).collect();
-        self.wake_driven(&mut changed, |row| {
-            !copy.movable[row] && copy.is_same_at_rest(row, &before)
-        });
+        let mut changed = vec![false; self.len()];
+        let mut driven = vec![false; self.len()];
+        for (index, &row) in rows.iter().enumerate() {
+            let is_driven = !copy.movable[index] && copy.is_same_at_rest(index, &before);
+            let marked = if is_driven { &mut driven } else { &mut changed };
+            marked[row as usize] = !copy.is_same(index, &before);
+        }
+        self.wake_driven(&driven);
         self.wake_changed(&changed);
         for (drift, &row) in self.drifts.iter_mut().zip(&self.rows) {
             if changed[row as usize] {
                 *drift = Drift::UNKNOWN;
             }
         }
-        self.particles.gather(&copy, &self.rows, Some(1));
-        self.particles.simplify();
+        self.put(rows, &copy);
         Ok(())
     }
 
-    /// Refuses rows that do not exist, and rows given twice.
-    pub fn check_rows(&self, rows: &[u32]) -> Result<()> {
-        let mut seen = vec![false; self.len()];
+    /// Writes particles over those in some rows. Sleeping ones, which have not changed, stay.
+    fn put(&mut self, rows: &[u32], copy: &Particles) {
+        let (places, awake) = (self.places(), self.rows.len());
+        if !copy.spins.is_empty() {
+            self.particles.spins_mut();
+        }
         for (index, &row) in rows.iter().enumerate() {
-            match seen.get_mut(row as usize) {
-                None => {
-                    let rule = format!("no particle has this id; ids are below {}", self.len());
-                    return Err(Error::at("ids", index, row, &rule));
-                }
-                Some(true) => return Err(Error::at("ids", index, row, "it is given twice")),
-                Some(seen) => *seen = true,
+            let place = places[row as usize] as usize;
+            if place < awake {
+                self.particles.put(place, copy, index);
             }
         }
-        Ok(())
+        self.particles.simplify();
     }
 
     /// Simulated seconds.
@@ -430,4 +449,10 @@ fn check_plane(container: Container, walls: usize) -> Result<()> {
 fn retain<V>(column: &mut Vec<V>, keep: &[bool]) {
     let mut keep = keep.iter();
     column.retain(|_| keep.next().is_some_and(|&keep| keep));
+}
+
+/// Removes some values of a column.
+fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
+    let mut gone = gone.iter();
+    column.retain(|_| gone.next().is_some_and(|&gone| !gone));
 }

@@ -109,7 +109,7 @@ impl World {
         Ok((found, tests))
     }
 
-    /// The overlapping pairs by row, as callers see them.
+    /// The overlapping pairs by id, as callers see them.
     pub(super) fn overlaps(&self) -> Result<Vec<Touch>> {
         let touch = |Overlap { places, offset, reach }: Overlap| {
             let [i, j] = places.map(|place| self.rows[place as usize]);
@@ -118,7 +118,8 @@ impl World {
             // The normal of coincident centres is +x.
             let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
             let (normal_impulse, friction_impulse) = (0.0, 0.0);
-            let (pair, depth) = ([i.min(j), i.max(j)], reach - length);
+            let pair = [i.min(j), i.max(j)].map(|row| self.ids.of(row));
+            let depth = reach - length;
             Touch { pair, normal, depth, normal_impulse, friction_impulse }
         };
         let mut touches: Vec<Touch> = self.overlapping()?.0.into_iter().map(touch).collect();

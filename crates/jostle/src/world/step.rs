@@ -13,6 +13,7 @@ use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{FARTHEST, Particles, Spin, wrap_angle};
+use crate::space::Id;
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.
@@ -127,10 +128,10 @@ impl World {
         }
     }
 
-    /// The first row with this `number`, for an error.
-    pub(super) fn row_of(&self, number: f32, of: impl Fn(usize) -> f32) -> u32 {
+    /// The smallest id of a particle with this `number`, for an error.
+    pub(super) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
         let places = (0..self.rows.len()).filter(|&place| of(place) == number);
-        places.map(|place| self.rows[place]).min().unwrap_or(0)
+        places.map(|place| self.ids.of(self.rows[place])).min().unwrap_or(0)
     }
 
     /// The longer side of the box of a particle's displacement without collisions in `dt` seconds,
@@ -153,12 +154,12 @@ impl World {
         if longest <= FARTHEST && tours <= MOST_TOURS {
             return Ok(());
         }
-        let row = self.row_of(longest, |place| self.displacement(place, dt));
+        let id = self.id_of(longest, |place| self.displacement(place, dt));
         let rule = if longest > FARTHEST {
             let most = FARTHEST;
-            format!("particle {row} would move by {longest:e}, more than {most:e}")
+            format!("particle {id} would move by {longest:e}, more than {most:e}")
         } else {
-            format!("particle {row} would circle the torus {tours} times; take smaller steps")
+            format!("particle {id} would circle the torus {tours} times; take smaller steps")
         };
         Err(Error::of("dt", dt, &rule))
     }
@@ -310,11 +311,8 @@ impl World {
     pub(super) fn store(&mut self) -> Result<()> {
         let (threads, settings, memory) = (self.threads(), &self.settings, &self.memory);
         if let Some(contact) = self.contacts.remember(self.particles.len()) {
-            return Err(not_finite(
-                "contact_impulses",
-                self.rows[contact.places[0] as usize],
-                "inf",
-            ));
+            let place = contact.places[0] as usize;
+            return Err(self.not_finite("contact_impulses", place, "inf"));
         }
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
@@ -379,7 +377,13 @@ impl World {
             columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
         let (argument, numbers) = broken.expect("one of them is not finite");
         let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-        not_finite(argument, self.rows[place], &format!("({})", numbers.join(", ")))
+        self.not_finite(argument, place, &format!("({})", numbers.join(", ")))
+    }
+
+    fn not_finite(&self, argument: &'static str, place: usize, value: &str) -> Error {
+        let row = self.rows[place];
+        let (index, id) = (row as usize, self.ids.of(row));
+        Error::NotFinite { argument, index, id, value: value.to_string() }
     }
 }
 
@@ -390,10 +394,6 @@ fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
     // A product with 0 is 0, or not a number.
     let [a, b, c, d] = wall_pushes;
     [x, y, u, v, a, b, c, d].into_iter().map(|value| value * 0.0).sum::<f32>() == 0.0
-}
-
-fn not_finite(argument: &'static str, row: u32, value: &str) -> Error {
-    Error::NotFinite { argument, index: row as usize, value: value.to_string() }
 }
 
 /// Reorders a column into its spare and swaps the two.

@@ -5,14 +5,15 @@ use crate::contacts::Contact;
 use crate::error::Result;
 use crate::motion::exact;
 use crate::resting::WallPush;
+use crate::space::Id;
 use crate::trajectory::wall_normal;
 use crate::walls::FIRST;
 
 /// Two particles that touched during the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// Their rows, the smaller first.
-    pub pair: [u32; 2],
+    /// Their ids, the smaller first.
+    pub pair: [Id; 2],
     /// Unit vector from the first to the second.
     pub normal: [f32; 2],
     /// Penetration at the end of the step; negative if they had separated.
@@ -26,8 +27,8 @@ pub struct Touch {
 /// A particle and a wall that gave it an impulse during the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallTouch {
-    /// The row of the particle.
-    pub row: u32,
+    /// The id of the particle.
+    pub id: Id,
     /// The number of the wall: 0 to 3 at min x, max x, min y and max y of a box; 0 of a circle;
     /// 4 + k of the wall k of [`World::walls`].
     pub wall: u32,
@@ -91,7 +92,7 @@ impl World {
             let normal = contact.normal.map(|v| v * sign);
             // If the two are exchanged, normal and impulse change their signs, and the sums do not.
             let [normal_impulse, friction_impulse] = contact.totals;
-            let pair = [i.min(j), i.max(j)];
+            let pair = [i.min(j), i.max(j)].map(|row| self.ids.of(row));
             Touch { pair, normal, depth: -contact.gap, normal_impulse, friction_impulse }
         };
         let row = |place: u32| self.rows[place as usize];
@@ -100,7 +101,7 @@ impl World {
         Ok(awake.chain(asleep.map(|of| touch(of, of.places))).collect())
     }
 
-    /// The particles to which walls gave an impulse during the last step, by row; sleeping ones as
+    /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as
     /// in the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
         let (places, container) = (self.places(), &self.settings.container);
@@ -122,11 +123,12 @@ impl World {
             let normal = normal.map(|v| v as f32);
             let [normal_impulse, friction_impulse] = impulses;
             let depth = -gap as f32;
-            Some(WallTouch { row, wall, normal, depth, normal_impulse, friction_impulse })
+            let id = self.ids.of(row);
+            Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };
         let all = self.wall_impulses.iter().chain(self.asleep.wall_impulses());
         let mut all: Vec<WallTouch> = all.filter_map(touch).collect();
-        all.sort_by_key(|touch| (touch.row, touch.wall));
+        all.sort_by_key(|touch| (touch.id, touch.wall));
         all
     }
 }

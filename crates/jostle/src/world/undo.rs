@@ -1,5 +1,6 @@
 //! Restores the state before a step that is refused or interrupted.
 
+use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{Stats, World};
@@ -8,6 +9,7 @@ use crate::container::MAX_WALLS;
 use crate::forces::Force;
 use crate::particles::Particles;
 use crate::resting::WallPush;
+use crate::space::Id;
 use crate::walls::Wall;
 
 /// The columns that a step reorders.
@@ -35,7 +37,9 @@ pub(super) struct Before {
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
     stats: Stats,
-    renumbered: Option<Vec<Option<u32>>>,
+    /// Those before the first merger of the step.
+    pub(super) ids: Option<Ids>,
+    renumbered: Option<Vec<[Id; 2]>>,
 }
 
 impl World {
@@ -56,6 +60,7 @@ impl World {
         self.memory.wall_pushes.clear();
         self.memory.wall_pushes.extend(pushes);
         before.stats = self.stats;
+        before.ids = None;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
@@ -92,6 +97,9 @@ impl World {
         }
         std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
+        if let Some(ids) = before.ids.take() {
+            self.ids = ids;
+        }
         self.renumbered = before.renumbered.take();
     }
 }

@@ -123,16 +123,13 @@ impl World {
         self.asleep.forget_woken();
     }
 
-    /// Wakes the islands that touch a marked row for which `is_driven` holds: only its velocities have
-    /// changed. Takes the marks from these rows.
-    pub(super) fn wake_driven(&mut self, marked: &mut [bool], is_driven: impl Fn(usize) -> bool) {
-        if self.asleep.is_empty() {
+    /// Wakes the islands that touch a marked row: an immovable particle of which only the
+    /// velocities have changed.
+    pub(super) fn wake_driven(&mut self, marked: &[bool]) {
+        if self.asleep.is_empty() || !marked.contains(&true) {
             return;
         }
-        let driven: Vec<bool> =
-            (0..).zip(&*marked).map(|(row, &of)| of && is_driven(row)).collect();
-        marked.iter_mut().zip(&driven).for_each(|(marked, &driven)| *marked &= !driven);
-        let islands = self.asleep.islands_touching(&driven);
+        let islands = self.asleep.islands_touching(marked);
         self.wake(&islands);
         self.asleep.forget_woken();
     }

@@ -38,7 +38,7 @@ class Attractions:
             self._tie(world, columns, pulls)
 
     def renew(self, world: jostle.World, columns: Columns) -> None:
-        """Tie them to the rows of the moment; those of particles that are gone end."""
+        """Tie them to the particles; those of particles that are gone end."""
         self._tie(world, columns, self._living(columns, self.pulls))
 
     def merge(self, world: jostle.World, columns: Columns, before: Tags, heirs: Tags) -> None:
@@ -64,14 +64,15 @@ class Attractions:
         return tuple(found)
 
     def _tie(self, world: jostle.World, columns: Columns, pulls: Pulls) -> None:
-        """Write them into the world, by the rows of the moment."""
+        """Write them into the world, by its ids."""
         forces = []
         for pull in pulls:
             if pull.point is not None:
                 forces.append(jostle.Attractor(pull.point, pull.strength))
             elif pull.tag is not None:
                 (row,), _ = columns.find(pull.tag)
-                forces.append(jostle.Attractor(strength=pull.strength, particle=int(row)))
+                particle = int(columns.ids[row])
+                forces.append(jostle.Attractor(strength=pull.strength, particle=particle))
         self.lift(world)
         world.forces = (*world.forces, *forces)
         self.pulls = pulls

@@ -1,7 +1,7 @@
 """Columns of particles that the app adds to those of a world.
 
-Rows move up when others are removed or merge; tags do not. So whatever changes the rows of a world
-tells its columns.
+Rows move up when others are removed or merge; tags do not, and neither do the world's own ids, from
+which the tags of an older file differ. So whatever changes the rows of a world tells its columns.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ class Columns:
         The time each was added.
     next_tag
         Of the particle that is added next.
+    ids
+        The ids in the world.
     radii, movable, densities
         Copies of what only edits change, so a picture of a million need not copy them every time.
     friction
@@ -49,6 +51,7 @@ class Columns:
 
     def copy(self, world: jostle.World) -> None:
         """Copy what an edit has changed."""
+        self.ids: NDArray[np.int64] = world.ids
         self.radii: NDArray[np.float32] = world.radii
         self.movable: NDArray[np.bool_] = world.movable
         self.friction = float(world.friction.max(initial=0.0))
@@ -82,11 +85,18 @@ class Columns:
         ndarray of int64
             For each row as it was before, the tag of what its particle is part of now.
         """
-        _, oldest = np.unique(renumbered, return_index=True)
+        new = renumbered[self.ids]
+        oldest = new == self.ids
         self.tags, self.born = self.tags[oldest], self.born[oldest]
         self.copy(world)
-        heirs: Tags = self.tags[renumbered]
+        heirs: Tags = self.tags[self.rows(new)]
         return heirs
+
+    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the rows of ids that are there."""
+        if not len(self.ids) or self.ids[-1] == len(self.ids) - 1:
+            return ids  # each is its row
+        return np.searchsorted(self.ids, ids).astype(np.int64)
 
     def find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of the tags that are there, in their order, and which those are."""

@@ -88,7 +88,7 @@ class Emitters:
         drops = np.flatnonzero(world.movable)
         gone = drops[: max(len(drops) + count - self.cap, 0)]
         if len(gone):
-            world.remove(gone)
+            world.remove(world.ids[gone])
         if count:
             numbers = np.arange(first, first + count)
             self._emit(world, numbers, ages[len(ages) - count :], friction)

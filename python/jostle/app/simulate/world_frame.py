@@ -31,8 +31,8 @@ def frame_of(
         facts=_facts(world),
         energies=_energies(world) if wants.energies else None,
         tree=_tree_boxes(world, columns) if wants.tree else None,
-        touching=_touching(world) if wants.contacts else None,
-        springs=_springs(world),
+        touching=_touching(world, columns) if wants.contacts else None,
+        springs=_springs(world, columns),
         attractors=pulls,
         angles=world.angles if columns.turns else None,
         scene=scene,
@@ -58,14 +58,14 @@ def _energies(world: jostle.World) -> Energies:
     return Energies(world.kinetic_energy, world.potential_energy, world.momentum)
 
 
-def _touching(world: jostle.World) -> Touching:
+def _touching(world: jostle.World, columns: Columns) -> Touching:
     contacts = world.contacts
-    return Touching(contacts.pairs, contacts.normals, contacts.depths)
+    return Touching(columns.rows(contacts.pairs), contacts.normals, contacts.depths)
 
 
-def _springs(world: jostle.World) -> NDArray[np.int64] | None:
+def _springs(world: jostle.World, columns: Columns) -> NDArray[np.int64] | None:
     pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
-    return np.concatenate(pairs) if pairs else None
+    return columns.rows(np.concatenate(pairs)) if pairs else None
 
 
 def _tree_boxes(world: jostle.World, columns: Columns) -> TreeBoxes:

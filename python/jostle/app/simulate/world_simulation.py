@@ -217,7 +217,7 @@ class WorldSimulation:
         """Remove particles."""
         rows = np.unique(self._columns.find(tags)[0])
         self._attractions.lift(self.world)
-        self.world.remove(rows)
+        self.world.remove(self._columns.ids[rows])
         self._attractions.own = len(self.world.forces)  # some may have been tied to what is gone
         self._columns.remove(self.world, rows)
         self._attractions.renew(self.world, self._columns)
@@ -245,7 +245,7 @@ class WorldSimulation:
                 columns[name] = np.broadcast_to(np.asarray(value), shape)[there]
         if densities is not None:
             columns["masses"] = columns["masses"] * self._columns.radii[rows] ** 2
-        self.world.set(rows, **columns)
+        self.world.set(self._columns.ids[rows], **columns)
         if movable is not None or densities is not None:
             self._columns.copy(self.world)
 
@@ -272,7 +272,8 @@ class WorldSimulation:
         pulled = self.world.velocities[row] + dt * rate * (rate * way + 2 * np.array(velocity))
         pulled /= (1 + dt * rate) ** 2
         limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*pulled)
-        self.world.set([row], velocities=[pulled * min(1.0, limit / max(speed, limit))])
+        held = int(self._columns.ids[row])
+        self.world.set(held, velocities=pulled * min(1.0, limit / max(speed, limit)))
 
     def _ease(self, row: int) -> float:
         """Return how readily a particle follows the hand: 1, or less for one that is heavy here."""

@@ -1,8 +1,9 @@
-//! Forces as bytes.
+//! Forces as bytes. They name particles by rows.
 
 use crate::bytes::{Reader, Writer, damaged};
 use crate::error::Result;
 use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+use crate::space::Id;
 
 pub(super) fn put_force(to: &mut Writer, force: &Force) {
     match force {
@@ -15,7 +16,7 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
                 }
                 Pole::Particle(row) => {
                     to.put(1u8);
-                    to.put(row);
+                    to.put(row as u32);
                 }
             }
             to.put(*strength);
@@ -29,7 +30,7 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
             to.put(2u8);
             to.put_count(springs.len());
             for spring in springs {
-                to.put(spring.pair);
+                to.put(spring.pair.map(|row| row as u32));
                 to.put([spring.length, spring.stiffness, spring.damping, spring.max_stretch]);
             }
         }
@@ -45,7 +46,7 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
         0u8 => {
             let pole = match from.get()? {
                 0u8 => Pole::Point(from.get()?),
-                _ => Pole::Particle(from.get()?),
+                _ => Pole::Particle(from.get::<u32>()?.into()),
             };
             let strength = from.get()?;
             let law = if from.get::<u8>()? > 0 { Law::InverseSquare } else { Law::Harmonic };
@@ -58,7 +59,7 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
         2 => {
             let mut springs = Vec::new();
             for _ in 0..from.get_count()? {
-                let pair = from.get()?;
+                let pair = from.get::<[u32; 2]>()?.map(Id::from);
                 let [length, stiffness, damping, max_stretch] = from.get()?;
                 springs.push(Spring { pair, length, stiffness, damping, max_stretch });
             }

@@ -4,9 +4,12 @@
 //! their canonical order, and the impulses of resting contacts with walls and particles. A
 //! column with the same value for all particles is stored as one value.
 
+mod defaults;
 mod forces;
+mod ids;
 mod sleepers;
 
+use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{OnTouch, Stats, Walls, World, WorldSettings, check_plane};
@@ -17,16 +20,19 @@ use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
+use crate::space::Id;
 use crate::walls::{FIRST, Wall};
+use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
+use ids::{get_ids, put_ids};
 use sleepers::{get_sleepers, put_sleepers};
 
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container,
-/// version 6 no moving walls.
+/// version 4 no sleeping, version 5 no walls besides the container, version 6 no moving walls,
+/// no ids and no defaults.
 const VERSION: u32 = 7;
 
 impl World {
@@ -65,6 +71,8 @@ impl World {
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
         put_walls(&mut to, self.walls());
+        put_ids(&mut to, &self.ids);
+        put_defaults(&mut to, &self.defaults);
         to.finish(MAGIC, VERSION)
     }
 
@@ -108,19 +116,22 @@ impl World {
             let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
             world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
         }
-        let all_rows: Vec<u32> = world.rows.iter().copied().chain(world.asleep.rows()).collect();
-        world.check_rows(&all_rows).map_err(valid)?;
+        world.ids = Ids::of_rows(world.len());
+        let all_rows = world.rows.iter().copied().chain(world.asleep.rows()).map(Id::from);
+        world.distinct_rows_of(&all_rows.collect::<Vec<Id>>()).map_err(valid)?;
         world.check_sleeping()?;
         let count = from.get_count()?;
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
         world.forces = forces?;
-        all_forces::validate(&world.forces, world.len()).map_err(valid)?;
+        all_forces::validate(&world.forces, |row| world.contains(row)).map_err(valid)?;
         if version > 5 {
             let walls = get_walls(&mut from, version)?;
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
         }
+        world.ids = get_ids(&mut from, world.len(), version)?;
+        world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));

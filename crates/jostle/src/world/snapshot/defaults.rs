@@ -1,0 +1,23 @@
+//! Values of new particles as bytes.
+
+use super::super::Defaults;
+use crate::bytes::{Reader, Writer};
+use crate::error::Result;
+
+/// Stands for no value: no radius and no mass is below 0.
+const NONE: f32 = -1.0;
+
+pub(super) fn put_defaults(to: &mut Writer, defaults: &Defaults) {
+    let Defaults { radius, mass, density, restitution, friction } = *defaults;
+    to.put([radius.unwrap_or(NONE), mass.unwrap_or(NONE), density, restitution, friction]);
+}
+
+/// Those of format 7 and later; before, there were none.
+pub(super) fn get_defaults(from: &mut Reader<'_>, version: u32) -> Result<Defaults> {
+    if version < 7 {
+        return Ok(Defaults::default());
+    }
+    let [radius, mass, density, restitution, friction] = from.get()?;
+    let [radius, mass] = [radius, mass].map(|value| Some(value).filter(|&value| value != NONE));
+    Ok(Defaults { radius, mass, density, restitution, friction })
+}
