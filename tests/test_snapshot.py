@@ -109,6 +109,19 @@ def test_a_snapshot_of_format_5_can_be_loaded() -> None:
     assert again.state_hash() == world.state_hash()
 
 
+def test_a_snapshot_of_format_6_can_be_loaded() -> None:
+    """It has no categories and masks."""
+    world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-6.jostle")
+    assert world.state_hash() == 0xB06B518972171A5A
+    assert (world.categories == 1).all() and (world.masks == 2**32 - 1).all()
+    assert world.wall_restitution.tolist() == [0.5, 0.25]
+    assert world.wall_contacts.walls.tolist() == [2, 2]
+    again = jostle.World.restore(world.snapshot())
+    for of in (world, again):
+        of.step(STEP, steps=150)
+    assert again.state_hash() == world.state_hash()
+
+
 def test_other_bytes_like_objects() -> None:
     data = pile().snapshot()
     assert isinstance(data, bytes)

@@ -133,6 +133,8 @@ def find_pairs(
     half_sizes: ArrayLike | None = None,
     *,
     boxes: None = None,
+    categories: ArrayLike | None = None,
+    masks: ArrayLike | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -159,6 +161,9 @@ def find_pairs(
         width and height. The four numbers are compared without rounding:
         boxes that share an edge never overlap, whereas sides computed as
         ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+    categories, masks : array_like of int, a number or shape (n,), optional
+        Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
     method : {"auto", "brute", "quadtree"}, default "auto"
         How the pairs are found; the pairs are the same. "auto" uses brute force if it
         is faster.
@@ -203,6 +208,9 @@ def find_pairs(
     >>> import jostle
     >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
     array([[1, 2]])
+    >>> jostle.find_pairs([(0, 0), (1, 0), (2, 0)], radii=0.8, categories=[1, 2, 1], masks=[2, 3, 2])
+    array([[0, 1],
+           [1, 2]])
     >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
     array([[1, 2]])
     """
@@ -214,6 +222,8 @@ def find_pairs(
     half_sizes: None = None,
     *,
     boxes: _Boxes,
+    categories: ArrayLike | None = None,
+    masks: ArrayLike | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -1981,6 +1991,11 @@ class World:
         In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
         movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
         does not change angular velocities.
+    categories, masks : array_like of int, a number or shape (n,), optional
+        Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
+        categories are 1 and masks have all bits. Walls, the container and forces do not depend on
+        them.
     container : Box, Circle, Torus or None, optional
         The region of the particles. The first step moves particles that are outside to the
         inside.
@@ -2000,7 +2015,7 @@ class World:
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
         friction are the means weighted by mass, and the id is the smallest; the following ids
-        decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
+        decrease, see `renumbered`. The merged particle has all bits of their categories and masks. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
         particle is not movable either, and momentum is lost. Particles do not merge if the
         result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
@@ -2076,6 +2091,8 @@ class World:
         friction: ArrayLike = 0.0,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
         container: _Container | None = None,
         walls: ArrayLike | None = None,
         wall_restitution: ArrayLike = 1.0,
@@ -2133,6 +2150,8 @@ class World:
         friction: ArrayLike = 0.0,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
     ) -> _Ids:
         """Add particles after the others.
 
@@ -2148,6 +2167,8 @@ class World:
         friction : array_like, a number or shape (k,), default 0.0
         angles, angular_velocities : array_like, a number or shape (k,), optional
             0 if omitted.
+        categories, masks : array_like of int, a number or shape (k,), optional
+            If omitted, 1 and all bits.
 
         Returns
         -------
@@ -2208,6 +2229,8 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -2220,6 +2243,7 @@ class World:
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
         friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+        categories, masks : array_like of int, a number or shape (k,), optional
             Omitted columns stay the same.
 
         Raises
@@ -2353,6 +2377,43 @@ class World:
         """
     @angular_velocities.setter
     def angular_velocities(self, value: ArrayLike) -> None: ...
+    @property
+    def categories(self) -> NDArray[np.uint32]:
+        """Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
+
+        Particles i and j may touch only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``. To change all, assign an array or one number; to change some,
+        use `set`. The islands of changed particles wake.
+
+        See Also
+        --------
+        masks : The categories that each particle may touch.
+
+        Examples
+        --------
+        Ghosts pass through each other, and bounce off everything else:
+
+        >>> import jostle
+        >>> GHOST = 2
+        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+        >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
+        >>> world.step(0.1, steps=90)
+        >>> world.velocities[:, 0]
+        array([0., 0., 1.], dtype=float32)
+        >>> world.categories
+        array([2, 2, 1], dtype=uint32)
+        """
+    @categories.setter
+    def categories(self, value: ArrayLike) -> None: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]:
+        """Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
+        each particle may touch, see `categories`.
+
+        To change all, assign an array or one number; to change some, use `set`.
+        """
+    @masks.setter
+    def masks(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> tuple[float, float]:
         """Acceleration of all movable particles, (x, y), units of length per second squared."""
@@ -2524,7 +2585,8 @@ class World:
         Returns
         -------
         Quadtree
-            Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+            Discs of float32, with their categories and masks, and with the world's `leaf_capacity`,
+            `max_depth` and `threads`.
 
         Raises
         ------

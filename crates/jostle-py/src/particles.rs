@@ -4,7 +4,7 @@ use jostle::particles::{
     MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
     check_restitutions, check_vectors,
 };
-use jostle::{Each, Error, Particles, Spin};
+use jostle::{Each, Error, Filter, Particles, Spin};
 use pyo3::prelude::*;
 
 use crate::arrays::Argument;
@@ -25,6 +25,8 @@ pub struct Draft {
     pub friction: Option<Each<f32>>,
     pub angles: Option<Each<f32>>,
     pub angular_velocities: Option<Each<f32>>,
+    pub categories: Option<Each<u32>>,
+    pub masks: Option<Each<u32>>,
 }
 
 impl Draft {
@@ -87,6 +89,8 @@ impl Draft {
         put_spins(self.friction, particles, ids, |spin, friction| spin.friction = friction);
         put_spins(self.angles, particles, ids, |spin, angle| spin.angle = f64::from(angle));
         put_spins(self.angular_velocities, particles, ids, |spin, speed| spin.velocity = speed);
+        put_filters(self.categories, particles, ids, |filter, bits| filter.category = bits);
+        put_filters(self.masks, particles, ids, |filter, bits| filter.mask = bits);
     }
 }
 
@@ -111,6 +115,15 @@ pub fn truths(
     len: usize,
 ) -> PyResult<Option<Each<bool>>> {
     value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
+}
+
+/// Bits for all or for each of `len` particles.
+pub fn bit_sets(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<u32>>> {
+    value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
 }
 
 fn check_column(
@@ -163,6 +176,18 @@ fn put_spins(
 ) {
     if let Some(values) = values {
         put_each(values, particles.spins_mut(), ids, set);
+    }
+}
+
+/// As [`put`] for categories and masks, of which there is no column while all have the default.
+fn put_filters(
+    values: Option<Each<u32>>,
+    particles: &mut Particles,
+    ids: Option<&[u32]>,
+    set: impl Fn(&mut Filter, u32),
+) {
+    if let Some(values) = values {
+        put_each(values, particles.filters_mut(), ids, set);
     }
 }
 

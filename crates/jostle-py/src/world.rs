@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Each, Error, Stage, Wall, World, WorldSettings};
+use jostle::{Each, Error, Filter, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -18,7 +18,7 @@ use crate::files;
 use crate::forces;
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, reals, truths, vectors};
+use crate::particles::{Draft, bit_sets, reals, truths, vectors};
 use crate::quadtree::PyQuadtree;
 use crate::queries::told;
 use crate::results;
@@ -72,6 +72,11 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles that are not
 ///     movable and particles of radius 0 do not turn: their angular velocity becomes 0. `drag`
 ///     does not change angular velocities.
+/// categories, masks : array_like of int, a number or shape (n,), optional
+///     Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
+///     ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
+///     categories are 1 and masks have all bits. Walls, the container and forces do not depend on
+///     them.
 /// container : Box, Circle, Torus or None, optional
 ///     The region of the particles. The first step moves particles that are outside to the
 ///     inside.
@@ -91,7 +96,7 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
 ///     friction are the means weighted by mass, and the id is the smallest; the following ids
-///     decrease, see `renumbered`. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
+///     decrease, see `renumbered`. The merged particle has all bits of their categories and masks. If one has friction or turns, angular momentum is conserved. If one of the particles is not movable, the merged
 ///     particle is not movable either, and momentum is lost. Particles do not merge if the
 ///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
@@ -168,15 +173,16 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
-            friction=Given::NOTHING, angles=None, angular_velocities=None,
-            container=None, walls=None, wall_restitution=Given::NOTHING, wall_friction=None,
+            friction=Given::NOTHING, angles=None, angular_velocities=None, categories=None,
+            masks=None, container=None, walls=None, wall_restitution=Given::NOTHING, wall_friction=None,
             forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
             sleeping=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          friction=0.0, angles=None, angular_velocities=None, container=None, walls=None, wall_restitution=1.0, \
+                          friction=0.0, angles=None, angular_velocities=None, categories=None, masks=None, \
+                          container=None, walls=None, wall_restitution=1.0, \
                           wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
     )]
@@ -195,6 +201,8 @@ impl PyWorld {
         friction: Given<'py>,
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
+        categories: Option<&Bound<'py, PyAny>>,
+        masks: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
         walls: Option<&Bound<'py, PyAny>>,
         wall_restitution: Given<'py>,
@@ -215,6 +223,8 @@ impl PyWorld {
         draft.friction = reals("friction", friction.value(), len)?;
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
+        draft.categories = bit_sets("categories", categories, len)?;
+        draft.masks = bit_sets("masks", masks, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
@@ -303,6 +313,8 @@ impl PyWorld {
     /// friction : array_like, a number or shape (k,), default 0.0
     /// angles, angular_velocities : array_like, a number or shape (k,), optional
     ///     0 if omitted.
+    /// categories, masks : array_like of int, a number or shape (k,), optional
+    ///     If omitted, 1 and all bits.
     ///
     /// Returns
     /// -------
@@ -324,11 +336,11 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING,
             restitutions=Given::NOTHING, movable=None, friction=Given::NOTHING, angles=None,
-            angular_velocities=None,
+            angular_velocities=None, categories=None, masks=None,
         ),
         text_signature = "($self, positions, velocities, radii, *, masses=None, densities=1.0, \
                           restitutions=1.0, movable=None, friction=0.0, angles=None, \
-                          angular_velocities=None)"
+                          angular_velocities=None, categories=None, masks=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -344,6 +356,8 @@ impl PyWorld {
         friction: Given<'py>,
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
+        categories: Option<&Bound<'py, PyAny>>,
+        masks: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
@@ -353,6 +367,8 @@ impl PyWorld {
         draft.friction = reals("friction", friction.value(), len)?;
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
+        draft.categories = bit_sets("categories", categories, len)?;
+        draft.masks = bit_sets("masks", masks, len)?;
         let ids = self.long(py, |state| state.world.add(draft.particles(len)?))?;
         Ok(column(py, ids.map_err(refused)?.map(i64::from).collect()))
     }
@@ -400,6 +416,7 @@ impl PyWorld {
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
     /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+    /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     Omitted columns stay the same.
     ///
     /// Raises
@@ -418,7 +435,8 @@ impl PyWorld {
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
-        movable=None, friction=None, angles=None, angular_velocities=None,
+        movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
+        masks=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -434,6 +452,8 @@ impl PyWorld {
         friction: Option<&Bound<'_, PyAny>>,
         angles: Option<&Bound<'_, PyAny>>,
         angular_velocities: Option<&Bound<'_, PyAny>>,
+        categories: Option<&Bound<'_, PyAny>>,
+        masks: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let rows = Rows::read(ids)?;
         let len = rows.all.len();
@@ -448,6 +468,8 @@ impl PyWorld {
             friction: reals("friction", friction, len)?,
             angles: reals("angles", angles, len)?,
             angular_velocities: reals("angular_velocities", angular_velocities, len)?,
+            categories: bit_sets("categories", categories, len)?,
+            masks: bit_sets("masks", masks, len)?,
         };
         rows.told(self.long(py, |state| state.write_some(draft, &rows.all))?)
     }
@@ -646,6 +668,59 @@ impl PyWorld {
         self.write_all(py, |len| {
             let angular_velocities = reals("angular_velocities", Some(value), len)?;
             Ok(Draft { angular_velocities, ..Draft::default() })
+        })
+    }
+
+    /// Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
+    ///
+    /// Particles i and j may touch only if ``categories[i] & masks[j]`` and
+    /// ``categories[j] & masks[i]``. To change all, assign an array or one number; to change some,
+    /// use `set`. The islands of changed particles wake.
+    ///
+    /// See Also
+    /// --------
+    /// masks : The categories that each particle may touch.
+    ///
+    /// Examples
+    /// --------
+    /// Ghosts pass through each other, and bounce off everything else:
+    ///
+    /// >>> import jostle
+    /// >>> GHOST = 2
+    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+    /// >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
+    /// >>> world.step(0.1, steps=90)
+    /// >>> world.velocities[:, 0]
+    /// array([0., 0., 1.], dtype=float32)
+    /// >>> world.categories
+    /// array([2, 2, 1], dtype=uint32)
+    #[getter]
+    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.filter_bits(py, |filter| filter.category)
+    }
+
+    #[setter]
+    fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let categories = bit_sets("categories", Some(value), len)?;
+            Ok(Draft { categories, ..Draft::default() })
+        })
+    }
+
+    /// Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
+    /// each particle may touch, see `categories`.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    #[getter]
+    fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.filter_bits(py, |filter| filter.mask)
+    }
+
+    #[setter]
+    fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let masks = bit_sets("masks", Some(value), len)?;
+            Ok(Draft { masks, ..Draft::default() })
         })
     }
 
@@ -931,7 +1006,8 @@ impl PyWorld {
     /// Returns
     /// -------
     /// Quadtree
-    ///     Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+    ///     Discs of float32, with their categories and masks, and with the world's `leaf_capacity`,
+    ///     `max_depth` and `threads`.
     ///
     /// Raises
     /// ------
@@ -1243,6 +1319,15 @@ impl PyWorld {
 
     fn all_walls(&self, py: Python<'_>) -> PyResult<Vec<Wall>> {
         self.long(py, |state| state.world.walls().to_vec())
+    }
+
+    fn filter_bits<'py>(
+        &self,
+        py: Python<'py>,
+        bits: fn(Filter) -> u32,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let filters = self.long(py, |state| state.world.filters())?;
+        Ok(read_only(column(py, filters.into_iter().map(bits).collect())))
     }
 
     fn change_walls(&self, py: Python<'_>, walls: Vec<Wall>) -> PyResult<()> {

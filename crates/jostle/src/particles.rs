@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::shapes::{self, check_finite};
+use crate::shapes::{self, Filter, check_finite};
 
 /// Largest coordinate, component of a velocity, and displacement of a step.
 pub const FARTHEST: f32 = 1e18;
@@ -42,6 +42,8 @@ pub struct Particles {
     pub movable: Vec<bool>,
     /// Friction and rotation; empty if no disc has friction or an angle, or turns.
     pub spins: Vec<Spin>,
+    /// Categories and masks; empty if all have the default.
+    pub filters: Vec<Filter>,
 }
 
 impl Particles {
@@ -56,8 +58,8 @@ impl Particles {
         let masses = radii.iter().map(|r| density * r * r).collect();
         let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
         let movable = vec![true; len];
-        let spins = Vec::new();
-        Self { positions, residuals, velocities, radii, masses, restitutions, movable, spins }
+        let base = Self { positions, residuals, velocities, radii, masses, ..Self::default() };
+        Self { restitutions, movable, ..base }
     }
 
     /// Number of particles.
@@ -82,7 +84,8 @@ impl Particles {
             ("movable", self.movable.len()),
         ];
         let spins = (!self.spins.is_empty()).then_some(("friction", self.spins.len()));
-        for (argument, found) in lengths.into_iter().chain(spins) {
+        let filters = (!self.filters.is_empty()).then_some(("categories", self.filters.len()));
+        for (argument, found) in lengths.into_iter().chain(spins).chain(filters) {
             if found != expected {
                 return Err(Error::Length { argument, found, expected });
             }
@@ -101,6 +104,11 @@ impl Particles {
         self.spins.get(row).copied().unwrap_or_default()
     }
 
+    /// Category and mask of a disc.
+    pub fn filter(&self, row: usize) -> Filter {
+        self.filters.get(row).copied().unwrap_or_default()
+    }
+
     /// Coefficient of friction of two discs.
     #[inline(always)]
     pub fn pair_friction(&self, a: usize, b: usize) -> f32 {
@@ -117,8 +125,15 @@ impl Particles {
         &mut self.spins
     }
 
+    /// Categories and masks of all discs, to be changed.
+    pub fn filters_mut(&mut self) -> &mut [Filter] {
+        self.filters.resize(self.positions.len(), Filter::default());
+        &mut self.filters
+    }
+
     /// Sets the velocities of immovable particles to 0, and the angular velocities of particles
-    /// that cannot turn. Removes the column of friction and rotation if all is 0.
+    /// that cannot turn. Removes the column of friction and rotation if all is 0, and that of
+    /// categories and masks if all have the default.
     pub fn simplify(&mut self) {
         for (velocity, &movable) in self.velocities.iter_mut().zip(&self.movable) {
             if !movable {
@@ -135,6 +150,9 @@ impl Particles {
         if self.spins.iter().all(|spin| *spin == Spin::default()) {
             self.spins.clear();
         }
+        if self.filters.iter().all(|filter| *filter == Filter::default()) {
+            self.filters.clear();
+        }
     }
 
     /// Appends the rows of `other`.
@@ -142,6 +160,10 @@ impl Particles {
         if !self.spins.is_empty() || !other.spins.is_empty() {
             self.spins_mut();
             self.spins.extend((0..other.len()).map(|row| other.spin(row)));
+        }
+        if !self.filters.is_empty() || !other.filters.is_empty() {
+            self.filters_mut();
+            self.filters.extend((0..other.len()).map(|row| other.filter(row)));
         }
         self.positions.extend_from_slice(&other.positions);
         self.residuals.extend_from_slice(&other.residuals);
@@ -166,6 +188,11 @@ impl Particles {
         } else {
             parallel::gather(threads, &mut self.spins, &source.spins, order);
         }
+        if source.filters.is_empty() {
+            self.filters.clear();
+        } else {
+            parallel::gather(threads, &mut self.filters, &source.filters, order);
+        }
     }
 
     /// Writes the first row of `one` over `row`.
@@ -179,6 +206,9 @@ impl Particles {
         self.movable[row] = one.movable[0];
         if !self.spins.is_empty() {
             self.spins[row] = one.spin(0);
+        }
+        if !self.filters.is_empty() {
+            self.filters[row] = one.filter(0);
         }
     }
 
@@ -199,6 +229,7 @@ impl Particles {
         filter(&mut self.restitutions, &keep);
         filter(&mut self.movable, &keep);
         filter(&mut self.spins, &keep);
+        filter(&mut self.filters, &keep);
     }
 
     /// Whether a row has the same values in `other`.
@@ -209,6 +240,7 @@ impl Particles {
             && numbers(self) == numbers(other)
             && self.movable[row] == other.movable[row]
             && self.spin(row) == other.spin(row)
+            && self.filter(row) == other.filter(row)
     }
 
     /// One over the mass; 0 for an immovable particle.

@@ -155,7 +155,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads formats 2 to 6"
+        "data is a snapshot in format 9; this version of jostle reads formats 2 to 7"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(

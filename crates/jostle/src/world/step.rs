@@ -420,5 +420,6 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
     let pairs = turning(a).into_iter().zip(turning(b));
     let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
     let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
-    order.then_with(|| all.movable[a].cmp(&all.movable[b]))
+    let order = order.then_with(|| all.movable[a].cmp(&all.movable[b]));
+    order.then_with(|| all.filter(a).cmp(&all.filter(b)))
 }

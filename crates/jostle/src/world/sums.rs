@@ -5,6 +5,7 @@ use super::feel::{bodies, find_places};
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::parallel;
 use crate::particles::{Particles, Spin};
+use crate::shapes::Filter;
 
 impl World {
     /// Sum of mass times velocity. Sleeping particles have none.
@@ -102,6 +103,9 @@ impl World {
             let words =
                 [friction.to_bits(), velocity.to_bits(), angle as u32, (angle >> 32) as u32];
             words.into_iter().for_each(&mut mix);
+        }
+        for &Filter { category, mask } in &all.filters {
+            [category, mask].into_iter().for_each(&mut mix);
         }
         hash
     }

@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
+use crate::shapes::Filter;
 use crate::walls::{FIRST, Wall};
 use forces::{get_force, put_force};
 use sleepers::{get_sleepers, put_sleepers};
@@ -25,8 +26,9 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container.
-const VERSION: u32 = 6;
+/// version 4 no sleeping, version 5 no walls besides the container, version 6 no categories and
+/// masks.
+const VERSION: u32 = 7;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -202,6 +204,13 @@ fn put_particles(to: &mut Writer, all: &Particles) {
         to.put([*friction, *velocity]);
         to.put(*angle);
     }
+    put_filters(to, &all.filters);
+}
+
+fn put_filters(to: &mut Writer, filters: &[Filter]) {
+    to.put(u8::from(!filters.is_empty()));
+    let words: Vec<[u32; 2]> = filters.iter().map(|of| [of.category, of.mask]).collect();
+    to.put_all(&words);
 }
 
 fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
@@ -214,7 +223,17 @@ fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Part
         restitutions: get_column(from, len)?,
         movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
         spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
+        filters: if version > 6 { get_filters(from, len)? } else { vec![] },
     })
+}
+
+/// The filters of `len` particles; empty if all have the default.
+fn get_filters(from: &mut Reader<'_>, len: usize) -> Result<Vec<Filter>> {
+    if from.get::<u8>()? == 0 {
+        return Ok(Vec::new());
+    }
+    let words: Vec<[u32; 2]> = from.get_all(len)?;
+    Ok(words.into_iter().map(|[category, mask]| Filter { category, mask }).collect())
 }
 
 fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {
