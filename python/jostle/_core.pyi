@@ -1979,8 +1979,8 @@ class World:
     restitution : array_like, a number or shape (n,), default 1.0
         Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
         array has one for each particle. The coefficient of a contact is the product of
-        the world's and those of both particles; at a wall, of the world's and that of the
-        particle.
+        the world's and those of both particles; at a wall, of the world's, that of the
+        particle and that of the wall.
     friction : array_like, a number or shape (n,), default 0.0
         Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
         root of the product of both; at a wall, that of the particle. Without friction particles
@@ -1999,6 +1999,10 @@ class World:
     container : Box, Circle, Torus or None, optional
         The region of the particles. The first step moves particles that are outside to the
         inside.
+    container_restitution : array_like, a number or shape (4,), default 1.0
+        Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
+        the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a side
+        it is multiplied by the world's and that of the particle.
     walls : array_like, shape (m, 2, 2), optional
         Static line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
@@ -2094,6 +2098,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         container: _Container | None = None,
+        container_restitution: ArrayLike = 1.0,
         walls: ArrayLike | None = None,
         wall_restitution: ArrayLike = 1.0,
         wall_friction: ArrayLike | None = None,
@@ -2434,6 +2439,33 @@ class World:
         """The region of the particles: a Box, Circle, Torus or None."""
     @container.setter
     def container(self, value: _Container | None) -> None: ...
+    @property
+    def container_restitution(self) -> NDArray[np.float32]:
+        """Coefficients of restitution of the sides of the container: ndarray of float32, shape (4,), a
+        read-only copy in the order min x, max x, min y, max y.
+
+        Assign an array or one number, 0 to 1. A `Circle` has one wall; its four are equal.
+
+        Raises
+        ------
+        ValueError
+            If one is not between 0 and 1, if the shape is wrong, or if those of a `Circle` differ.
+
+        Examples
+        --------
+        A floor that stops what falls on it, between elastic walls:
+
+        >>> import jostle
+        >>> world = jostle.World(
+        ...     [(5, 5)], [(3, -9)], radii=1.0, container=jostle.Box(0, 0, 10, 10),
+        ...     container_restitution=[1, 1, 0, 1],
+        ... )
+        >>> world.step(0.1, steps=15)
+        >>> world.velocities
+        array([[-3.,  0.]], dtype=float32)
+        """
+    @container_restitution.setter
+    def container_restitution(self, value: ArrayLike) -> None: ...
     @property
     def walls(self) -> NDArray[np.float32]:
         """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of static line

@@ -60,8 +60,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// restitution : array_like, a number or shape (n,), default 1.0
 ///     Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
 ///     array has one for each particle. The coefficient of a contact is the product of
-///     the world's and those of both particles; at a wall, of the world's and that of the
-///     particle.
+///     the world's and those of both particles; at a wall, of the world's, that of the
+///     particle and that of the wall.
 /// friction : array_like, a number or shape (n,), default 0.0
 ///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
 ///     root of the product of both; at a wall, that of the particle. Without friction particles
@@ -80,6 +80,10 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// container : Box, Circle, Torus or None, optional
 ///     The region of the particles. The first step moves particles that are outside to the
 ///     inside.
+/// container_restitution : array_like, a number or shape (4,), default 1.0
+///     Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
+///     the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a side
+///     it is multiplied by the world's and that of the particle.
 /// walls : array_like, shape (m, 2, 2), optional
 ///     Static line segments, solid from both sides, from one end to the other; `polyline` makes
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
@@ -174,7 +178,7 @@ impl PyWorld {
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
             friction=Given::NOTHING, angles=None, angular_velocities=None, categories=None,
-            masks=None, container=None, walls=None, wall_restitution=Given::NOTHING, wall_friction=None,
+            masks=None, container=None, container_restitution=Given::NOTHING, walls=None, wall_restitution=Given::NOTHING, wall_friction=None,
             forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
             sleeping=Given::NOTHING,
@@ -182,7 +186,7 @@ impl PyWorld {
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
                           friction=0.0, angles=None, angular_velocities=None, categories=None, masks=None, \
-                          container=None, walls=None, wall_restitution=1.0, \
+                          container=None, container_restitution=1.0, walls=None, wall_restitution=1.0, \
                           wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
     )]
@@ -204,6 +208,7 @@ impl PyWorld {
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
+        container_restitution: Given<'py>,
         walls: Option<&Bound<'py, PyAny>>,
         wall_restitution: Given<'py>,
         wall_friction: Option<&Bound<'py, PyAny>>,
@@ -239,6 +244,9 @@ impl PyWorld {
         }
         if let Some(drag) = drag.value() {
             rules.drag = number("drag", drag)? as f32;
+        }
+        if let Some(sides) = settings::sides(&container_restitution)? {
+            rules.container_restitution = sides;
         }
         match reals("restitution", restitution.value(), len)? {
             Some(Each::One(one)) => rules.restitution = one,
@@ -770,6 +778,41 @@ impl PyWorld {
     fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let container = containers::read(value)?;
         self.change_rules(py, |rules| rules.container = container)
+    }
+
+    /// Coefficients of restitution of the sides of the container: ndarray of float32, shape (4,), a
+    /// read-only copy in the order min x, max x, min y, max y.
+    ///
+    /// Assign an array or one number, 0 to 1. A `Circle` has one wall; its four are equal.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If one is not between 0 and 1, if the shape is wrong, or if those of a `Circle` differ.
+    ///
+    /// Examples
+    /// --------
+    /// A floor that stops what falls on it, between elastic walls:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(5, 5)], [(3, -9)], radii=1.0, container=jostle.Box(0, 0, 10, 10),
+    /// ...     container_restitution=[1, 1, 0, 1],
+    /// ... )
+    /// >>> world.step(0.1, steps=15)
+    /// >>> world.velocities
+    /// array([[-3.,  0.]], dtype=float32)
+    #[getter]
+    fn container_restitution<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(read_only(column(py, self.rules(py)?.container_restitution.to_vec())))
+    }
+
+    #[setter]
+    fn set_container_restitution(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let sides = settings::sides(&value)?;
+        self.change_rules(py, |rules| {
+            rules.container_restitution = sides.unwrap_or(rules.container_restitution);
+        })
     }
 
     /// Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of static line

@@ -13,6 +13,7 @@ mod merging;
 mod physics;
 mod query;
 mod scenes;
+mod sides;
 mod sleeping;
 mod snapshot;
 mod space;

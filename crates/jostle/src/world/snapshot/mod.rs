@@ -27,7 +27,7 @@ const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
 /// version 4 no sleeping, version 5 no walls besides the container, version 6 no categories and
-/// masks.
+/// masks, and no coefficients of the container.
 const VERSION: u32 = 7;
 
 impl World {
@@ -121,6 +121,7 @@ impl World {
             let walls = get_walls(&mut from)?;
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
+            world.walls.set_sides(world.settings.side_restitutions());
         }
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
@@ -155,6 +156,7 @@ fn put_settings(to: &mut Writer, settings: &WorldSettings) {
     let numbers = [settings.substeps.unwrap_or(0), leaf_capacity, max_depth, threads.unwrap_or(0)];
     numbers.into_iter().for_each(|number| to.put_count(number));
     to.put(u8::from(settings.sleeping));
+    to.put(settings.container_restitution);
 }
 
 fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
@@ -184,7 +186,9 @@ fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
     let threads = Some(from.get_count()?).filter(|&threads| threads > 0);
     let tree = Settings { leaf_capacity, max_depth, threads };
     let sleeping = version < 5 || from.get::<u8>()? > 0;
+    let container_restitution = if version > 6 { from.get()? } else { [1.0; MAX_WALLS] };
     let base = WorldSettings { gravity, drag, restitution, container, ..WorldSettings::default() };
+    let base = WorldSettings { container_restitution, ..base };
     Ok(WorldSettings { on_touch, method, substeps, sleeping, tree, ..base })
 }
 
