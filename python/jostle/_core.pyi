@@ -35,6 +35,7 @@ from jostle.results import (
 )
 
 __all__ = [
+    "AndersenThermostat",
     "Attractor",
     "Box",
     "Circle",
@@ -43,6 +44,7 @@ __all__ = [
     "Quadtree",
     "Space",
     "Springs",
+    "ThermalWalls",
     "Thermostat",
     "Torus",
     "World",
@@ -121,7 +123,9 @@ _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
-_Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
+_Force: TypeAlias = (
+    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat
+)
 
 def abandon_threads() -> None:
     """Forgets the threads of the process that this one was forked from."""
@@ -2013,8 +2017,9 @@ class World:
     wall_friction : array_like, a number or shape (m,), optional
         Coefficients of friction of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
-    forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
-        Forces beside gravity and contacts.
+    forces : sequence of forces, default ()
+        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
+        `AndersenThermostat`: what acts beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -2521,8 +2526,8 @@ class World:
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
-        any sequence of them. They refer to particles by id. If a particle is removed, its
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
+        and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
         attractors and springs are removed too. If particles merge, attractors and springs refer
         to the merged particle, and a spring between two of them is removed.
         """
@@ -3127,7 +3132,8 @@ class Thermostat:
     """Walls that heat or cool the particles that bounce off them.
 
     Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-    the article's lesson about gases. A world has at most one thermostat.
+    the article's lesson about gases. A world has at most one thermostat. The speeds do not become those
+    of a gas in equilibrium, see `ThermalWalls`.
 
     Parameters
     ----------
@@ -3165,6 +3171,144 @@ class Thermostat:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[float, float]: ...
+
+@final
+class ThermalWalls:
+    """Sides of the container at a temperature.
+
+    A particle that hits such a side leaves it as if it came through it from a gas in equilibrium: the
+    speed along the normal has the density ∝ v exp(-m v²/2kT), the velocity along the wall is normally
+    distributed with the variance kT/m. A gas between such walls gets their temperature and a Maxwell
+    distribution; between different temperatures heat flows. The random numbers follow from
+    `seed`, the particle's state at the impact and the time, so results have the same bits for every
+    number of threads and every order of adding.
+
+    Parameters
+    ----------
+    temperature : float
+        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+        particle, in units of mass times length² per second².
+    sides : array_like of int, shape (k,), optional
+        Which sides: 0 to 3 at min x, max x, min y and max y, the numbers in `World.wall_contacts`; 0
+        is the wall of a `Circle`. If omitted, all.
+    seed : int, default 0
+        Of the random numbers, below 2³².
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a number is out of range, or a side is given twice.
+
+    See Also
+    --------
+    AndersenThermostat : Heats particles everywhere.
+    Thermostat : The article's rule, which does not lead to a Maxwell distribution.
+
+    Notes
+    -----
+    Several of them may have different sides. Angular velocities, and particles that rest on a wall, are
+    not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change along
+    the normal.
+
+    References
+    ----------
+    R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*, Physical
+    Review E 57, R17 (1998).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> hot, cold = jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1], seed=1)
+    >>> world = jostle.scenes.create("gas", n=100)
+    >>> world.forces = [hot, cold]
+    >>> world.step(1 / 60, steps=10)
+    >>> hot
+    ThermalWalls(4.0, [0], 0)
+    """
+
+    __match_args__: Final = ("temperature", "sides", "seed")
+    def __new__(
+        cls, temperature: _Number, sides: ArrayLike | None = None, seed: SupportsIndex = 0
+    ) -> Self: ...
+    @property
+    def temperature(self) -> float:
+        """Boltzmann's constant times the temperature."""
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """The sides that have it: a tuple of int, ascending."""
+    @property
+    def seed(self) -> int:
+        """The seed of the random numbers."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, tuple[int, ...], int]: ...
+
+@final
+class AndersenThermostat:
+    """A bath at a temperature that gives each particle a new velocity at random times.
+
+    At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt). Each
+    component of it is normally distributed with the variance kT/m. So all particles reach a Maxwell
+    distribution at this temperature, the canonical ensemble; momentum and energy are not conserved. The
+    random numbers follow from `seed`, the particle's state and the time, so results have the same bits
+    for every number of threads and every order of adding.
+
+    Parameters
+    ----------
+    temperature : float
+        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+        particle, in units of mass times length² per second².
+    rate : float
+        Mean number of new velocities of a particle per second, at least 0.
+    seed : int, default 0
+        Of the random numbers, below 2³².
+
+    Raises
+    ------
+    TypeError
+        If an argument is not a number.
+    ValueError
+        If a number is out of range.
+
+    See Also
+    --------
+    ThermalWalls : Heats particles at the sides of the container only.
+
+    Notes
+    -----
+    A world has at most one. Angular velocities and immovable particles are not changed.
+
+    References
+    ----------
+    H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, Journal of
+    Chemical Physics 72, 2384 (1980).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> world = jostle.scenes.create("gas", n=1000)
+    >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
+    >>> world.step(1 / 60, steps=120)
+    >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
+    True
+    """
+
+    __match_args__: Final = ("temperature", "rate", "seed")
+    def __new__(cls, temperature: _Number, rate: _Number, seed: SupportsIndex = 0) -> Self: ...
+    @property
+    def temperature(self) -> float:
+        """Boltzmann's constant times the temperature."""
+    @property
+    def rate(self) -> float:
+        """Mean number of new velocities of a particle per second."""
+    @property
+    def seed(self) -> int:
+        """The seed of the random numbers."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, float, int]: ...
 
 def scene_names() -> list[str]:
     """List the scenes.

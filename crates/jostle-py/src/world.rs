@@ -94,8 +94,9 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// wall_friction : array_like, a number or shape (m,), optional
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
-/// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
-///     Forces beside gravity and contacts.
+/// forces : sequence of forces, default ()
+///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
+///     `AndersenThermostat`: what acts beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -891,8 +892,8 @@ impl PyWorld {
         self.change_walls(py, all)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
-    /// any sequence of them. They refer to particles by id. If a particle is removed, its
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
+    /// and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
     /// attractors and springs are removed too. If particles merge, attractors and springs refer
     /// to the merged particle, and a spring between two of them is removed.
     #[getter]

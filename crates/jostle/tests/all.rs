@@ -17,5 +17,6 @@ mod sides;
 mod sleeping;
 mod snapshot;
 mod space;
+mod thermal;
 mod tree;
 mod walls;

@@ -3,7 +3,7 @@
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::flow::{Flow, Kick};
-use crate::forces::Thermostat;
+use crate::forces::{ThermalSides, Thermostat};
 use crate::motion::{Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
@@ -83,6 +83,8 @@ pub struct Flight<'a> {
     pub is_elastic: bool,
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
+    /// Sides of the container at temperatures.
+    pub thermal: Option<ThermalSides>,
     /// Whether discs bounce off each other.
     pub pairs: bool,
     /// The candidate pairs, a list for each image.

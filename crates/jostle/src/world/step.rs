@@ -81,6 +81,7 @@ impl World {
             let mut done = self.step_in_parts(single, watch);
             let mut touched = std::mem::take(&mut self.memory.touched);
             if done.is_ok() && touched.is_empty() {
+                self.meet_bath(single);
                 self.keep_wall_pushes();
                 touches::add_up(&mut self.wall_impulses);
                 done = self.fall_asleep(dt);
