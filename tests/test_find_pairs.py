@@ -373,6 +373,8 @@ def test_its_signature_shows_its_defaults() -> None:
     assert defaults.pop("centers") is None
     assert defaults == {
         "boxes": None,
+        "categories": None,
+        "masks": None,
         "radii": 0.0,
         "half_sizes": None,
         "method": "auto",

@@ -110,18 +110,31 @@ def test_a_snapshot_of_format_5_can_be_loaded() -> None:
 
 
 def test_a_snapshot_of_format_6_can_be_loaded() -> None:
-    """Its ids are rows."""
+    """Its ids are rows, and it has no categories and masks."""
     world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-6.jostle")
     assert world.state_hash() == 0xCF10FD0278F5E99B
     assert world.ids.tolist() == [0, 1, 2, 3]
     springs, attractor = world.forces
     assert isinstance(springs, jostle.Springs) and springs.pairs.tolist() == [[0, 3]]
     assert isinstance(attractor, jostle.Attractor) and attractor.particle == 2
+    assert (world.categories == 1).all() and (world.masks == 2**32 - 1).all()
     again = jostle.World.restore(world.snapshot())
     for of in (world, again):
         of.step(STEP, steps=150)
     assert again.state_hash() == world.state_hash()
     assert world.add([(3, 9)], [(0, 0)], 1.0).tolist() == [4]
+
+
+def test_walls_of_format_6_stand_still() -> None:
+    world = jostle.World.load(Path(__file__).parent / "data" / "snapshot-6-walls.jostle")
+    assert world.state_hash() == 0xB06B518972171A5A
+    assert world.wall_restitution.tolist() == [0.5, 0.25]
+    assert world.wall_contacts.walls.tolist() == [2, 2]
+    assert not world.wall_velocities.any()
+    again = jostle.World.restore(world.snapshot())
+    for of in (world, again):
+        of.step(STEP, steps=150)
+    assert again.state_hash() == world.state_hash()
 
 
 def test_other_bytes_like_objects() -> None:

@@ -8,8 +8,9 @@
     Shapes with ids that are added, moved and removed, and the `Events` of their pairs.
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
-    `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs` and
-    `Thermostat` are its forces. `polyline` makes walls.
+    `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
+    `Thermostat`, `ThermalWalls` and `AndersenThermostat` are its forces. `polyline` makes
+    walls.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldStats`
@@ -20,6 +21,7 @@
 
 from jostle import article, scenes
 from jostle._core import (
+    AndersenThermostat,
     Attractor,
     Box,
     Circle,
@@ -28,6 +30,7 @@ from jostle._core import (
     Quadtree,
     Space,
     Springs,
+    ThermalWalls,
     Thermostat,
     Torus,
     World,
@@ -49,6 +52,7 @@ from jostle.results import (
 from jostle.walls import polyline
 
 __all__ = [
+    "AndersenThermostat",
     "Attractor",
     "Box",
     "Circle",
@@ -64,6 +68,7 @@ __all__ = [
     "Space",
     "Springs",
     "Stats",
+    "ThermalWalls",
     "Thermostat",
     "Torus",
     "WallContacts",

@@ -35,6 +35,7 @@ from jostle.results import (
 )
 
 __all__ = [
+    "AndersenThermostat",
     "Attractor",
     "Box",
     "Circle",
@@ -43,6 +44,7 @@ __all__ = [
     "Quadtree",
     "Space",
     "Springs",
+    "ThermalWalls",
     "Thermostat",
     "Torus",
     "World",
@@ -121,7 +123,9 @@ _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
-_Force: TypeAlias = Attractor | Gravitation | Springs | Thermostat
+_Force: TypeAlias = (
+    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat
+)
 
 def abandon_threads() -> None:
     """Forgets the threads of the process that this one was forked from."""
@@ -133,6 +137,8 @@ def find_pairs(
     half_sizes: ArrayLike | None = None,
     *,
     boxes: None = None,
+    categories: ArrayLike | None = None,
+    masks: ArrayLike | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -159,6 +165,9 @@ def find_pairs(
         width and height. The four numbers are compared without rounding:
         boxes that share an edge never overlap, whereas sides computed as
         ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+    categories, masks : array_like of int, a number or shape (n,), optional
+        Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
     method : {"auto", "brute", "quadtree"}, default "auto"
         How the pairs are found; the pairs are the same. "auto" uses brute force if it
         is faster.
@@ -203,6 +212,9 @@ def find_pairs(
     >>> import jostle
     >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
     array([[1, 2]])
+    >>> jostle.find_pairs([(0, 0), (1, 0), (2, 0)], radii=0.8, categories=[1, 2, 1], masks=[2, 3, 2])
+    array([[0, 1],
+           [1, 2]])
     >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
     array([[1, 2]])
     """
@@ -214,6 +226,8 @@ def find_pairs(
     half_sizes: None = None,
     *,
     boxes: _Boxes,
+    categories: ArrayLike | None = None,
+    masks: ArrayLike | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -1973,8 +1987,8 @@ class World:
     restitution : array_like, a number or shape (n,), default 1.0
         Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
         array has one for each particle. The coefficient of a contact is the product of
-        the world's and those of both particles; at a wall, of the world's and that of the
-        particle.
+        the world's and those of both particles; at a wall, of the world's, that of the
+        particle and that of the wall.
     friction : array_like, a number or shape (n,), default 0.0
         Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
         root of the product of both; at a wall, that of the particle. Without friction particles
@@ -1985,9 +1999,18 @@ class World:
         In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
         radius 0 do not turn: their angular velocity becomes 0. `drag` does not change angular
         velocities.
+    categories, masks : array_like of int, a number or shape (n,), optional
+        Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
+        categories are 1 and masks have all bits. Walls, the container and forces do not depend on
+        them.
     container : Box, Circle, Torus or None, optional
         The region of the particles. The first step moves particles that are outside to the
         inside.
+    container_restitution : array_like, a number or shape (4,), default 1.0
+        Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
+        the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a side
+        it is multiplied by the world's and that of the particle.
     walls : array_like, shape (m, 2, 2), optional
         Line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
@@ -2002,14 +2025,16 @@ class World:
     wall_friction : array_like, a number or shape (m,), optional
         Coefficients of friction of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
-    forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
-        Forces beside gravity and contacts.
+    forces : sequence of forces, default ()
+        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
+        `AndersenThermostat`: what acts beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
-        friction are the means weighted by mass, and the id is the smallest, see `renumbered`. If one has
-        friction or turns, angular momentum is conserved. If some of the particles are not movable, the
-        merged particle is not movable either and has the place and the velocity of the heaviest of
+        friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
+        merged particle has all bits of their categories and masks. If one has friction or turns,
+        angular momentum is conserved. If some of the particles are not movable, the merged
+        particle is not movable either and has the place and the velocity of the heaviest of
         these; momentum is lost. Particles do not merge if the
         result would not fit into the container. "ignore" lets them pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
@@ -2085,7 +2110,10 @@ class World:
         friction: ArrayLike = 0.0,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
         container: _Container | None = None,
+        container_restitution: ArrayLike = 1.0,
         walls: ArrayLike | None = None,
         wall_velocities: ArrayLike | None = None,
         wall_restitution: ArrayLike = 1.0,
@@ -2144,6 +2172,8 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
     ) -> int:
         """Add one particle or many, after the others.
 
@@ -2168,6 +2198,8 @@ class World:
         friction : array_like, a number or shape (k,), optional
             0.0 if no number was given for all particles.
         angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+        categories, masks : array_like of int, a number or shape (k,), optional
+            1 and all bits if no number was given for all particles.
 
         Returns
         -------
@@ -2276,6 +2308,8 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -2288,6 +2322,7 @@ class World:
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
         friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+        categories, masks : array_like of int, a number or shape (k,), optional
             Omitted columns stay the same.
 
         Raises
@@ -2484,6 +2519,43 @@ class World:
     @angular_velocities.setter
     def angular_velocities(self, value: ArrayLike) -> None: ...
     @property
+    def categories(self) -> NDArray[np.uint32]:
+        """Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
+
+        Particles i and j may touch only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``. To change all, assign an array or one number; to change some,
+        use `set`. The islands of changed particles wake.
+
+        See Also
+        --------
+        masks : The categories that each particle may touch.
+
+        Examples
+        --------
+        Ghosts pass through each other, and bounce off everything else:
+
+        >>> import jostle
+        >>> GHOST = 2
+        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+        >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
+        >>> world.step(0.1, steps=90)
+        >>> world.velocities[:, 0]
+        array([0., 0., 1.], dtype=float32)
+        >>> world.categories
+        array([2, 2, 1], dtype=uint32)
+        """
+    @categories.setter
+    def categories(self, value: ArrayLike) -> None: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]:
+        """Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
+        each particle may touch, see `categories`.
+
+        To change all, assign an array or one number; to change some, use `set`.
+        """
+    @masks.setter
+    def masks(self, value: ArrayLike) -> None: ...
+    @property
     def gravity(self) -> tuple[float, float]:
         """Acceleration of all movable particles, (x, y), units of length per second squared."""
     @gravity.setter
@@ -2503,6 +2575,33 @@ class World:
         """The region of the particles: a Box, Circle, Torus or None."""
     @container.setter
     def container(self, value: _Container | None) -> None: ...
+    @property
+    def container_restitution(self) -> NDArray[np.float32]:
+        """Coefficients of restitution of the sides of the container: ndarray of float32, shape (4,), a
+        read-only copy in the order min x, max x, min y, max y.
+
+        Assign an array or one number, 0 to 1. A `Circle` has one wall; its four are equal.
+
+        Raises
+        ------
+        ValueError
+            If one is not between 0 and 1, if the shape is wrong, or if those of a `Circle` differ.
+
+        Examples
+        --------
+        A floor that stops what falls on it, between elastic walls:
+
+        >>> import jostle
+        >>> world = jostle.World(
+        ...     [(5, 5)], [(3, -9)], radii=1.0, container=jostle.Box(0, 0, 10, 10),
+        ...     container_restitution=[1, 1, 0, 1],
+        ... )
+        >>> world.step(0.1, steps=15)
+        >>> world.velocities
+        array([[-3.,  0.]], dtype=float32)
+        """
+    @container_restitution.setter
+    def container_restitution(self, value: ArrayLike) -> None: ...
     @property
     def walls(self) -> NDArray[np.float32]:
         """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of line segments in
@@ -2586,8 +2685,8 @@ class World:
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
-        any sequence of them. They refer to particles by id. If a particle is removed, its
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
+        and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
         attractors and springs are removed too. If particles merge, attractors and springs refer
         to the merged particle, and a spring between two of them is removed.
         """
@@ -2702,7 +2801,8 @@ class World:
         Returns
         -------
         Quadtree
-            Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+            Discs of float32, with their categories and masks, and with the world's `leaf_capacity`,
+            `max_depth` and `threads`.
 
         Raises
         ------
@@ -3208,7 +3308,8 @@ class Thermostat:
     """Walls that heat or cool the particles that bounce off them.
 
     Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-    the article's lesson about gases. A world has at most one thermostat.
+    the article's lesson about gases. A world has at most one thermostat. The speeds do not become those
+    of a gas in equilibrium, see `ThermalWalls`.
 
     Parameters
     ----------
@@ -3246,6 +3347,144 @@ class Thermostat:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[float, float]: ...
+
+@final
+class ThermalWalls:
+    """Sides of the container at a temperature.
+
+    A particle that hits such a side leaves it as if it came through it from a gas in equilibrium: the
+    speed along the normal has the density ∝ v exp(-m v²/2kT), the velocity along the wall is normally
+    distributed with the variance kT/m. A gas between such walls gets their temperature and a Maxwell
+    distribution; between different temperatures heat flows. The random numbers follow from
+    `seed`, the particle's state at the impact and the time, so results have the same bits for every
+    number of threads and every order of adding.
+
+    Parameters
+    ----------
+    temperature : float
+        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+        particle, in units of mass times length² per second².
+    sides : array_like of int, shape (k,), optional
+        Which sides: 0 to 3 at min x, max x, min y and max y, the numbers in `World.wall_contacts`; 0
+        is the wall of a `Circle`. If omitted, all.
+    seed : int, default 0
+        Of the random numbers, below 2³².
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a number is out of range, or a side is given twice.
+
+    See Also
+    --------
+    AndersenThermostat : Heats particles everywhere.
+    Thermostat : The article's rule, which does not lead to a Maxwell distribution.
+
+    Notes
+    -----
+    Several of them may have different sides. Angular velocities, and particles that rest on a wall, are
+    not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change along
+    the normal.
+
+    References
+    ----------
+    R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*, Physical
+    Review E 57, R17 (1998).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> hot, cold = jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1], seed=1)
+    >>> world = jostle.scenes.create("gas", n=100)
+    >>> world.forces = [hot, cold]
+    >>> world.step(1 / 60, steps=10)
+    >>> hot
+    ThermalWalls(4.0, [0], 0)
+    """
+
+    __match_args__: Final = ("temperature", "sides", "seed")
+    def __new__(
+        cls, temperature: _Number, sides: ArrayLike | None = None, seed: SupportsIndex = 0
+    ) -> Self: ...
+    @property
+    def temperature(self) -> float:
+        """Boltzmann's constant times the temperature."""
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """The sides that have it: a tuple of int, ascending."""
+    @property
+    def seed(self) -> int:
+        """The seed of the random numbers."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, tuple[int, ...], int]: ...
+
+@final
+class AndersenThermostat:
+    """A bath at a temperature that gives each particle a new velocity at random times.
+
+    At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt). Each
+    component of it is normally distributed with the variance kT/m. So all particles reach a Maxwell
+    distribution at this temperature, the canonical ensemble; momentum and energy are not conserved. The
+    random numbers follow from `seed`, the particle's state and the time, so results have the same bits
+    for every number of threads and every order of adding.
+
+    Parameters
+    ----------
+    temperature : float
+        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+        particle, in units of mass times length² per second².
+    rate : float
+        Mean number of new velocities of a particle per second, at least 0.
+    seed : int, default 0
+        Of the random numbers, below 2³².
+
+    Raises
+    ------
+    TypeError
+        If an argument is not a number.
+    ValueError
+        If a number is out of range.
+
+    See Also
+    --------
+    ThermalWalls : Heats particles at the sides of the container only.
+
+    Notes
+    -----
+    A world has at most one. Angular velocities and immovable particles are not changed.
+
+    References
+    ----------
+    H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, Journal of
+    Chemical Physics 72, 2384 (1980).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> world = jostle.scenes.create("gas", n=1000)
+    >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
+    >>> world.step(1 / 60, steps=120)
+    >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
+    True
+    """
+
+    __match_args__: Final = ("temperature", "rate", "seed")
+    def __new__(cls, temperature: _Number, rate: _Number, seed: SupportsIndex = 0) -> Self: ...
+    @property
+    def temperature(self) -> float:
+        """Boltzmann's constant times the temperature."""
+    @property
+    def rate(self) -> float:
+        """Mean number of new velocities of a particle per second."""
+    @property
+    def seed(self) -> int:
+        """The seed of the random numbers."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, float, int]: ...
 
 def scene_names() -> list[str]:
     """List the scenes.

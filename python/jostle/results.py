@@ -211,7 +211,7 @@ class WorldContacts(NamedTuple):
 class WallContacts(NamedTuple):
     """Particles to which walls gave an impulse during the last step of a `World`.
 
-    The impulses leave out what a `Thermostat` adds.
+    The impulses leave out what a `Thermostat` adds, and what `ThermalWalls` add along the wall.
 
     Attributes
     ----------

@@ -34,6 +34,9 @@ use crate::shapes::{Rows, Shapes};
 ///     width and height. The four numbers are compared without rounding:
 ///     boxes that share an edge never overlap, whereas sides computed as
 ///     ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+/// categories, masks : array_like of int, a number or shape (n,), optional
+///     Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
+///     ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
 /// method : {"auto", "brute", "quadtree"}, default "auto"
 ///     How the pairs are found; the pairs are the same. "auto" uses brute force if it
 ///     is faster.
@@ -78,17 +81,20 @@ use crate::shapes::{Rows, Shapes};
 /// >>> import jostle
 /// >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
 /// array([[1, 2]])
+/// >>> jostle.find_pairs([(0, 0), (1, 0), (2, 0)], radii=0.8, categories=[1, 2, 1], masks=[2, 3, 2])
+/// array([[0, 1],
+///        [1, 2]])
 /// >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
 /// array([[1, 2]])
 #[pyfunction]
 #[pyo3(
     signature = (
         centers=None, radii=Given::NOTHING, half_sizes=None,
-        *, boxes=None, method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING,
-        threads=None,
+        *, boxes=None, categories=None, masks=None, method=Given::NOTHING, sort=Given::NOTHING,
+        max_pairs=Given::NOTHING, threads=None,
     ),
-    text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, method='auto', \
-                      sort=False, max_pairs=134217728, threads=None)"
+    text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, categories=None, \
+                      masks=None, method='auto', sort=False, max_pairs=134217728, threads=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
 pub fn find_pairs<'py>(
@@ -97,6 +103,8 @@ pub fn find_pairs<'py>(
     radii: Given<'py>,
     half_sizes: Maybe<'_, 'py>,
     boxes: Maybe<'_, 'py>,
+    categories: Maybe<'_, 'py>,
+    masks: Maybe<'_, 'py>,
     method: Given<'py>,
     sort: Given<'py>,
     max_pairs: Given<'py>,
@@ -108,7 +116,7 @@ pub fn find_pairs<'py>(
         max_pairs: settings::max_pairs(&max_pairs)?,
         threads: settings::threads(threads)?,
     };
-    let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [None, None])?;
+    let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [categories, masks])?;
     let pairs = detached(py, || {
         let found = match shapes {
             Shapes::Single(rows) => search.run(rows),

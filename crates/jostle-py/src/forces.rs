@@ -1,15 +1,15 @@
-//! `jostle.Attractor`, `jostle.Gravitation`, `jostle.Springs`, `jostle.Thermostat`: what
+//! `jostle.Attractor`, `jostle.Gravitation`, `jostle.Springs`, and the thermostats: what
 //! accelerates the particles of a world, as values.
 
 use jostle::forces::{self, Law, Pole, Spring};
-use jostle::{Each, Force, Id};
+use jostle::{Each, Error, Force, Id};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::arrays::{
-    Argument, Given, column, count, decimal, number, point, read_only, table, word,
+    Argument, Given, column, count, decimal, long_ids, number, point, read_only, table, word,
 };
 use crate::error::{refused, type_error, value_error};
 use crate::particles::reals;
@@ -368,7 +368,8 @@ impl PySprings {
 /// Walls that heat or cool the particles that bounce off them.
 ///
 /// Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-/// the article's lesson about gases. A world has at most one thermostat.
+/// the article's lesson about gases. A world has at most one thermostat. The speeds do not become those
+/// of a gas in equilibrium, see `ThermalWalls`.
 ///
 /// Parameters
 /// ----------
@@ -436,6 +437,252 @@ impl PyThermostat {
     }
 }
 
+/// Sides of the container at a temperature.
+///
+/// A particle that hits such a side leaves it as if it came through it from a gas in equilibrium: the
+/// speed along the normal has the density ∝ v exp(-m v²/2kT), the velocity along the wall is normally
+/// distributed with the variance kT/m. A gas between such walls gets their temperature and a Maxwell
+/// distribution; between different temperatures heat flows. The random numbers follow from
+/// `seed`, the particle's state at the impact and the time, so results have the same bits for every
+/// number of threads and every order of adding.
+///
+/// Parameters
+/// ----------
+/// temperature : float
+///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+///     particle, in units of mass times length² per second².
+/// sides : array_like of int, shape (k,), optional
+///     Which sides: 0 to 3 at min x, max x, min y and max y, the numbers in `World.wall_contacts`; 0
+///     is the wall of a `Circle`. If omitted, all.
+/// seed : int, default 0
+///     Of the random numbers, below 2³².
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument has the wrong type.
+/// ValueError
+///     If a number is out of range, or a side is given twice.
+///
+/// See Also
+/// --------
+/// AndersenThermostat : Heats particles everywhere.
+/// Thermostat : The article's rule, which does not lead to a Maxwell distribution.
+///
+/// Notes
+/// -----
+/// Several of them may have different sides. Angular velocities, and particles that rest on a wall, are
+/// not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change along
+/// the normal.
+///
+/// References
+/// ----------
+/// R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*, Physical
+/// Review E 57, R17 (1998).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> hot, cold = jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1], seed=1)
+/// >>> world = jostle.scenes.create("gas", n=100)
+/// >>> world.forces = [hot, cold]
+/// >>> world.step(1 / 60, steps=10)
+/// >>> hot
+/// ThermalWalls(4.0, [0], 0)
+#[pyclass(module = "jostle", name = "ThermalWalls", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyThermalWalls(forces::ThermalWalls);
+
+#[pymethods]
+impl PyThermalWalls {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str) = ("temperature", "sides", "seed");
+
+    #[new]
+    #[pyo3(
+        signature = (temperature, sides=None, seed=Given::NOTHING),
+        text_signature = "(temperature, sides=None, seed=0)"
+    )]
+    fn new(
+        temperature: &Bound<'_, PyAny>,
+        sides: Option<&Bound<'_, PyAny>>,
+        seed: Given<'_>,
+    ) -> PyResult<Self> {
+        let temperature = number("temperature", temperature)? as f32;
+        let sides = sides.map_or(Ok([true; 4]), self::sides)?;
+        let walls = forces::ThermalWalls { temperature, sides, seed: self::seed(&seed)? };
+        walls.validate().map_err(refused)?;
+        Ok(Self(walls))
+    }
+
+    /// Boltzmann's constant times the temperature.
+    #[getter]
+    fn temperature(&self) -> f64 {
+        decimal(self.0.temperature)
+    }
+
+    /// The sides that have it: a tuple of int, ascending.
+    #[getter]
+    fn sides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.numbers())
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(&self) -> u32 {
+        self.0.seed
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(f64, Bound<'py, PyTuple>, u32)> {
+        Ok((self.temperature(), self.sides(py)?, self.seed()))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.__getnewargs__(py)?.into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("ThermalWalls({:?}, {:?}, {})", self.temperature(), self.numbers(), self.seed())
+    }
+}
+
+impl PyThermalWalls {
+    fn numbers(&self) -> Vec<usize> {
+        (0..4).filter(|&side| self.0.sides[side]).collect()
+    }
+}
+
+/// A bath at a temperature that gives each particle a new velocity at random times.
+///
+/// At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt). Each
+/// component of it is normally distributed with the variance kT/m. So all particles reach a Maxwell
+/// distribution at this temperature, the canonical ensemble; momentum and energy are not conserved. The
+/// random numbers follow from `seed`, the particle's state and the time, so results have the same bits
+/// for every number of threads and every order of adding.
+///
+/// Parameters
+/// ----------
+/// temperature : float
+///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+///     particle, in units of mass times length² per second².
+/// rate : float
+///     Mean number of new velocities of a particle per second, at least 0.
+/// seed : int, default 0
+///     Of the random numbers, below 2³².
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument is not a number.
+/// ValueError
+///     If a number is out of range.
+///
+/// See Also
+/// --------
+/// ThermalWalls : Heats particles at the sides of the container only.
+///
+/// Notes
+/// -----
+/// A world has at most one. Angular velocities and immovable particles are not changed.
+///
+/// References
+/// ----------
+/// H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, Journal of
+/// Chemical Physics 72, 2384 (1980).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> world = jostle.scenes.create("gas", n=1000)
+/// >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
+/// >>> world.step(1 / 60, steps=300)
+/// >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
+/// True
+#[pyclass(module = "jostle", name = "AndersenThermostat", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyAndersenThermostat(forces::Andersen);
+
+#[pymethods]
+impl PyAndersenThermostat {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str) = ("temperature", "rate", "seed");
+
+    #[new]
+    #[pyo3(
+        signature = (temperature, rate, seed=Given::NOTHING),
+        text_signature = "(temperature, rate, seed=0)"
+    )]
+    fn new(
+        temperature: &Bound<'_, PyAny>,
+        rate: &Bound<'_, PyAny>,
+        seed: Given<'_>,
+    ) -> PyResult<Self> {
+        let temperature = number("temperature", temperature)? as f32;
+        let rate = number("rate", rate)? as f32;
+        let bath = forces::Andersen { temperature, rate, seed: self::seed(&seed)? };
+        bath.validate().map_err(refused)?;
+        Ok(Self(bath))
+    }
+
+    /// Boltzmann's constant times the temperature.
+    #[getter]
+    fn temperature(&self) -> f64 {
+        decimal(self.0.temperature)
+    }
+
+    /// Mean number of new velocities of a particle per second.
+    #[getter]
+    fn rate(&self) -> f64 {
+        decimal(self.0.rate)
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(&self) -> u32 {
+        self.0.seed
+    }
+
+    fn __getnewargs__(&self) -> (f64, f64, u32) {
+        (self.temperature(), self.rate(), self.seed())
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.__getnewargs__().into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("AndersenThermostat({:?}, {:?}, {})", self.temperature(), self.rate(), self.seed())
+    }
+}
+
+/// Which sides of the container are numbered in an array.
+fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; 4]> {
+    let numbers = long_ids("sides", value, "side")?.rows(1);
+    let mut sides = [false; 4];
+    for (index, number) in numbers.into_iter().enumerate() {
+        let side = usize::try_from(number).ok().and_then(|side| sides.get_mut(side));
+        match side {
+            None => {
+                let rule = "the sides of a container are 0 to 3";
+                return Err(refused(Error::at("sides", index, number, rule)));
+            }
+            Some(true) => {
+                return Err(refused(Error::at("sides", index, number, "it is given twice")));
+            }
+            Some(side) => *side = true,
+        }
+    }
+    Ok(sides)
+}
+
+/// The seed of random numbers.
+fn seed(given: &Given<'_>) -> PyResult<u32> {
+    let seed = given.value().map_or(Ok(0), |value| count("seed", value, 0))?;
+    u32::try_from(seed).map_err(|_| value_error("seed", seed, "below 4294967296"))
+}
+
 fn read_law(given: &Given<'_>) -> PyResult<Law> {
     let rule = "'harmonic' or 'inverse_square'";
     match word("law", given, rule)?.as_deref() {
@@ -467,8 +714,13 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
         Ok(Force::Springs(found.get().0.clone()))
     } else if let Ok(found) = value.cast::<PyThermostat>() {
         Ok(Force::Thermostat(found.get().0))
+    } else if let Ok(found) = value.cast::<PyThermalWalls>() {
+        Ok(Force::ThermalWalls(found.get().0))
+    } else if let Ok(found) = value.cast::<PyAndersenThermostat>() {
+        Ok(Force::Andersen(found.get().0))
     } else {
-        let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs or jostle.Thermostat";
+        let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
+                    jostle.ThermalWalls or jostle.AndersenThermostat";
         Err(type_error(&format!("forces[{index}]"), rule, value))
     }
 }
@@ -481,6 +733,8 @@ pub fn show<'py>(py: Python<'py>, forces: Vec<Force>) -> PyResult<Bound<'py, PyT
             Force::Gravitation(gravitation) => Py::new(py, PyGravitation(gravitation))?.into_any(),
             Force::Springs(springs) => Py::new(py, PySprings(springs))?.into_any(),
             Force::Thermostat(thermostat) => Py::new(py, PyThermostat(thermostat))?.into_any(),
+            Force::ThermalWalls(walls) => Py::new(py, PyThermalWalls(walls))?.into_any(),
+            Force::Andersen(bath) => Py::new(py, PyAndersenThermostat(bath))?.into_any(),
         })
     };
     PyTuple::new(py, forces.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)

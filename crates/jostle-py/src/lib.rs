@@ -42,7 +42,9 @@ mod _core {
     #[pymodule_export]
     use super::find_pairs::find_pairs;
     #[pymodule_export]
-    use super::forces::{PyAttractor, PyGravitation, PySprings, PyThermostat};
+    use super::forces::{
+        PyAndersenThermostat, PyAttractor, PyGravitation, PySprings, PyThermalWalls, PyThermostat,
+    };
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]

@@ -4,7 +4,7 @@ use jostle::particles::{
     MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
     check_restitutions, check_vectors,
 };
-use jostle::{Defaults, Each, Error, Particles};
+use jostle::{Defaults, Each, Error, Filter, Particles};
 use pyo3::prelude::*;
 
 use crate::arrays::Argument;
@@ -25,6 +25,8 @@ pub struct Draft {
     pub friction: Option<Each<f32>>,
     pub angles: Option<Each<f32>>,
     pub angular_velocities: Option<Each<f32>>,
+    pub categories: Option<Each<u32>>,
+    pub masks: Option<Each<u32>>,
 }
 
 impl Draft {
@@ -67,7 +69,7 @@ impl Draft {
     /// What is given by one number for all particles becomes the default of those that are added
     /// later.
     pub fn defaults(&self, before: Defaults) -> Defaults {
-        fn one(column: Option<&Each<f32>>) -> Option<f32> {
+        fn one<V: Copy>(column: Option<&Each<V>>) -> Option<V> {
             column.and_then(|column| if let Each::One(one) = column { Some(*one) } else { None })
         }
         Defaults {
@@ -76,6 +78,10 @@ impl Draft {
             density: one(self.densities.as_ref()).unwrap_or(before.density),
             restitution: one(self.restitutions.as_ref()).unwrap_or(before.restitution),
             friction: one(self.friction.as_ref()).unwrap_or(before.friction),
+            filter: Filter {
+                category: one(self.categories.as_ref()).unwrap_or(before.filter.category),
+                mask: one(self.masks.as_ref()).unwrap_or(before.filter.mask),
+            },
         }
     }
 
@@ -85,6 +91,8 @@ impl Draft {
         self.radii = self.radii.or(defaults.radius.map(Each::One));
         self.restitutions.get_or_insert(Each::One(defaults.restitution));
         self.friction.get_or_insert(Each::One(defaults.friction));
+        self.categories.get_or_insert(Each::One(defaults.filter.category));
+        self.masks.get_or_insert(Each::One(defaults.filter.mask));
         if self.densities.is_none() {
             self.masses = self.masses.or(defaults.mass.map(Each::One));
         }
@@ -132,6 +140,12 @@ impl Draft {
             put(self.angles, spins, |spin, angle| spin.angle = f64::from(angle));
             put(self.angular_velocities, spins, |spin, speed| spin.velocity = speed);
         }
+        // Nor is there one of categories and masks while all have the default.
+        if self.categories.is_some() || self.masks.is_some() {
+            let filters = particles.filters_mut();
+            put(self.categories, filters, |filter, bits| filter.category = bits);
+            put(self.masks, filters, |filter, bits| filter.mask = bits);
+        }
     }
 }
 
@@ -165,6 +179,15 @@ pub fn truths(
     len: usize,
 ) -> PyResult<Option<Each<bool>>> {
     value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
+}
+
+/// Bits for all or for each of `len` particles.
+pub fn bit_sets(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<u32>>> {
+    value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
 }
 
 fn check_column(

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Given, count, truth, word};
 use crate::error::value_error;
+use crate::particles::reals;
 
 // The signatures that Python shows spell these numbers out.
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
@@ -102,4 +103,10 @@ pub fn tree(
         max_depth: self::max_depth(max_depth)?,
         threads: self::threads(threads)?,
     })
+}
+
+/// Coefficients of the four sides of the container: a number for all or one for each.
+pub fn sides(given: &Given<'_>) -> PyResult<Option<[f32; 4]>> {
+    let each = reals("container_restitution", given.value(), 4)?;
+    Ok(each.map(|each| [0, 1, 2, 3].map(|side| each.at(side))))
 }

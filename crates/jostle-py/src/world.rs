@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Defaults, Each, Error, Id, Stage, Wall, World, WorldSettings};
+use jostle::{Defaults, Each, Error, Filter, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -19,7 +19,7 @@ use crate::forces;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, only_vector, reals, truths, vectors};
+use crate::particles::{Draft, bit_sets, only_vector, reals, truths, vectors};
 use crate::quadtree::PyQuadtree;
 use crate::queries::told;
 use crate::results;
@@ -65,8 +65,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// restitution : array_like, a number or shape (n,), default 1.0
 ///     Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
 ///     array has one for each particle. The coefficient of a contact is the product of
-///     the world's and those of both particles; at a wall, of the world's and that of the
-///     particle.
+///     the world's and those of both particles; at a wall, of the world's, that of the
+///     particle and that of the wall.
 /// friction : array_like, a number or shape (n,), default 0.0
 ///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
 ///     root of the product of both; at a wall, that of the particle. Without friction particles
@@ -77,9 +77,18 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
 ///     radius 0 do not turn: their angular velocity becomes 0. `drag` does not change angular
 ///     velocities.
+/// categories, masks : array_like of int, a number or shape (n,), optional
+///     Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
+///     ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
+///     categories are 1 and masks have all bits. Walls, the container and forces do not depend on
+///     them.
 /// container : Box, Circle, Torus or None, optional
 ///     The region of the particles. The first step moves particles that are outside to the
 ///     inside.
+/// container_restitution : array_like, a number or shape (4,), default 1.0
+///     Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
+///     the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a side
+///     it is multiplied by the world's and that of the particle.
 /// walls : array_like, shape (m, 2, 2), optional
 ///     Line segments, solid from both sides, from one end to the other; `polyline` makes
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
@@ -94,14 +103,16 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// wall_friction : array_like, a number or shape (m,), optional
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
-/// forces : sequence of Attractor, Gravitation, Springs and Thermostat, default ()
-///     Forces beside gravity and contacts.
+/// forces : sequence of forces, default ()
+///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
+///     `AndersenThermostat`: what acts beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
-///     friction are the means weighted by mass, and the id is the smallest, see `renumbered`. If one has
-///     friction or turns, angular momentum is conserved. If some of the particles are not movable, the
-///     merged particle is not movable either and has the place and the velocity of the heaviest of
+///     friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
+///     merged particle has all bits of their categories and masks. If one has friction or turns,
+///     angular momentum is conserved. If some of the particles are not movable, the merged
+///     particle is not movable either and has the place and the velocity of the heaviest of
 ///     these; momentum is lost. Particles do not merge if the
 ///     result would not fit into the container. "ignore" lets them pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
@@ -178,15 +189,18 @@ impl PyWorld {
         signature = (
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
-            friction=Given::NOTHING, angles=None, angular_velocities=None,
-            container=None, walls=None, wall_velocities=None, wall_restitution=Given::NOTHING, wall_friction=None,
+            friction=Given::NOTHING, angles=None, angular_velocities=None, categories=None,
+            masks=None, container=None, container_restitution=Given::NOTHING, walls=None,
+            wall_velocities=None, wall_restitution=Given::NOTHING, wall_friction=None,
             forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
             sleeping=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          friction=0.0, angles=None, angular_velocities=None, container=None, walls=None, wall_velocities=None, wall_restitution=1.0, \
+                          friction=0.0, angles=None, angular_velocities=None, categories=None, \
+                          masks=None, container=None, container_restitution=1.0, walls=None, \
+                          wall_velocities=None, wall_restitution=1.0, \
                           wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
     )]
@@ -205,7 +219,10 @@ impl PyWorld {
         friction: Given<'py>,
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
+        categories: Option<&Bound<'py, PyAny>>,
+        masks: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
+        container_restitution: Given<'py>,
         walls: Option<&Bound<'py, PyAny>>,
         wall_velocities: Option<&Bound<'py, PyAny>>,
         wall_restitution: Given<'py>,
@@ -226,6 +243,8 @@ impl PyWorld {
         draft.friction = reals("friction", friction.value(), len)?;
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
+        draft.categories = bit_sets("categories", categories, len)?;
+        draft.masks = bit_sets("masks", masks, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
@@ -240,6 +259,9 @@ impl PyWorld {
         }
         if let Some(drag) = drag.value() {
             rules.drag = number("drag", drag)? as f32;
+        }
+        if let Some(sides) = settings::sides(&container_restitution)? {
+            rules.container_restitution = sides;
         }
         match reals("restitution", restitution.value(), len)? {
             Some(Each::One(one)) => rules.restitution = one,
@@ -326,6 +348,8 @@ impl PyWorld {
     /// friction : array_like, a number or shape (k,), optional
     ///     0.0 if no number was given for all particles.
     /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+    /// categories, masks : array_like of int, a number or shape (k,), optional
+    ///     1 and all bits if no number was given for all particles.
     ///
     /// Returns
     /// -------
@@ -351,6 +375,7 @@ impl PyWorld {
     #[pyo3(signature = (
         positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None,
+        categories=None, masks=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -366,6 +391,8 @@ impl PyWorld {
         friction: Option<&Bound<'py, PyAny>>,
         angles: Option<&Bound<'py, PyAny>>,
         angular_velocities: Option<&Bound<'py, PyAny>>,
+        categories: Option<&Bound<'py, PyAny>>,
+        masks: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
@@ -376,6 +403,8 @@ impl PyWorld {
         draft.friction = reals("friction", friction, len)?;
         draft.angles = reals("angles", angles, len)?;
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
+        draft.categories = bit_sets("categories", categories, len)?;
+        draft.masks = bit_sets("masks", masks, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
@@ -429,6 +458,7 @@ impl PyWorld {
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
     /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+    /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     Omitted columns stay the same.
     ///
     /// Raises
@@ -447,7 +477,8 @@ impl PyWorld {
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
-        movable=None, friction=None, angles=None, angular_velocities=None,
+        movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
+        masks=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -463,6 +494,8 @@ impl PyWorld {
         friction: Option<&Bound<'_, PyAny>>,
         angles: Option<&Bound<'_, PyAny>>,
         angular_velocities: Option<&Bound<'_, PyAny>>,
+        categories: Option<&Bound<'_, PyAny>>,
+        masks: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
         let len = ids.all.len();
@@ -477,6 +510,8 @@ impl PyWorld {
             friction: reals("friction", friction, len)?,
             angles: reals("angles", angles, len)?,
             angular_velocities: reals("angular_velocities", angular_velocities, len)?,
+            categories: bit_sets("categories", categories, len)?,
+            masks: bit_sets("masks", masks, len)?,
         };
         ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
     }
@@ -746,6 +781,59 @@ impl PyWorld {
         })
     }
 
+    /// Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
+    ///
+    /// Particles i and j may touch only if ``categories[i] & masks[j]`` and
+    /// ``categories[j] & masks[i]``. To change all, assign an array or one number; to change some,
+    /// use `set`. The islands of changed particles wake.
+    ///
+    /// See Also
+    /// --------
+    /// masks : The categories that each particle may touch.
+    ///
+    /// Examples
+    /// --------
+    /// Ghosts pass through each other, and bounce off everything else:
+    ///
+    /// >>> import jostle
+    /// >>> GHOST = 2
+    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+    /// >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
+    /// >>> world.step(0.1, steps=90)
+    /// >>> world.velocities[:, 0]
+    /// array([0., 0., 1.], dtype=float32)
+    /// >>> world.categories
+    /// array([2, 2, 1], dtype=uint32)
+    #[getter]
+    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.filter_bits(py, |filter| filter.category)
+    }
+
+    #[setter]
+    fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let categories = bit_sets("categories", Some(value), len)?;
+            Ok(Draft { categories, ..Draft::default() })
+        })
+    }
+
+    /// Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
+    /// each particle may touch, see `categories`.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    #[getter]
+    fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.filter_bits(py, |filter| filter.mask)
+    }
+
+    #[setter]
+    fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let masks = bit_sets("masks", Some(value), len)?;
+            Ok(Draft { masks, ..Draft::default() })
+        })
+    }
+
     /// Acceleration of all movable particles, (x, y), units of length per second squared.
     #[getter]
     fn gravity(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
@@ -792,6 +880,41 @@ impl PyWorld {
     fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let container = containers::read(value)?;
         self.change_rules(py, |rules| rules.container = container)
+    }
+
+    /// Coefficients of restitution of the sides of the container: ndarray of float32, shape (4,), a
+    /// read-only copy in the order min x, max x, min y, max y.
+    ///
+    /// Assign an array or one number, 0 to 1. A `Circle` has one wall; its four are equal.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If one is not between 0 and 1, if the shape is wrong, or if those of a `Circle` differ.
+    ///
+    /// Examples
+    /// --------
+    /// A floor that stops what falls on it, between elastic walls:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(5, 5)], [(3, -9)], radii=1.0, container=jostle.Box(0, 0, 10, 10),
+    /// ...     container_restitution=[1, 1, 0, 1],
+    /// ... )
+    /// >>> world.step(0.1, steps=15)
+    /// >>> world.velocities
+    /// array([[-3.,  0.]], dtype=float32)
+    #[getter]
+    fn container_restitution<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        Ok(read_only(column(py, self.rules(py)?.container_restitution.to_vec())))
+    }
+
+    #[setter]
+    fn set_container_restitution(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let sides = settings::sides(&value)?;
+        self.change_rules(py, |rules| {
+            rules.container_restitution = sides.unwrap_or(rules.container_restitution);
+        })
     }
 
     /// Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of line segments in
@@ -909,8 +1032,8 @@ impl PyWorld {
         self.change_walls(py, all)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs` and `Thermostat`. Assign
-    /// any sequence of them. They refer to particles by id. If a particle is removed, its
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
+    /// and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
     /// attractors and springs are removed too. If particles merge, attractors and springs refer
     /// to the merged particle, and a spring between two of them is removed.
     #[getter]
@@ -1086,7 +1209,8 @@ impl PyWorld {
     /// Returns
     /// -------
     /// Quadtree
-    ///     Discs of float32, with the world's `leaf_capacity`, `max_depth` and `threads`.
+    ///     Discs of float32, with their categories and masks, and with the world's `leaf_capacity`,
+    ///     `max_depth` and `threads`.
     ///
     /// Raises
     /// ------
@@ -1403,6 +1527,15 @@ impl PyWorld {
 
     fn all_walls(&self, py: Python<'_>) -> PyResult<Vec<Wall>> {
         self.long(py, |state| state.world.walls().to_vec())
+    }
+
+    fn filter_bits<'py>(
+        &self,
+        py: Python<'py>,
+        bits: fn(Filter) -> u32,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let filters = self.long(py, |state| state.world.filters())?;
+        Ok(read_only(column(py, filters.into_iter().map(bits).collect())))
     }
 
     fn change_walls(&self, py: Python<'_>, walls: Vec<Wall>) -> PyResult<()> {

@@ -289,6 +289,14 @@ impl<T: Scalar> Cover<T> {
     /// otherwise.
     #[inline(always)]
     pub fn meets(&self, other: &Self, shift: [T; 2], least_gap: T) -> bool {
+        self.reaches(other, shift, least_gap)
+            && (self.category & other.mask) != 0
+            && (other.category & self.mask) != 0
+    }
+
+    /// The same, whatever the filters.
+    #[inline(always)]
+    pub fn reaches(&self, other: &Self, shift: [T; 2], least_gap: T) -> bool {
         let gap = |axis: usize| {
             let own = [self.min[axis] - shift[axis], self.max[axis] - shift[axis]];
             gap(own, [other.min[axis], other.max[axis]]).most(least_gap)
@@ -296,8 +304,6 @@ impl<T: Scalar> Cover<T> {
         let half_sum =
             [self.half_size[0] + other.half_size[0], self.half_size[1] + other.half_size[1]];
         overlap([gap(0), gap(1)], half_sum, self.radius + other.radius)
-            && (self.category & other.mask) != 0
-            && (other.category & self.mask) != 0
     }
 }
 

@@ -43,7 +43,7 @@ pub use geometry::{Cover, Scalar, Shape};
 pub use particles::{Particles, Spin};
 pub use quadtree::{Node, Quadtree};
 pub use settings::{Method, Settings};
-pub use shapes::{Each, Shapes};
+pub use shapes::{Each, Filter, Shapes};
 pub use space::{Id, Space};
 pub use walls::Wall;
 pub use world::{Defaults, OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};

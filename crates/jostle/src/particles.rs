@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::shapes::{self, check_finite};
+use crate::shapes::{self, Filter, check_finite};
 
 /// Largest coordinate, component of a velocity, and displacement of a step.
 pub const FARTHEST: f32 = 1e18;
@@ -43,6 +43,8 @@ pub struct Particles {
     pub movable: Vec<bool>,
     /// Friction and rotation; empty if no disc has friction or an angle, or turns.
     pub spins: Vec<Spin>,
+    /// Categories and masks; empty if all have the default.
+    pub filters: Vec<Filter>,
 }
 
 impl Particles {
@@ -57,8 +59,8 @@ impl Particles {
         let masses = radii.iter().map(|r| density * r * r).collect();
         let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
         let movable = vec![true; len];
-        let spins = Vec::new();
-        Self { positions, residuals, velocities, radii, masses, restitutions, movable, spins }
+        let base = Self { positions, residuals, velocities, radii, masses, ..Self::default() };
+        Self { restitutions, movable, ..base }
     }
 
     /// Number of particles.
@@ -83,7 +85,8 @@ impl Particles {
             ("movable", self.movable.len()),
         ];
         let spins = (!self.spins.is_empty()).then_some(("friction", self.spins.len()));
-        for (argument, found) in lengths.into_iter().chain(spins) {
+        let filters = (!self.filters.is_empty()).then_some(("categories", self.filters.len()));
+        for (argument, found) in lengths.into_iter().chain(spins).chain(filters) {
             if found != expected {
                 return Err(Error::Length { argument, found, expected });
             }
@@ -102,6 +105,11 @@ impl Particles {
         self.spins.get(row).copied().unwrap_or_default()
     }
 
+    /// Category and mask of a disc.
+    pub fn filter(&self, row: usize) -> Filter {
+        self.filters.get(row).copied().unwrap_or_default()
+    }
+
     /// Coefficient of friction of two discs.
     #[inline(always)]
     pub fn pair_friction(&self, a: usize, b: usize) -> f32 {
@@ -118,8 +126,14 @@ impl Particles {
         &mut self.spins
     }
 
-    /// Sets the angular velocities of points to 0. Removes the column of friction and rotation if all
-    /// is 0.
+    /// Categories and masks of all discs, to be changed.
+    pub fn filters_mut(&mut self) -> &mut [Filter] {
+        self.filters.resize(self.positions.len(), Filter::default());
+        &mut self.filters
+    }
+
+    /// Sets the angular velocities of points to 0. Removes the column of friction and rotation if
+    /// all is 0, and that of categories and masks if all have the default.
     pub fn simplify(&mut self) {
         for (spin, &radius) in self.spins.iter_mut().zip(&self.radii) {
             spin.angle = wrap_angle(spin.angle);
@@ -130,6 +144,9 @@ impl Particles {
         if self.spins.iter().all(|spin| *spin == Spin::default()) {
             self.spins.clear();
         }
+        if self.filters.iter().all(|filter| *filter == Filter::default()) {
+            self.filters.clear();
+        }
     }
 
     /// Appends the rows of `other`.
@@ -137,6 +154,10 @@ impl Particles {
         if !self.spins.is_empty() || !other.spins.is_empty() {
             self.spins_mut();
             self.spins.extend((0..other.len()).map(|row| other.spin(row)));
+        }
+        if !self.filters.is_empty() || !other.filters.is_empty() {
+            self.filters_mut();
+            self.filters.extend((0..other.len()).map(|row| other.filter(row)));
         }
         self.positions.extend_from_slice(&other.positions);
         self.residuals.extend_from_slice(&other.residuals);
@@ -152,6 +173,10 @@ impl Particles {
         if !self.spins.is_empty() || !source.spins.is_empty() {
             self.spins_mut();
             self.spins.push(source.spin(from));
+        }
+        if !self.filters.is_empty() || !source.filters.is_empty() {
+            self.filters_mut();
+            self.filters.push(source.filter(from));
         }
         self.positions.push(source.positions[from]);
         self.residuals.push(source.residuals[from]);
@@ -176,6 +201,11 @@ impl Particles {
         } else {
             parallel::gather(threads, &mut self.spins, &source.spins, order);
         }
+        if source.filters.is_empty() {
+            self.filters.clear();
+        } else {
+            parallel::gather(threads, &mut self.filters, &source.filters, order);
+        }
     }
 
     /// Writes the row `from` of `source` over `row`.
@@ -189,6 +219,9 @@ impl Particles {
         self.movable[row] = source.movable[from];
         if !self.spins.is_empty() {
             self.spins[row] = source.spin(from);
+        }
+        if !self.filters.is_empty() {
+            self.filters[row] = source.filter(from);
         }
     }
 
@@ -209,6 +242,7 @@ impl Particles {
         filter(&mut self.restitutions, &keep);
         filter(&mut self.movable, &keep);
         filter(&mut self.spins, &keep);
+        filter(&mut self.filters, &keep);
     }
 
     /// Whether a row has the same values in `other`.
@@ -227,6 +261,7 @@ impl Particles {
             && numbers(self) == numbers(other)
             && self.movable[row] == other.movable[row]
             && spin(self) == spin(other)
+            && self.filter(row) == other.filter(row)
     }
 
     /// Whether nothing can move the particle, and it does not move or turn by itself.

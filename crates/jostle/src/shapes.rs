@@ -9,6 +9,22 @@ pub const DEFAULT_CATEGORY: u32 = 1;
 /// What a shape may pair with where nothing is said: everything.
 pub const DEFAULT_MASK: u32 = u32::MAX;
 
+/// Which shapes one may pair with: two of them pair only if the category of each has a bit in the
+/// mask of the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Filter {
+    /// Bits of what it is.
+    pub category: u32,
+    /// Bits of the categories that it may pair with.
+    pub mask: u32,
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Self { category: DEFAULT_CATEGORY, mask: DEFAULT_MASK }
+    }
+}
+
 /// Most rows of anything: indices fit into 31 bits.
 pub const MOST_ROWS: usize = u32::MAX as usize / 2;
 
@@ -193,6 +209,25 @@ impl<T: Scalar> Shapes<T> {
             category: filter(0, DEFAULT_CATEGORY),
             mask: filter(1, DEFAULT_MASK),
         }
+    }
+}
+
+/// Writes filters as columns of [`Shapes`], in the memory of those before; none if there are none.
+pub fn fill_filters(
+    filters: impl ExactSizeIterator<Item = Filter>,
+    columns: &mut Option<[Each<u32>; 2]>,
+) {
+    if filters.len() == 0 {
+        *columns = None;
+        return;
+    }
+    let [categories, masks] = columns.get_or_insert_default();
+    let (categories, masks) = (categories.rows_mut(), masks.rows_mut());
+    categories.clear();
+    masks.clear();
+    for Filter { category, mask } in filters {
+        categories.push(category);
+        masks.push(mask);
     }
 }
 

@@ -255,27 +255,27 @@ impl Relative {
 }
 
 /// The first impact on a wall, and the index of the wall; `radius` is that of the disc.
+#[inline(always)]
 pub fn wall_impact(
     segment: &Segment,
     radius: f64,
     container: &Container,
     gravity: Vector,
-    limits: &Limits,
+    limits: impl Fn(u32) -> Limits,
 ) -> Option<(Impact, u32)> {
     match container {
         Container::None | Container::Torus { .. } => None,
         Container::Box { min, max } => {
             let mut first = None::<(Impact, u32)>;
-            for (axis, sign, wall) in
-                [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])]
-            {
+            let sides = [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])];
+            for (number, (axis, sign, wall)) in (0..).zip(sides) {
                 let gap = sign * (segment.position[axis] - f64::from(wall)) - radius;
                 let speed = sign * segment.velocity[axis];
                 let pull = if segment.falls { -sign * gravity[axis] } else { 0.0 };
-                if let Some(impact) = flat_impact(gap, speed, pull, segment.time, limits)
+                if let Some(impact) = flat_impact(gap, speed, pull, segment.time, &limits(number))
                     && first.is_none_or(|(before, _)| impact.time < before.time)
                 {
-                    first = Some((impact, 2 * axis as u32 + u32::from(sign < 0.0)));
+                    first = Some((impact, number));
                 }
             }
             first
@@ -284,7 +284,7 @@ pub fn wall_impact(
             let q = vector(|k| segment.position[k] - f64::from(center[k]));
             let reach = (f64::from(*outer) - radius).max(0.0);
             let acceleration = if segment.falls { gravity } else { [0.0; 2] };
-            round_impact(q, segment.velocity, acceleration, reach, segment.time, limits)
+            round_impact(q, segment.velocity, acceleration, reach, segment.time, &limits(0))
                 .map(|impact| (impact, 0))
         }
     }

@@ -4,6 +4,7 @@ mod common;
 
 mod allocations;
 mod determinism;
+mod filters;
 mod forces;
 mod friction;
 mod interrupt;
@@ -14,8 +15,10 @@ mod moving_walls;
 mod physics;
 mod query;
 mod scenes;
+mod sides;
 mod sleeping;
 mod snapshot;
 mod space;
+mod thermal;
 mod tree;
 mod walls;

@@ -37,8 +37,8 @@ impl Two {
             radii: self.radii.to_vec(),
             masses: self.masses.to_vec(),
             restitutions: vec![1.0; 2],
-            spins: Vec::new(),
             movable: vec![true; 2],
+            ..Particles::default()
         };
         let restitution = self.restitution;
         world(
@@ -271,8 +271,8 @@ fn no_shot_passes_through_a_disc() {
             radii: vec![radius, target],
             masses: vec![1.0, random.between(0.1, 10.0)],
             restitutions: vec![1.0; 2],
-            spins: Vec::new(),
             movable: vec![true, shot % 2 == 0],
+            ..Particles::default()
         };
         let substeps = 1 + shot % 4;
         let mut world = world(

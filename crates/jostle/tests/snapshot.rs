@@ -67,6 +67,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
         drag: 0.01,
         restitution: 0.7,
         container,
+        container_restitution: [0.9; 4],
         on_touch,
         method: Method::Brute,
         substeps: Some(3),

@@ -1,6 +1,6 @@
 //! The tree against brute force, on shapes made to break it.
 
-use jostle::pairs::JoinScratch;
+use jostle::pairs::{Filters, JoinScratch};
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::simd::{self, Instructions};
 use jostle::{Columns, Each, Error, Method, Quadtree, Scalar, Settings, Shapes, pairs};
@@ -69,7 +69,7 @@ proptest! {
         let mut found = pairs::between(&tree_a, &tree_b, DEFAULT_MAX_PAIRS).unwrap();
         found.sort().unwrap();
         prop_assert_eq!(&found.pairs, &by_the_book(&a, &b, false));
-        let mut brute = pairs::brute_between(&Columns::of(&a).unwrap(), &Columns::of(&b).unwrap(), [0.0; 2], DEFAULT_MAX_PAIRS).unwrap();
+        let mut brute = pairs::brute_between(&Columns::of(&a).unwrap(), &Columns::of(&b).unwrap(), [0.0; 2], Filters::Apply, DEFAULT_MAX_PAIRS).unwrap();
         brute.sort().unwrap();
         prop_assert_eq!(&found.pairs, &brute.pairs);
     }
@@ -80,9 +80,9 @@ proptest! {
     ) {
         let tree = built(&shapes.typed::<f32>(), settings);
         let columns = tree.columns();
-        let mut found = pairs::places_between(&tree, &tree, shift, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap();
+        let mut found = pairs::places_between(&tree, &tree, shift, Filters::Apply, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap();
         found.sort().unwrap();
-        let brute = pairs::brute_between(columns, columns, shift, DEFAULT_MAX_PAIRS).unwrap();
+        let brute = pairs::brute_between(columns, columns, shift, Filters::Apply, DEFAULT_MAX_PAIRS).unwrap();
         prop_assert_eq!(found.pairs, brute.pairs);
     }
 

@@ -2,6 +2,7 @@
 //! comparison, repeated here on exact numbers, has the last word.
 
 use jostle::interrupt::{self, Pulse};
+use jostle::pairs::Filters;
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::sorting;
 use jostle::{Columns, Each, Quadtree, Result, Scalar, Settings, Shapes, pairs};
@@ -229,7 +230,8 @@ fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u3
     let few = a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len());
     if few {
         let (a, b) = (Columns::of(a)?, Columns::of(b)?);
-        return Ok(pairs::brute_between(&a, &b, [T::ZERO; 2], DEFAULT_MAX_PAIRS)?.pairs);
+        let (shift, filters) = ([T::ZERO; 2], Filters::Apply);
+        return Ok(pairs::brute_between(&a, &b, shift, filters, DEFAULT_MAX_PAIRS)?.pairs);
     }
     let settings = Settings { threads: THREADS, ..Settings::default() };
     let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);

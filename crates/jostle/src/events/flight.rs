@@ -3,7 +3,7 @@
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::flow::{Flow, Kick};
-use crate::forces::Thermostat;
+use crate::forces::{ThermalSides, Thermostat};
 use crate::motion::{Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
@@ -83,6 +83,8 @@ pub struct Flight<'a> {
     pub is_elastic: bool,
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
+    /// Sides of the container at temperatures.
+    pub thermal: Option<ThermalSides>,
     /// Whether discs bounce off each other.
     pub pairs: bool,
     /// The candidate pairs, a list for each image.
@@ -355,6 +357,14 @@ impl Window<'_> {
         self.limits(self.end, position, reach, surfaces)
     }
 
+    /// The limits at each side of the container.
+    #[inline(always)]
+    fn side_limits(&self, position: Vector, index: u32) -> impl Fn(u32) -> Limits {
+        let first = self.wall_limits(position, index, 0);
+        let are_equal = self.flight.walls.walls.has_equal_sides();
+        move |side| if are_equal { first } else { self.wall_limits(position, index, side) }
+    }
+
     #[inline(always)]
     fn reach(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|index| f64::from(self.starts[index as usize].radius));
@@ -407,8 +417,8 @@ impl Window<'_> {
         if container.is_far(segment.position, radius, [far(0), far(1)]) {
             return None;
         }
-        let limits = self.wall_limits(segment.position, index, 0);
-        wall_impact(segment, radius, container, self.flight.gravity, &limits)
+        let limits = self.side_limits(segment.position, index);
+        wall_impact(segment, radius, container, self.flight.gravity, limits)
     }
 
     /// Whether two discs that begin segments now touch and approach.
@@ -460,9 +470,10 @@ impl Window<'_> {
         if container.is_far(now.position, radius, [0.0; 2]) {
             return;
         }
-        let limits = self.wall_limits(now.position, index, 0);
+        let limits_of = self.side_limits(now.position, index);
         let gaps = container.gaps(now.position, radius);
         for (wall, gap) in (0..).zip(gaps) {
+            let limits = limits_of(wall);
             let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
             debug_assert!(gap.is_finite());
             let normal = wall_normal(container, wall, now.position);

@@ -421,6 +421,7 @@ impl Simulation<'_> {
                 velocities[body] = thermostat.drive(velocities[body]);
             }
         }
+        let is_heated = self.heat(time);
         for position in 0..self.scratch.group.len() {
             let InGroup { number, now, .. } = self.scratch.group[position];
             self.history.connect(self.scratch.group[0].number, number);
@@ -428,12 +429,35 @@ impl Simulation<'_> {
                 continue;
             }
             let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
-            if kind == Kind::Hold {
+            if kind == Kind::Hold && !is_heated {
                 self.hold(position, &mut new, window.end - time);
             }
             self.turn(number, new);
         }
         self.record_bounces();
+    }
+
+    /// Gives the discs of the group that touch sides of the container at a temperature the
+    /// velocities with which they leave them; returns whether there are any.
+    fn heat(&mut self, time: f64) -> bool {
+        let Some(thermal) = self.window.flight.thermal else { return false };
+        let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
+        let mut is_any = false;
+        for (touch, impulse) in touches.iter().zip(impulses) {
+            let (Some(body), [_, WALL, wall]) = (touch.bodies[0], touch.key) else { continue };
+            let (now, inverse_mass) = (&group[body].now, touch.inverse_masses[0]);
+            let before = [now.position, now.velocity];
+            let Some([leaving, along]) = thermal.speeds(wall, inverse_mass, time, before) else {
+                continue;
+            };
+            let [x, y] = touch.normal.map(|v| -v);
+            let new = [leaving * x - along * y, leaving * y + along * x];
+            let change = vector(|k| new[k] - velocities[body][k]);
+            impulse[0] += dot(change, [x, y]) / inverse_mass;
+            velocities[body] = new;
+            is_any = true;
+        }
+        is_any
     }
 
     /// Lets a disc of the group slide along the surface that it touches for `left` seconds.

@@ -2,20 +2,24 @@
 //!
 //! [`accelerate`] sums the accelerations of attractors and gravitation at some
 //! positions. Springs act in parts of a sub-step that are short enough for them
-//! ([`springs::Sprung`]), and the thermostat acts when particles bounce off walls.
+//! ([`springs::Sprung`]), the thermostat and thermal walls act when particles bounce off walls,
+//! and Andersen's bath at the end of a step.
 //! Every sum runs in an order that comes from the state.
 
 pub mod attractor;
 pub mod gravitation;
 pub mod springs;
+pub mod chance;
+pub mod thermal;
 pub mod thermostat;
 
 pub use attractor::{Attractor, Law, Pole};
 pub use gravitation::Gravitation;
 pub use springs::{Spring, Springs};
+pub use thermal::{Andersen, ThermalSides, ThermalWalls};
 pub use thermostat::Thermostat;
 
-use crate::container::Container;
+use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::FARTHEST;
@@ -32,6 +36,10 @@ pub enum Force {
     Springs(Springs),
     /// Walls that heat or cool the particles that bounce off them.
     Thermostat(Thermostat),
+    /// Sides of the container at a temperature.
+    ThermalWalls(ThermalWalls),
+    /// New velocities at random times.
+    Andersen(Andersen),
 }
 
 impl Force {
@@ -42,6 +50,8 @@ impl Force {
             Self::Gravitation(gravitation) => gravitation.validate(),
             Self::Springs(springs) => springs.validate(),
             Self::Thermostat(thermostat) => thermostat.validate(),
+            Self::ThermalWalls(walls) => walls.validate(),
+            Self::Andersen(bath) => bath.validate(),
         }
     }
 
@@ -59,14 +69,14 @@ impl Force {
         match self {
             Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
             Self::Springs(springs) => !springs.0.is_empty(),
-            Self::Gravitation(_) | Self::Thermostat(_) => false,
+            _ => false,
         }
     }
 }
 
 /// Refuses forces that a world cannot have; `exists` tells which particles are in it.
 pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
-    let mut thermostats = 0;
+    let (mut thermostats, mut baths, mut hot) = (0, 0, [false; MAX_WALLS]);
     for (index, force) in forces.iter().enumerate() {
         force.validate()?;
         if let Some(id) = force.named().into_iter().find(|&id| !exists(id)) {
@@ -77,6 +87,18 @@ pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
         if thermostats > 1 {
             let rule = "a world has one thermostat at most";
             return Err(Error::at("forces", index, "another Thermostat", rule));
+        }
+        baths += usize::from(matches!(force, Force::Andersen(_)));
+        if baths > 1 {
+            let rule = "a world has one at most";
+            return Err(Error::at("forces", index, "another AndersenThermostat", rule));
+        }
+        if let Force::ThermalWalls(walls) = force {
+            if let Some(side) = (0..MAX_WALLS).find(|&side| hot[side] && walls.sides[side]) {
+                let rule = format!("side {side} has a temperature already");
+                return Err(Error::at("forces", index, "another ThermalWalls", &rule));
+            }
+            hot = [0, 1, 2, 3].map(|side| hot[side] || walls.sides[side]);
         }
     }
     Ok(())
@@ -113,6 +135,23 @@ pub fn pull(forces: &[Force]) -> bool {
 pub fn thermostat(forces: &[Force]) -> Option<Thermostat> {
     forces.iter().find_map(|force| match force {
         Force::Thermostat(thermostat) => Some(*thermostat),
+        _ => None,
+    })
+}
+
+/// The sides of the container at temperatures, in a step that begins after `time` seconds.
+pub fn thermal_sides(forces: &[Force], time: f64) -> Option<ThermalSides> {
+    let walls = forces.iter().filter_map(|force| match force {
+        Force::ThermalWalls(walls) => Some(*walls),
+        _ => None,
+    });
+    ThermalSides::of(walls, time)
+}
+
+/// The bath among them.
+pub fn bath(forces: &[Force]) -> Option<Andersen> {
+    forces.iter().find_map(|force| match force {
+        Force::Andersen(bath) => Some(*bath),
         _ => None,
     })
 }
@@ -157,7 +196,7 @@ pub fn accelerate(
             Force::Gravitation(gravitation) => {
                 gravitation::add(gravitation, bodies, &mut memory.gravitation, accelerations);
             }
-            Force::Springs(_) | Force::Thermostat(_) => {}
+            _ => {}
         }
     }
     let threads = parallel::worthwhile(bodies.threads, bodies.positions.len());

@@ -1,8 +1,8 @@
 //! Two trees walked together, down to leaf against leaf.
 
-use super::Found;
 use super::kernel::{Kernel, Scratch, Side};
 use super::output::{Budget, Finish, Output};
+use super::{Filters, Found};
 use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
 use crate::parallel;
@@ -25,12 +25,23 @@ pub(super) struct Join<'a, T> {
     /// Only what has a category in it is of interest, if it is there; what else is in the
     /// same leaf comes along.
     pub(super) mask: Option<u32>,
+    pub(super) filters: Filters,
 }
 
 /// A node of `a` and a node of `b` whose shapes are to be tested.
 type Task = (u32, u32);
 
-impl<T: Scalar> Join<'_, T> {
+impl<'a, T: Scalar> Join<'a, T> {
+    /// A tree with itself.
+    pub(super) fn within(tree: &'a Quadtree<T>, mask: Option<u32>) -> Self {
+        Self { itself: true, ..Self::between(tree, tree, mask) }
+    }
+
+    /// Two trees.
+    pub(super) fn between(a: &'a Quadtree<T>, b: &'a Quadtree<T>, mask: Option<u32>) -> Self {
+        Self { a, b, shift: [T::ZERO; 2], itself: false, mask, filters: Filters::Apply }
+    }
+
     /// All pairs, each turned from places into what `finish` makes of it.
     pub(super) fn run(&self, max_pairs: usize, finish: &Finish<'_>) -> Result<Found> {
         self.run_in(max_pairs, finish, &mut JoinScratch::default())
@@ -129,7 +140,11 @@ impl<T: Scalar> Join<'_, T> {
         let (a, b) = (&self.a.covers()[task.0 as usize], &self.b.covers()[task.1 as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
-        if selected && a.meets(b, self.shift, self.least_gap()) {
+        let meets = match self.filters {
+            Filters::Apply => a.meets(b, self.shift, self.least_gap()),
+            Filters::Ignore => a.reaches(b, self.shift, self.least_gap()),
+        };
+        if selected && meets {
             push(task);
         }
     }
@@ -164,8 +179,8 @@ impl<T: Scalar> Work<T> for Walk<'_, '_, T> {
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
         let Self { join, stack, output } = self;
-        let Join { a, b, shift, .. } = *join;
-        let kernel = Kernel { simd, a: a.columns(), b: b.columns(), shift };
+        let Join { a, b, shift, filters, .. } = *join;
+        let kernel = Kernel { simd, a: a.columns(), b: b.columns(), shift, filters };
         let mut scratch = Scratch::default();
         while let Some(task) = stack.pop() {
             if output.is_over(TASK_WORK) {

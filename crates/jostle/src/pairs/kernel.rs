@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use super::Filters;
 use super::output::{NOTES, Output};
 use crate::columns::Columns;
 use crate::geometry::{Cover, Scalar, Shape};
@@ -20,6 +21,7 @@ pub(super) struct Kernel<'a, T, S> {
     pub(super) a: &'a Columns<T>,
     pub(super) b: &'a Columns<T>,
     pub(super) shift: [T; 2],
+    pub(super) filters: Filters,
 }
 
 /// One side of a test of leaf against leaf.
@@ -435,7 +437,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             notes[count % NOTES] = (row as u32, bits);
             count += usize::from(bits != 0);
         }
-        if !self.a.has_filters() && !self.b.has_filters() {
+        let has_filters = self.a.has_filters() || self.b.has_filters();
+        if !has_filters || self.filters == Filters::Ignore {
             return count;
         }
         let found = count.min(NOTES);

@@ -41,6 +41,15 @@ const ALONG: usize = 1 << 14;
 /// By brute force, fewer shapes than this are not worth waking other threads for.
 const BRUTE_WORTH_WAKING: usize = 2048;
 
+/// Whether categories and masks decide which shapes may pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filters {
+    /// They do.
+    Apply,
+    /// Every shape may pair with every other.
+    Ignore,
+}
+
 /// Pairs, and how many shape tests it took to find them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Found {
@@ -94,7 +103,7 @@ pub fn find_with<T: Scalar>(
 /// All overlapping pairs of rows of one tree, `i < j`, in an order that comes from the tree.
 pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let rows = tree.rows();
-    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
+    let join = Join::within(tree, None);
     join.run(max_pairs, &|pairs, new| {
         for pair in &mut pairs[new] {
             let [i, j] = pair.map(|place| rows[place as usize]);
@@ -106,7 +115,7 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
 /// All overlapping pairs, the first a row of `a`, the second a row of `b`, in an order
 /// that comes from the trees.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
-    let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: None };
+    let join = Join::between(a, b, None);
     join.run(max_pairs, &|pairs, new| {
         for [i, j] in &mut pairs[new] {
             (*i, *j) = (a.rows()[*i as usize], b.rows()[*j as usize]);
@@ -116,7 +125,7 @@ pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) ->
 
 /// As [`within`], only pairs of which both have a category in `mask`.
 pub fn within_mask<T: Scalar>(tree: &Quadtree<T>, mask: u32, max_pairs: usize) -> Result<Found> {
-    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: Some(mask) };
+    let join = Join::within(tree, Some(mask));
     let (rows, selected) = (tree.rows(), |place| has_category(tree, place, mask));
     join.run(max_pairs, &|pairs, new| {
         keep(pairs, new, |[a, b]| {
@@ -133,7 +142,7 @@ pub fn between_mask<T: Scalar>(
     mask: u32,
     max_pairs: usize,
 ) -> Result<Found> {
-    let join = Join { a, b, shift: [T::ZERO; 2], itself: false, mask: Some(mask) };
+    let join = Join::between(a, b, Some(mask));
     join.run(max_pairs, &|pairs, new| {
         keep(pairs, new, |[i, j]| {
             let both = has_category(a, i, mask) && has_category(b, j, mask);
@@ -186,7 +195,7 @@ pub fn places_within<T: Scalar>(
     max_pairs: usize,
     memory: &mut JoinScratch,
 ) -> Result<Found> {
-    let join = Join { a: tree, b: tree, shift: [T::ZERO; 2], itself: true, mask: None };
+    let join = Join::within(tree, None);
     join.run_in(max_pairs, &as_they_are, memory)
 }
 
@@ -195,10 +204,12 @@ pub fn places_between<T: Scalar>(
     a: &Quadtree<T>,
     b: &Quadtree<T>,
     shift: [T; 2],
+    filters: Filters,
     max_pairs: usize,
     memory: &mut JoinScratch,
 ) -> Result<Found> {
-    Join { a, b, shift, itself: false, mask: None }.run_in(max_pairs, &as_they_are, memory)
+    let join = Join { shift, filters, ..Join::between(a, b, None) };
+    join.run_in(max_pairs, &as_they_are, memory)
 }
 
 /// All overlapping pairs of rows, `i < j`, in no promised order, every row tested
@@ -224,6 +235,7 @@ pub fn brute<T: Scalar>(
             a: columns,
             b: columns,
             shift: [T::ZERO; 2],
+            filters: Filters::Apply,
             rows,
             itself: true,
             output: &mut output,
@@ -238,11 +250,13 @@ pub fn brute_between<T: Scalar>(
     a: &Columns<T>,
     b: &Columns<T>,
     shift: [T; 2],
+    filters: Filters,
     max_pairs: usize,
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
     let mut output = Output::new(&budget, &as_they_are, Vec::new());
-    T::with_widest(Brute { a, b, shift, rows: 0..a.len(), itself: false, output: &mut output });
+    let (rows, itself) = (0..a.len(), false);
+    T::with_widest(Brute { a, b, shift, filters, rows, itself, output: &mut output });
     budget.accept(output.into_found())
 }
 
@@ -254,6 +268,7 @@ struct Brute<'a, 'b, T> {
     a: &'a Columns<T>,
     b: &'a Columns<T>,
     shift: [T; 2],
+    filters: Filters,
     rows: Range<usize>,
     itself: bool,
     output: &'a mut Output<'b>,
@@ -264,8 +279,8 @@ impl<T: Scalar> Work<T> for Brute<'_, '_, T> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
-        let Self { a, b, shift, rows, itself, output } = self;
-        let kernel = Kernel { simd, a, b, shift };
+        let Self { a, b, shift, filters, rows, itself, output } = self;
+        let kernel = Kernel { simd, a, b, shift, filters };
         if itself {
             return kernel.itself(rows, b.len(), output);
         }

@@ -1,5 +1,7 @@
 //! Seeded numbers that are the same on every platform.
 
+use crate::forces::chance::mixed;
+
 /// SplitMix64 (G. Steele et al., *Fast Splittable Pseudorandom Number Generators*,
 /// 2014): small, fast and good enough to scatter discs.
 #[derive(Clone, Debug)]
@@ -13,9 +15,7 @@ impl Random {
 
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ mixed >> 31
+        mixed(self.0)
     }
 
     /// Uniform in [0, 1), with all 24 bits of a float32.

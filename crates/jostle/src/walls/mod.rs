@@ -88,6 +88,16 @@ enum Part {
     End(usize),
 }
 
+/// The coefficients of restitution of the sides of the container.
+#[derive(Clone, Copy, Debug)]
+struct Sides([f32; MAX_WALLS]);
+
+impl Default for Sides {
+    fn default() -> Self {
+        Self([1.0; MAX_WALLS])
+    }
+}
+
 /// All walls, with a tree of them.
 #[derive(Debug, Default)]
 pub struct Walls {
@@ -98,6 +108,7 @@ pub struct Walls {
     starts: Vec<u32>,
     covering: Vec<u32>,
     tree: Quadtree<f32>,
+    sides: Sides,
 }
 
 impl Line {
@@ -197,12 +208,23 @@ impl Walls {
 
     /// Whether all coefficients of restitution are 1.
     pub fn are_elastic(&self) -> bool {
-        self.all.iter().all(|wall| wall.restitution == 1.0)
+        let of_walls = self.all.iter().map(|wall| wall.restitution);
+        of_walls.chain(self.sides.0).all(|restitution| restitution == 1.0)
     }
 
-    /// Coefficient of restitution of the wall with a number; 1 at the container.
+    /// Sets the coefficients of restitution of the sides of the container.
+    pub fn set_sides(&mut self, restitutions: [f32; MAX_WALLS]) {
+        self.sides = Sides(restitutions);
+    }
+
+    /// Whether all sides of the container have the same coefficient of restitution.
+    pub fn has_equal_sides(&self) -> bool {
+        self.sides.0 == [self.sides.0[0]; MAX_WALLS]
+    }
+
+    /// Coefficient of restitution of the wall with a number.
     pub fn restitution(&self, wall: u32) -> f32 {
-        self.get(wall).map_or(1.0, |of| of.restitution)
+        self.get(wall).map_or_else(|| self.sides.0[wall as usize], |of| of.restitution)
     }
 
     /// Coefficient of friction of the wall with a number and a particle with `friction`.

@@ -6,7 +6,7 @@ use crate::container::size;
 use crate::error::{Error, Result};
 use crate::geometry::{Cover, Shape};
 use crate::motion::exact;
-use crate::pairs::{self, JoinScratch};
+use crate::pairs::{self, Filters, JoinScratch};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::query::each_overlap;
@@ -57,9 +57,12 @@ impl Near {
         let Self { join, found, .. } = self;
         join.pairs = std::mem::take(found);
         let pairs = match method {
-            Method::Quadtree => pairs::places_between(&walls.tree, bounds, [0.0; 2], most, join),
+            Method::Quadtree => {
+                pairs::places_between(&walls.tree, bounds, [0.0; 2], Filters::Ignore, most, join)
+            }
             Method::Brute => {
-                pairs::brute_between(walls.tree.columns(), bounds.columns(), [0.0; 2], most)
+                let [lines, discs] = [&walls.tree, bounds].map(Quadtree::columns);
+                pairs::brute_between(lines, discs, [0.0; 2], Filters::Ignore, most)
             }
         };
         *found = pairs

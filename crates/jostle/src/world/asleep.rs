@@ -13,11 +13,11 @@ use super::{MAX_CANDIDATES, WorldSettings};
 use crate::contacts::Contact;
 use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
-use crate::pairs::{self, JoinScratch};
+use crate::pairs::{self, Filters, JoinScratch};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
-use crate::shapes::{Each, Shapes};
+use crate::shapes::{Each, Shapes, fill_filters};
 
 /// Where the parts of an island are in the columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -168,10 +168,19 @@ impl Asleep {
             kept -= 1;
             first = self.layers[kept].first;
         }
-        let Particles { positions, radii, .. } = &self.sleepers.particles;
+        let old = &self.sleepers.particles;
+        let Particles { positions, radii, .. } = old;
         let centers = [&positions[first..], &new.particles.positions].concat();
         let radii = Each::Rows([&radii[first..], &new.particles.radii].concat());
-        let tree = Quadtree::new(&Shapes { centers, radii, ..Shapes::default() }, settings)?;
+        let mut shapes = Shapes { centers, radii, ..Shapes::default() };
+        if !old.filters.is_empty() || !new.particles.filters.is_empty() {
+            let filter = |at: usize| match at.checked_sub(old.len()) {
+                None => old.filter(at),
+                Some(at) => new.particles.filter(at),
+            };
+            fill_filters((first..end).map(filter), &mut shapes.filters);
+        }
+        let tree = Quadtree::new(&shapes, settings)?;
         self.layers.truncate(kept);
         self.layers.push(Layer { first, tree });
         for island in &new.islands {
@@ -199,9 +208,12 @@ impl Asleep {
             for Layer { first, tree } in &self.layers {
                 let max = MAX_CANDIDATES;
                 let found = match settings.method {
-                    Method::Quadtree => pairs::places_between(circles, tree, image, max, join),
+                    Method::Quadtree => {
+                        pairs::places_between(circles, tree, image, Filters::Apply, max, join)
+                    }
                     Method::Brute => {
-                        pairs::brute_between(circles.columns(), tree.columns(), image, max)
+                        let [circles, others] = [circles, tree].map(Quadtree::columns);
+                        pairs::brute_between(circles, others, image, Filters::Apply, max)
                     }
                 };
                 let found = match found {

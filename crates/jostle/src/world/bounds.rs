@@ -19,7 +19,7 @@ use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::query::each_overlap;
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Shapes};
+use crate::shapes::{Filter, Shapes, fill_filters};
 use crate::trajectory::{Segment, Vector, dot};
 
 /// Displacement that bounds allow for, in mean displacements, because collisions make slow particles
@@ -92,6 +92,7 @@ impl World {
         let super::Memory { reaches, shapes, .. } = &mut self.memory;
         shapes.centers.clone_from(&particles.positions);
         shapes.half_sizes = None;
+        fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
         let radii = shapes.radii.rows_mut();
         radii.resize(len, 0.0);
         parallel::for_chunks(threads, radii, |first, radii| {
@@ -337,6 +338,10 @@ impl Bounds for StepBounds<'_> {
         let radii = shapes.radii.rows_mut();
         radii.clear();
         radii.extend(circles.iter().map(|circle| circle.radius));
+        let all = self.particles;
+        let filtered = if all.filters.is_empty() { &[][..] } else { &circles[..] };
+        let filters = filtered.iter().map(|circle| all.filter(circle.index as usize));
+        fill_filters(filters, &mut shapes.filters);
         tree.rebuild_unchecked(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
         let mut stack = std::mem::take(&mut self.grown.stack);
         let found = self.find_pairs(known, &mut stack, pairs);
@@ -359,6 +364,7 @@ impl StepBounds<'_> {
         let largest = largest[0].max(largest[1]);
         let mut pulse = Pulse::current();
         for circle in &circles[first..] {
+            let Filter { category, mask } = self.particles.filter(circle.index as usize);
             // The images of the others at +offset are around the particle at −offset.
             for image in self.tiles(circle.radius + largest) {
                 let offset = self.container.offset(image).map(|v| v as f32);
@@ -368,8 +374,8 @@ impl StepBounds<'_> {
                     max: center,
                     half_size: [0.0; 2],
                     radius: circle.radius,
-                    category: DEFAULT_CATEGORY,
-                    mask: DEFAULT_MASK,
+                    category,
+                    mask,
                 });
                 let mut add = |other: u32, tile: [i32; 2], lasts: bool| {
                     if other != circle.index {

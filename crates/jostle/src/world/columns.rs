@@ -5,7 +5,7 @@ use super::World;
 use crate::error::Result;
 use crate::particles::{Particles, Spin};
 use crate::quadtree::Quadtree;
-use crate::shapes::{Each, Shapes};
+use crate::shapes::{Each, Filter, Shapes, fill_filters};
 
 impl World {
     /// A copy of all particles in the order of adding.
@@ -40,7 +40,10 @@ impl World {
     /// A quadtree of the particles as they are now; its rows are those of the particles.
     pub fn quadtree(&self) -> Result<Quadtree<f32>> {
         let radii = Each::Rows(self.radii());
-        let shapes = Shapes { centers: self.positions(), radii, ..Shapes::default() };
+        let mut shapes = Shapes { centers: self.positions(), radii, ..Shapes::default() };
+        if self.has_filters() {
+            fill_filters(self.filters().into_iter(), &mut shapes.filters);
+        }
         Quadtree::new(&shapes, self.settings.tree)
     }
 
@@ -90,6 +93,17 @@ impl World {
     /// Angular velocities in the order of adding.
     pub fn angular_velocities(&self) -> Vec<f32> {
         self.spins(|spin| spin.velocity)
+    }
+
+    /// Categories and masks in the order of adding.
+    pub fn filters(&self) -> Vec<Filter> {
+        self.column(|all, at| all.filter(at))
+    }
+
+    /// Whether some particles may not touch others.
+    fn has_filters(&self) -> bool {
+        let sleepers = &self.asleep.sleepers().particles;
+        !self.particles.filters.is_empty() || !sleepers.filters.is_empty()
     }
 
     /// Whether each particle is asleep, in the order of adding.

@@ -3,6 +3,7 @@
 use super::World;
 use crate::error::{Error, Result};
 use crate::particles::{check_friction, check_masses, check_radii, check_restitutions};
+use crate::shapes::Filter;
 
 /// What callers of [`World::add`] take for columns that they leave out: the last number that was
 /// given for all particles. The world only keeps it, in snapshots too.
@@ -18,11 +19,20 @@ pub struct Defaults {
     pub restitution: f32,
     /// Coefficient of friction.
     pub friction: f32,
+    /// Category and mask.
+    pub filter: Filter,
 }
 
 impl Default for Defaults {
     fn default() -> Self {
-        Self { radius: None, mass: None, density: 1.0, restitution: 1.0, friction: 0.0 }
+        Self {
+            radius: None,
+            mass: None,
+            density: 1.0,
+            restitution: 1.0,
+            friction: 0.0,
+            filter: Filter::default(),
+        }
     }
 }
 

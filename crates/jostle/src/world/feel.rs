@@ -7,6 +7,7 @@ use crate::flow::{Flow, Kick};
 use crate::forces::{self, Bodies, Force, springs::Sprung};
 use crate::groups::Groups;
 use crate::motion::Motions;
+use crate::parallel;
 use crate::particles::{self, Particles};
 
 /// Scratch of the forces; unused in a world without them.
@@ -85,6 +86,26 @@ impl World {
         let id = self.id_of(longest, |place| way(place).unwrap_or(0.0));
         let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
+    }
+
+    /// Gives some particles the velocities of a bath at the end of a step of `dt` seconds.
+    pub(super) fn meet_bath(&mut self, dt: f32) {
+        let Some(bath) = forces::bath(&self.forces) else { return };
+        let (threads, time) = (self.threads(), self.time);
+        let Particles { positions, residuals, velocities, masses, movable, .. } =
+            &mut self.particles;
+        parallel::for_chunks(threads, velocities, |first, velocities| {
+            for (velocity, place) in velocities.iter_mut().zip(first..) {
+                let ([x, y], [a, b], [u, v]) = (positions[place], residuals[place], *velocity);
+                let state = [x, y, a, b, u, v].map(f64::from);
+                let [x, y, a, b, u, v] = state;
+                if movable[place]
+                    && let Some(new) = bath.velocity(masses[place], dt, &[x, y, a, b, u, v, time])
+                {
+                    *velocity = new;
+                }
+            }
+        });
     }
 
     /// Removes springs that are stretched too far.

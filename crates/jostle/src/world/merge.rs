@@ -12,6 +12,7 @@ use crate::groups::Groups;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
+use crate::shapes::Filter;
 use crate::space::Id;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
@@ -186,6 +187,16 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         restitutions: vec![((bounce / mass) as f32).clamp(0.0, 1.0)],
         movable: vec![anchor.is_none()],
         spins: vec![spin_of(all, places, container, radius)],
+        filters: vec![filter_of(all, places)],
+    })
+}
+
+/// The filter of the merged particle, which may touch whatever one of `places` may touch.
+fn filter_of(all: &Particles, places: &[usize]) -> Filter {
+    let none = Filter { category: 0, mask: 0 };
+    places.iter().map(|&place| all.filter(place)).fold(none, |sum, own| Filter {
+        category: sum.category | own.category,
+        mask: sum.mask | own.mask,
     })
 }
 

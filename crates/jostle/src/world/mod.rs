@@ -245,6 +245,7 @@ impl World {
             self.wall_impulses.clear();
         }
         self.settings = settings;
+        self.walls.set_sides(settings.side_restitutions());
         Ok(())
     }
 
@@ -257,7 +258,8 @@ impl World {
     /// overlap a wall are pushed out in several steps.
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
         check_plane(self.settings.container, walls.len())?;
-        let walls = Walls::new(walls, self.settings.tree)?;
+        let mut walls = Walls::new(walls, self.settings.tree)?;
+        walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
         self.drifts.clear();
         let is_kept = |wall: usize| {

@@ -5,11 +5,11 @@ use std::iter;
 
 use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
 use crate::error::{Error, Result};
-use crate::pairs::{self, JoinScratch, SortScratch};
+use crate::pairs::{self, Filters, JoinScratch, SortScratch};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
-use crate::shapes::{Each, Shapes};
+use crate::shapes::{Each, Shapes, fill_filters};
 
 /// Pairs of places, a list for each offset: first those in the plane, with offset 0, then those
 /// across each seam of a torus. A pair overlaps if the second is moved by the offset.
@@ -42,13 +42,13 @@ pub(super) fn list(
             lists.push(Default::default());
         }
         let (image_of_list, list) = &mut lists[count];
-        let is_within = count == 0;
+        let (is_within, columns) = (count == 0, tree.columns());
         join.pairs = std::mem::take(list);
         let found = match (is_within, is_brute) {
-            (true, true) => pairs::brute(tree.columns(), threads, max),
+            (true, true) => pairs::brute(columns, threads, max),
             (true, false) => pairs::places_within(tree, max, join),
-            (false, true) => pairs::brute_between(tree.columns(), tree.columns(), image, max),
-            (false, false) => pairs::places_between(tree, tree, image, max, join),
+            (false, true) => pairs::brute_between(columns, columns, image, Filters::Apply, max),
+            (false, false) => pairs::places_between(tree, tree, image, Filters::Apply, max, join),
         };
         let mut found = found.map_err(|error| match error {
             Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
@@ -88,7 +88,8 @@ impl World {
         let (all, settings) = (&self.particles, &self.settings);
         let centers: Vec<_> = all.positions.iter().map(|&p| settings.container.wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());
-        let shapes = Shapes { centers, radii, ..Shapes::default() };
+        let mut shapes = Shapes { centers, radii, ..Shapes::default() };
+        fill_filters(all.filters.iter().copied(), &mut shapes.filters);
         let mut tree = Quadtree::default();
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let mut lists = Vec::new();

@@ -1,6 +1,6 @@
 //! The settings of a world, apart from its particles and forces.
 
-use crate::container::Container;
+use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::particles;
 use crate::settings::{Method, Settings};
@@ -29,6 +29,9 @@ pub struct WorldSettings {
     pub restitution: f32,
     /// The walls.
     pub container: Container,
+    /// Coefficients of restitution of its sides, 0 to 1, at min x, max x, min y and max y; those of a
+    /// circle are equal. At a side it is multiplied by those of the world and the particle.
+    pub container_restitution: [f32; MAX_WALLS],
     /// What happens to particles that touch.
     pub on_touch: OnTouch,
     /// How pairs are found. The result is the same.
@@ -53,6 +56,7 @@ impl Default for WorldSettings {
             drag: 0.0,
             restitution: 1.0,
             container: Container::None,
+            container_restitution: [1.0; MAX_WALLS],
             on_touch: OnTouch::Bounce,
             method: Method::Quadtree,
             substeps: None,
@@ -80,6 +84,32 @@ impl WorldSettings {
             return Err(Error::of("substeps", substeps, "it must lie between 1 and 1000"));
         }
         self.container.validate()?;
+        self.validate_sides()?;
         self.tree.validate()
+    }
+
+    /// The coefficients of restitution of the sides that there are; 1 for others.
+    pub(super) fn side_restitutions(&self) -> [f32; MAX_WALLS] {
+        if self.container.has_walls() { self.container_restitution } else { [1.0; MAX_WALLS] }
+    }
+
+    fn validate_sides(&self) -> Result<()> {
+        let all = self.container_restitution;
+        let refuse = |index: usize, rule| {
+            let is_one = all.iter().all(|one| one.to_bits() == all[0].to_bits());
+            Err(match is_one {
+                true => Error::of("container_restitution", all[0], rule),
+                false => Error::at("container_restitution", index, all[index], rule),
+            })
+        };
+        if let Some(index) = all.iter().position(|one| !(0.0..=1.0).contains(one)) {
+            return refuse(index, "it must lie between 0 and 1");
+        }
+        if let Container::Circle { .. } = self.container
+            && let Some(index) = all.iter().position(|one| *one != all[0])
+        {
+            return refuse(index, "a circle has one wall, so all four must be equal");
+        }
+        Ok(())
     }
 }

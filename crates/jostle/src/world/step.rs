@@ -83,6 +83,7 @@ impl World {
             let mut done = self.step_in_parts(single, watch);
             let mut touched = std::mem::take(&mut self.memory.touched);
             if done.is_ok() && touched.is_empty() {
+                self.meet_bath(single);
                 self.keep_wall_pushes();
                 touches::add_up(&mut self.wall_impulses);
                 done = self.fall_asleep(dt);
@@ -423,5 +424,6 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
     let pairs = turning(a).into_iter().zip(turning(b));
     let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
     let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
-    order.then_with(|| all.movable[a].cmp(&all.movable[b]))
+    let order = order.then_with(|| all.movable[a].cmp(&all.movable[b]));
+    order.then_with(|| all.filter(a).cmp(&all.filter(b)))
 }

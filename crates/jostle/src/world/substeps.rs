@@ -200,6 +200,7 @@ impl World {
                 restitution: settings.restitution,
                 is_elastic,
                 thermostat: forces::thermostat(&self.forces),
+                thermal: forces::thermal_sides(&self.forces, self.time),
                 pairs: settings.on_touch == OnTouch::Bounce,
                 candidates: &memory.pairs,
                 limits: &memory.limits,

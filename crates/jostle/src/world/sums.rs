@@ -5,6 +5,7 @@ use super::feel::{bodies, find_places};
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::parallel;
 use crate::particles::{Particles, Spin};
+use crate::shapes::Filter;
 
 impl World {
     /// Sum of mass times velocity of the movable particles. Sleeping particles have none.
@@ -63,7 +64,7 @@ impl World {
             Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
             Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
             Force::Springs(springs) => springs.energy(&bodies),
-            Force::Thermostat(_) => 0.0,
+            Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => 0.0,
         };
         parallel::among(self.threads(), || self.forces.iter().map(energy).sum())
     }
@@ -109,6 +110,9 @@ impl World {
             let words =
                 [friction.to_bits(), velocity.to_bits(), angle as u32, (angle >> 32) as u32];
             words.into_iter().for_each(&mut mix);
+        }
+        for &Filter { category, mask } in &all.filters {
+            [category, mask].into_iter().for_each(&mut mix);
         }
         hash
     }

@@ -16,7 +16,7 @@ use crate::container::MAX_WALLS;
 use crate::error::Result;
 use crate::pairs::JoinScratch;
 use crate::quadtree::Quadtree;
-use crate::shapes::Shapes;
+use crate::shapes::{Shapes, fill_filters};
 
 /// Scratch.
 #[derive(Debug, Default)]
@@ -75,6 +75,9 @@ impl World {
             let rounding = rounding(particles.positions[place(of)], &settings.container);
             particles.radii[place(of)] + of.1 as f32 * 1.000_01 + rounding
         }));
+        let filters = if particles.filters.is_empty() { &[][..] } else { &outside_limits[..] };
+        let filters = filters.iter().map(|of| particles.filter(place(of)));
+        fill_filters(filters, &mut shapes.filters);
         tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
         memory.touched = asleep.touched(tree, |_| true, settings, join)?;
         Ok(!memory.touched.is_empty())

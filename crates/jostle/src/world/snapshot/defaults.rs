@@ -3,13 +3,15 @@
 use super::super::Defaults;
 use crate::bytes::{Reader, Writer};
 use crate::error::Result;
+use crate::shapes::Filter;
 
 /// Stands for no value: no radius and no mass is below 0.
 const NONE: f32 = -1.0;
 
 pub(super) fn put_defaults(to: &mut Writer, defaults: &Defaults) {
-    let Defaults { radius, mass, density, restitution, friction } = *defaults;
+    let Defaults { radius, mass, density, restitution, friction, filter } = *defaults;
     to.put([radius.unwrap_or(NONE), mass.unwrap_or(NONE), density, restitution, friction]);
+    to.put([filter.category, filter.mask]);
 }
 
 /// Those of format 7 and later; before, there were none.
@@ -19,5 +21,7 @@ pub(super) fn get_defaults(from: &mut Reader<'_>, version: u32) -> Result<Defaul
     }
     let [radius, mass, density, restitution, friction] = from.get()?;
     let [radius, mass] = [radius, mass].map(|value| Some(value).filter(|&value| value != NONE));
-    Ok(Defaults { radius, mass, density, restitution, friction })
+    let [category, mask] = from.get()?;
+    let filter = Filter { category, mask };
+    Ok(Defaults { radius, mass, density, restitution, friction, filter })
 }

@@ -2,7 +2,9 @@
 
 use crate::bytes::{Reader, Writer, damaged};
 use crate::error::Result;
-use crate::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+use crate::forces::{
+    Andersen, Attractor, Force, Gravitation, Law, Pole, Spring, Springs, ThermalWalls, Thermostat,
+};
 use crate::space::Id;
 
 pub(super) fn put_force(to: &mut Writer, force: &Force) {
@@ -38,6 +40,17 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
             to.put(3u8);
             to.put([*speed, *rate]);
         }
+        Force::ThermalWalls(ThermalWalls { temperature, sides, seed }) => {
+            to.put(4u8);
+            to.put(*temperature);
+            to.put(sides.map(u8::from));
+            to.put(*seed);
+        }
+        Force::Andersen(Andersen { temperature, rate, seed }) => {
+            to.put(5u8);
+            to.put([*temperature, *rate]);
+            to.put(*seed);
+        }
     }
 }
 
@@ -68,6 +81,15 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
         3 => {
             let [speed, rate] = from.get()?;
             Force::Thermostat(Thermostat { speed, rate })
+        }
+        4 => {
+            let (temperature, sides, seed) = (from.get()?, from.get::<[u8; 4]>()?, from.get()?);
+            let sides = sides.map(|side| side > 0);
+            Force::ThermalWalls(ThermalWalls { temperature, sides, seed })
+        }
+        5 => {
+            let ([temperature, rate], seed) = (from.get()?, from.get()?);
+            Force::Andersen(Andersen { temperature, rate, seed })
         }
         _ => return Err(damaged("there is no such force")),
     })

@@ -20,6 +20,7 @@ use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, Spin};
 use crate::settings::{Method, Settings};
+use crate::shapes::Filter;
 use crate::space::Id;
 use crate::walls::{FIRST, Wall};
 use defaults::{get_defaults, put_defaults};
@@ -31,8 +32,8 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container, version 6 no moving walls,
-/// no ids and no defaults.
+/// version 4 no sleeping, version 5 no walls besides the container, version 6 no moving walls, no
+/// ids, no defaults, no categories and masks, and no coefficients of the container.
 const VERSION: u32 = 7;
 
 impl World {
@@ -129,6 +130,7 @@ impl World {
             let walls = get_walls(&mut from, version)?;
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
+            world.walls.set_sides(world.settings.side_restitutions());
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
@@ -165,6 +167,7 @@ fn put_settings(to: &mut Writer, settings: &WorldSettings) {
     let numbers = [settings.substeps.unwrap_or(0), leaf_capacity, max_depth, threads.unwrap_or(0)];
     numbers.into_iter().for_each(|number| to.put_count(number));
     to.put(u8::from(settings.sleeping));
+    to.put(settings.container_restitution);
 }
 
 fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
@@ -194,7 +197,9 @@ fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
     let threads = Some(from.get_count()?).filter(|&threads| threads > 0);
     let tree = Settings { leaf_capacity, max_depth, threads };
     let sleeping = version < 5 || from.get::<u8>()? > 0;
+    let container_restitution = if version > 6 { from.get()? } else { [1.0; MAX_WALLS] };
     let base = WorldSettings { gravity, drag, restitution, container, ..WorldSettings::default() };
+    let base = WorldSettings { container_restitution, ..base };
     Ok(WorldSettings { on_touch, method, substeps, sleeping, tree, ..base })
 }
 
@@ -214,6 +219,13 @@ fn put_particles(to: &mut Writer, all: &Particles) {
         to.put([*friction, *velocity]);
         to.put(*angle);
     }
+    put_filters(to, &all.filters);
+}
+
+fn put_filters(to: &mut Writer, filters: &[Filter]) {
+    to.put(u8::from(!filters.is_empty()));
+    let words: Vec<[u32; 2]> = filters.iter().map(|of| [of.category, of.mask]).collect();
+    to.put_all(&words);
 }
 
 fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
@@ -226,7 +238,17 @@ fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Part
         restitutions: get_column(from, len)?,
         movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
         spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
+        filters: if version > 6 { get_filters(from, len)? } else { vec![] },
     })
+}
+
+/// The filters of `len` particles; empty if all have the default.
+fn get_filters(from: &mut Reader<'_>, len: usize) -> Result<Vec<Filter>> {
+    if from.get::<u8>()? == 0 {
+        return Ok(Vec::new());
+    }
+    let words: Vec<[u32; 2]> = from.get_all(len)?;
+    Ok(words.into_iter().map(|[category, mask]| Filter { category, mask }).collect())
 }
 
 fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {

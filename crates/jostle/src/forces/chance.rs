@@ -1,0 +1,76 @@
+//! Random numbers that follow from numbers of the state, the same on every platform.
+//!
+//! The distributions need comparisons, products, quotients and square roots only, which are exact
+//! to the last bit everywhere; a logarithm or a sine of a library is not.
+
+/// Random numbers that follow from a seed and some words: SplitMix64 (G. Steele et al., *Fast
+/// Splittable Pseudorandom Number Generators*, 2014), from a hash of the words.
+#[derive(Clone, Debug)]
+pub struct Chance(u64);
+
+/// The output function of SplitMix64.
+pub fn mixed(word: u64) -> u64 {
+    let word = (word ^ word >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let word = (word ^ word >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    word ^ word >> 31
+}
+
+impl Chance {
+    /// The numbers that follow from a seed and these numbers.
+    pub fn of(seed: u32, numbers: &[f64]) -> Self {
+        let hash = |sum: u64, number: &f64| mixed(sum.rotate_left(23) ^ number.to_bits());
+        Self(numbers.iter().fold(mixed(u64::from(seed) + 1), hash))
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        mixed(self.0)
+    }
+
+    /// Uniform between 0 and 1, without both.
+    fn unit(&mut self) -> f64 {
+        ((self.next() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
+    }
+
+    /// Exponentially distributed with the mean 1, by comparisons of uniform numbers (J. von
+    /// Neumann, *Various techniques used in connection with random digits*, 1951).
+    pub fn exponential(&mut self) -> f64 {
+        // The first number of a sequence that falls an odd number of times is distributed as
+        // the fraction of the result, and the attempts before as its whole part.
+        let mut whole = 0.0;
+        loop {
+            let first = self.unit();
+            let (mut last, mut is_odd) = (first, true);
+            loop {
+                let next = self.unit();
+                if next >= last {
+                    break;
+                }
+                (last, is_odd) = (next, !is_odd);
+            }
+            if is_odd {
+                return whole + first;
+            }
+            whole += 1.0;
+        }
+    }
+
+    /// Distributed as the length of a vector of two normally distributed numbers: p(v) = v e^(−v²/2).
+    pub fn flux(&mut self) -> f64 {
+        (2.0 * self.exponential()).sqrt()
+    }
+
+    /// Two normally distributed numbers with the mean 0 and the variance 1: a vector of a random
+    /// length in a random direction.
+    pub fn normal(&mut self) -> [f64; 2] {
+        let length = self.flux();
+        loop {
+            let [x, y] = [0, 1].map(|_| 2.0 * self.unit() - 1.0);
+            let square = x * x + y * y;
+            if square <= 1.0 && square > 0.0 {
+                let scale = length / square.sqrt();
+                return [x * scale, y * scale];
+            }
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! Walls and a bath at a temperature.
+
+use jostle::forces::chance::Chance;
+use jostle::forces::{Andersen, ThermalWalls};
+use jostle::scenes::random::Random;
+use jostle::{
+    Container, Force, Method, OnTouch, Particles, Settings, World, WorldSettings, forces,
+};
+
+const STEP: f64 = 1.0 / 60.0;
+const KT: f32 = 4.0;
+const ALL: [bool; 4] = [true; 4];
+
+fn run(world: &mut World, steps: usize) {
+    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+}
+
+fn walls(sides: [bool; 4], seed: u32) -> Force {
+    Force::ThermalWalls(ThermalWalls { temperature: KT, sides, seed })
+}
+
+fn bath(rate: f32) -> Force {
+    Force::Andersen(Andersen { temperature: KT, rate, seed: 1 })
+}
+
+/// Discs of two masses on a lattice, with small velocities.
+fn gas(count: usize, side: f32) -> Particles {
+    let mut random = Random::new(5);
+    let columns = (count as f32).sqrt().ceil() as usize;
+    let place = |at: usize| (at as f32 + 0.5) * side / columns as f32;
+    let positions = (0..count).map(|at| [place(at % columns), place(at / columns)]).collect();
+    let velocities = (0..count).map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]);
+    let mut all = Particles::new(positions, velocities.collect(), vec![0.3; count], 1.0);
+    all.masses = (0..count).map(|at| if at % 2 == 0 { 1.0 } else { 4.0 }).collect();
+    all
+}
+
+fn world(all: Particles, settings: WorldSettings, forces: Vec<Force>) -> World {
+    let mut world = World::new(all, settings).expect("valid");
+    world.set_forces(forces).expect("valid");
+    world
+}
+
+/// The largest difference between the distribution of some numbers and a function, times √n. It
+/// is above 1.95 with a probability of 0.001.
+fn kolmogorov_smirnov(mut numbers: Vec<f64>, distribution: impl Fn(f64) -> f64) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    let n = numbers.len() as f64;
+    let step = |(index, &x): (usize, &f64)| {
+        let (expected, below) = (distribution(x), index as f64 / n);
+        (expected - below).abs().max((below + 1.0 / n - expected).abs())
+    };
+    numbers.iter().enumerate().map(step).fold(0.0, f64::max) * n.sqrt()
+}
+
+/// The normal distribution (M. Abramowitz and I. A. Stegun, 26.2.17; its error is below 10⁻⁷).
+fn normal(x: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.231_641_9 * x.abs());
+    let terms = [0.319_381_530, -0.356_563_782, 1.781_477_937, -1.821_255_978, 1.330_274_429];
+    let sum = terms.iter().rev().fold(0.0, |sum, term| (sum + term) * t);
+    let above = (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt() * sum;
+    if x >= 0.0 { 1.0 - above } else { above }
+}
+
+#[test]
+fn random_numbers_have_their_distributions() {
+    let all: Vec<Chance> = (0..20_000).map(|at| Chance::of(7, &[f64::from(at), 1.0])).collect();
+    let draw =
+        |of: fn(&mut Chance) -> f64| all.iter().cloned().map(|mut one| of(&mut one)).collect();
+    let exponential = kolmogorov_smirnov(draw(Chance::exponential), |x| 1.0 - (-x).exp());
+    let flux = kolmogorov_smirnov(draw(Chance::flux), |v| 1.0 - (-0.5 * v * v).exp());
+    let x = kolmogorov_smirnov(draw(|one| one.normal()[0]), normal);
+    let y = kolmogorov_smirnov(draw(|one| one.normal()[1]), normal);
+    let found = [exponential, flux, x, y];
+    assert!(found.iter().all(|&distance| distance < 1.95), "{found:?}");
+    // Also those that follow each other.
+    let mut one = Chance::of(0, &[]);
+    let many = (0..20_000).map(|_| one.normal()[0]).collect();
+    assert!(kolmogorov_smirnov(many, normal) < 1.95);
+    let product: f64 = all
+        .iter()
+        .cloned()
+        .map(|mut one| {
+            let [x, y] = one.normal();
+            x * y
+        })
+        .sum();
+    assert!(product.abs() < 4.0 * 20_000f64.sqrt(), "{product}");
+}
+
+#[test]
+fn a_gas_gets_the_temperature_of_its_walls() {
+    // Particles that pass through each other: each is heated by the walls alone.
+    for container in [
+        Container::Box { min: [0.0; 2], max: [30.0; 2] },
+        Container::Circle { center: [15.0; 2], radius: 22.0 },
+    ] {
+        let base = WorldSettings { container, ..WorldSettings::default() };
+        let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
+        let mut world = world(gas(2000, 30.0), settings, vec![walls(ALL, 3)]);
+        world.step(1.0, 400, &mut |_| ()).unwrap();
+        check_temperature(&world, "walls");
+    }
+}
+
+#[test]
+fn a_gas_gets_the_temperature_of_a_bath() {
+    let settings =
+        WorldSettings { container: Container::Torus { size: [60.0; 2] }, ..Default::default() };
+    let mut world = world(gas(2000, 60.0), settings, vec![bath(5.0)]);
+    run(&mut world, 120);
+    check_temperature(&world, "a bath");
+}
+
+/// Compares velocities with a Maxwell distribution, for both masses.
+fn check_temperature(world: &World, name: &str) {
+    for (parity, mass) in [(0, 1.0f64), (1, 4.0)] {
+        for axis in [0, 1] {
+            let of = world.velocities().into_iter().skip(parity).step_by(2);
+            let scaled = of.map(|v| f64::from(v[axis]) * (mass / f64::from(KT)).sqrt());
+            let distance = kolmogorov_smirnov(scaled.collect(), normal);
+            assert!(distance < 1.95, "{name}: {distance}, mass {mass}, axis {axis}");
+        }
+    }
+    // The standard deviation of the energy of n particles in two directions is kT √n.
+    let n = world.len() as f64;
+    let error = (world.kinetic_energy() / n / f64::from(KT) - 1.0) * n.sqrt();
+    assert!(error.abs() < 4.0, "{name}: {error} standard deviations");
+}
+
+#[test]
+fn a_disc_leaves_a_wall_as_from_a_gas() {
+    // One bounce of each of many discs off the wall at min x.
+    let n = 4000;
+    let positions = (0..n).map(|at| [1.0 + at as f32 * 1e-3, 10.0]).collect();
+    let all = Particles::new(positions, vec![[-10.0, 3.0]; n], vec![0.5; n], 8.0);
+    let container = Container::Box { min: [0.0; 2], max: [1e4; 2] };
+    let base = WorldSettings { container, ..WorldSettings::default() };
+    let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
+    let hot = walls([true, false, false, false], 9);
+    let mut world = world(all, settings, vec![hot]);
+    world.step(0.5, 1, &mut |_| ()).unwrap();
+    let scale = (2.0 / f64::from(KT)).sqrt();
+    let column = |k: usize| world.velocities().iter().map(|v| f64::from(v[k]) * scale).collect();
+    let normal_speeds: Vec<f64> = column(0);
+    assert!(kolmogorov_smirnov(normal_speeds, |v| 1.0 - (-0.5 * v * v).exp()) < 1.95);
+    assert!(kolmogorov_smirnov(column(1), normal) < 1.95);
+    // The impulses of the wall are the changes of momentum.
+    for touch in world.wall_contacts() {
+        let [speed, _] = world.velocities()[touch.id as usize];
+        assert!((touch.normal_impulse - 2.0 * (speed + 10.0)).abs() < 1e-3);
+    }
+    assert_eq!(world.wall_contacts().len(), n);
+}
+
+#[test]
+fn other_sides_stay_elastic() {
+    let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
+    let settings = WorldSettings { container, ..WorldSettings::default() };
+    let disc = |velocity| Particles::new(vec![[5.0; 2]], vec![velocity], vec![1.0], 1.0);
+    let hot = walls([false, true, false, false], 0);
+    for velocity in [[-8.0, 0.0], [0.0, -8.0], [0.0, 8.0]] {
+        let mut world = world(disc(velocity), settings, vec![hot.clone()]);
+        world.step(0.75, 1, &mut |_| ()).unwrap();
+        assert_eq!(world.velocities(), [velocity.map(|v| 0.0 - v)]);
+    }
+    let mut world = world(disc([8.0, 0.0]), settings, vec![hot]);
+    world.step(0.75, 1, &mut |_| ()).unwrap();
+    let [[u, v]] = world.velocities()[..] else { panic!("one disc") };
+    assert!(u < 0.0 && u != -8.0 && v != 0.0);
+}
+
+#[test]
+fn a_thermal_floor_holds_an_atmosphere() {
+    // The mean height over the floor is kT/mg; discs with tiny speeds are thrown up again.
+    let container = Container::Box { min: [0.0; 2], max: [40.0, 1e4] };
+    let base = WorldSettings { container, gravity: [0.0, -10.0], ..WorldSettings::default() };
+    let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
+    let mut all = gas(2000, 40.0);
+    all.masses.fill(1.0);
+    all.positions.iter_mut().for_each(|p| p[1] = 1.0);
+    all.velocities.iter_mut().for_each(|v| *v = [v[0], 0.0]);
+    let mut world = world(all, settings, vec![walls([false, false, true, false], 2)]);
+    world.step(0.25, 160, &mut |_| ()).unwrap();
+    let heights = world.positions().into_iter().map(|p| f64::from(p[1] - 0.3));
+    let found = kolmogorov_smirnov(heights.collect(), |z| 1.0 - (-10.0 * z / f64::from(KT)).exp());
+    assert!(found < 1.95, "{found}");
+}
+
+/// Everything that may show: collisions, gravity, several walls, a bath.
+fn busy(settings: WorldSettings, order: &[u32]) -> World {
+    let mut all = Particles::default();
+    all.gather(&gas(400, 22.0), order, None);
+    let forces = vec![
+        walls([true, false, false, true], 4),
+        walls([false, true, false, false], 5),
+        bath(0.5),
+    ];
+    let container = Container::Box { min: [0.0; 2], max: [22.0; 2] };
+    world(all, WorldSettings { container, gravity: [0.0, 3.0], ..settings }, forces)
+}
+
+#[test]
+fn it_does_not_show_how_they_are_computed() {
+    let straight: Vec<u32> = (0..400).collect();
+    let mut expected = busy(WorldSettings::default(), &straight);
+    run(&mut expected, 120);
+    let mut brute = busy(WorldSettings { method: Method::Brute, ..Default::default() }, &straight);
+    run(&mut brute, 120);
+    assert_eq!(brute.state_hash(), expected.state_hash());
+    let mut half = busy(WorldSettings::default(), &straight);
+    run(&mut half, 60);
+    let mut half = World::restore(&half.snapshot()).unwrap();
+    assert_eq!(half.forces(), expected.forces());
+    run(&mut half, 60);
+    assert_eq!(half.snapshot(), expected.snapshot());
+    let order: Vec<u32> = (0..400).map(|at| at * 137 % 400).collect();
+    let mut other = busy(WorldSettings::default(), &order);
+    run(&mut other, 120);
+    let mut permuted = Particles::default();
+    permuted.gather(&expected.particles(), &order, None);
+    assert!(other.particles() == permuted, "the order of adding");
+    let mut again = busy(WorldSettings::default(), &straight);
+    again.set_forces(vec![walls(ALL, 5)]).unwrap();
+    run(&mut again, 120);
+    assert_ne!(again.state_hash(), expected.state_hash());
+}
+
+#[test]
+fn threads_do_not_show_in_heat() {
+    let hashes = [1, 2, 8].map(|threads| {
+        let tree = Settings { threads: Some(threads), ..Settings::default() };
+        let container = Container::Box { min: [0.0; 2], max: [160.0; 2] };
+        let settings = WorldSettings { container, tree, ..WorldSettings::default() };
+        let mut world = world(gas(30_000, 160.0), settings, vec![walls(ALL, 0), bath(3.0)]);
+        run(&mut world, 4);
+        world.state_hash()
+    });
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]));
+}
+
+#[test]
+fn an_undone_step_heats_nothing() {
+    let straight: Vec<u32> = (0..400).collect();
+    let mut world = busy(WorldSettings::default(), &straight);
+    run(&mut world, 3);
+    let before = world.snapshot();
+    assert!(world.step(1e30, 1, &mut |_| ()).is_err());
+    assert_eq!(world.snapshot(), before);
+}
+
+#[test]
+fn wrong_ones_are_refused() {
+    let refusal = |all: &[Force]| forces::validate(all, |id| id == 0).unwrap_err().to_string();
+    let hot = |temperature| Force::ThermalWalls(ThermalWalls { temperature, sides: ALL, seed: 0 });
+    assert_eq!(refusal(&[hot(0.0)]), "temperature is 0; it must be above 0");
+    assert!(refusal(&[hot(f32::NAN)]).starts_with("temperature is NaN; it must be finite"));
+    assert!(refusal(&[walls([false; 4], 0)]).starts_with("sides is ()"));
+    assert_eq!(
+        refusal(&[walls([true, false, false, false], 0), walls(ALL, 1)]),
+        "forces[1] is another ThermalWalls; side 0 has a temperature already"
+    );
+    assert!(refusal(&[bath(-1.0)]).starts_with("rate is -1; "));
+    assert!(
+        refusal(&[bath(1.0), bath(1.0)]).starts_with("forces[1] is another AndersenThermostat")
+    );
+}

@@ -1,0 +1,111 @@
+"""`ThermalWalls` and `AndersenThermostat`, against the Maxwell distribution."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from gases import lattice
+from scipy.stats import kstest
+
+import jostle
+
+KT = 1.0
+N = 2000
+SIDE = math.sqrt(N * math.pi / 0.2)  # a fifth of the area is covered
+
+
+def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jostle.World:
+    """Elastic discs of radius 1 and mass 1 in a box, a quarter as warm."""
+    velocities = np.random.default_rng(1).normal(size=(N, 2)) * 0.5
+    return jostle.World(
+        lattice(N, SIDE, SIDE)[order], velocities[order], 1.0, masses=1.0,
+        container=jostle.Box(0, 0, SIDE, SIDE), forces=forces, threads=threads,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("force", "steps"),
+    [(jostle.ThermalWalls(KT, seed=4), 1500), (jostle.AndersenThermostat(KT, 1.0, seed=4), 30)],
+)
+def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
+    """Five samples; with the walls the deviation from kT falls e-fold in about 250 seconds."""
+    world = gas([force])
+    world.step(1.0, steps=steps)
+    energies = []
+    for _ in range(5):
+        world.step(1.0, steps=steps // 10)
+        velocities = world.velocities
+        energies.append(world.kinetic_energy / N)
+        for axis in (0, 1):
+            assert kstest(velocities[:, axis], "norm").pvalue > 1e-4
+    # The standard deviation of the energy of one sample is kT/√N.
+    assert np.mean(energies) == pytest.approx(KT, abs=4 * KT / math.sqrt(N))
+    assert world.stats.unresolved == 0
+
+
+def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
+    world = gas([jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1])])
+    world.step(1.0, steps=1500)
+    warm = []
+    for _ in range(10):
+        world.step(1.0, steps=20)
+        x, energies = world.positions[:, 0], (world.velocities**2).sum(axis=1) / 2
+        warm.append(
+            [energies[(x >= a) & (x < a + SIDE / 4)].mean() for a in np.arange(4) * SIDE / 4]
+        )
+    means = np.mean(warm, axis=0)
+    assert 4 > means[0] > means[1] > means[2] > means[3] > 1
+
+
+def test_the_order_of_adding_and_threads_do_not_show() -> None:
+    forces = [jostle.ThermalWalls(KT), jostle.AndersenThermostat(KT, 0.1)]
+    worlds = [gas(forces, threads=threads) for threads in (1, 2)]
+    order = np.random.default_rng(2).permutation(N)
+    permuted = gas(forces, order=order)
+    for world in (*worlds, permuted):
+        world.step(1.0, steps=50)
+    assert worlds[0].state_hash() == worlds[1].state_hash()
+    np.testing.assert_array_equal(permuted.velocities, worlds[0].velocities[order])
+
+
+def test_they_are_values() -> None:
+    walls = jostle.ThermalWalls(2.5, sides=[3, 0], seed=7)
+    bath = jostle.AndersenThermostat(2.5, rate=0.5)
+    assert repr(walls) == "ThermalWalls(2.5, [0, 3], 7)"
+    assert repr(bath) == "AndersenThermostat(2.5, 0.5, 0)"
+    assert (walls.temperature, walls.sides, walls.seed) == (2.5, (0, 3), 7)
+    assert (bath.temperature, bath.rate, bath.seed) == (2.5, 0.5, 0)
+    assert jostle.ThermalWalls(1).sides == (0, 1, 2, 3)
+    for force in (walls, bath):
+        for same in (pickle.loads(pickle.dumps(force)), copy.deepcopy(force)):
+            assert same == force and hash(same) == hash(force)
+    assert walls != jostle.ThermalWalls(2.5, sides=[3], seed=7)
+    world = gas([walls, bath])
+    assert world.forces == (walls, bath)
+    assert jostle.World.restore(world.snapshot()).forces == (walls, bath)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: jostle.ThermalWalls(0), ValueError, "temperature is 0; it must be above 0"),
+        (lambda: jostle.ThermalWalls(-1), ValueError, "temperature is -1; it must be finite and"),
+        (lambda: jostle.ThermalWalls(1, sides=[]), ValueError, "sides is (); at least one side"),
+        (lambda: jostle.ThermalWalls(1, sides=[0, 4]), ValueError, "sides[1] is 4; the sides of"),
+        (lambda: jostle.ThermalWalls(1, sides=[2, 2]), ValueError, "sides[1] is 2; it is given"),
+        (lambda: jostle.ThermalWalls(1, seed=2**32), ValueError, "seed is 4294967296; it must"),
+        (lambda: jostle.ThermalWalls("hot"), TypeError, "temperature must be a number"),  # type: ignore[arg-type]
+        (lambda: jostle.AndersenThermostat(1, -1), ValueError, "rate is -1; it must be finite"),
+        (lambda: gas([jostle.ThermalWalls(1)] * 2), ValueError, "forces[1] is another Thermal"),
+        (lambda: gas([jostle.AndersenThermostat(1, 1)] * 2), ValueError, "forces[1] is another An"),
+    ],
+)
+def test_wrong_ones_are_refused(make: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=f"^{re.escape(message)}"):
+        make()
