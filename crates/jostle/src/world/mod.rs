@@ -418,6 +418,9 @@ impl World {
         if !copy.spins.is_empty() {
             self.particles.spins_mut();
         }
+        if !copy.filters.is_empty() {
+            self.particles.filters_mut();
+        }
         for (index, &row) in rows.iter().enumerate() {
             let place = places[row as usize] as usize;
             if place < awake {
