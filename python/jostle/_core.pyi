@@ -41,6 +41,7 @@ __all__ = [
     "Circle",
     "Events",
     "Gravitation",
+    "Motor",
     "Quadtree",
     "Space",
     "Springs",
@@ -124,7 +125,7 @@ _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
-    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat
+    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Motor
 )
 
 def abandon_threads() -> None:
@@ -2026,8 +2027,8 @@ class World:
         Coefficients of friction of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of forces, default ()
-        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
-        `AndersenThermostat`: what acts beside gravity and contacts.
+        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+        `AndersenThermostat` and `Motor`: what acts beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -2685,10 +2686,11 @@ class World:
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
-        and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
-        attractors and springs are removed too. If particles merge, attractors and springs refer
-        to the merged particle, and a spring between two of them is removed.
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+        `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by id.
+        If a particle is removed, its attractors and springs are removed too, and motors drive the
+        others. If particles merge, forces refer to the merged particle, and a spring between two of
+        them is removed.
         """
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
@@ -3302,6 +3304,101 @@ class Springs:
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
     def __getnewargs__(self) -> tuple[NDArray[Any], ...]: ...
+
+@final
+class Motor:
+    """Drives immovable particles and walls along a given motion.
+
+    They turn about a centre and move with a velocity, for example as the paddles of a mill, the
+    flippers of a pinball table or a piston. With a `period` they move there in its first half and back
+    in its second. Other particles are pushed by them and do not slow them down. It is one of the
+    `World.forces`.
+
+    Parameters
+    ----------
+    ids : array_like of int, shape (k,), optional
+        Ids of the immovable particles; if one is removed, the motor drives the others.
+    walls : array_like of int, shape (m,), optional
+        Indices of the walls. They do not turn.
+    center : array_like, shape (2,), default (0.0, 0.0)
+        The centre of the rotation, in units of length. It moves with `velocity`.
+    angular_velocity : float, default 0.0
+        In radians per second, positive from +x to +y.
+    velocity : array_like, shape (2,), default (0.0, 0.0)
+        In units of length per second.
+    period : float, optional
+        Seconds of the motion there and back, above 0. If omitted, it never goes back.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a number is out of range, a particle or a wall is given twice, or walls are to turn. When it
+        is assigned to `World.forces`, also if a particle is movable or a wall does not exist.
+
+    See Also
+    --------
+    World.walls : Their indices.
+
+    Notes
+    -----
+    The motion is a function of `World.time`. At the beginning of each step the motor sets the velocities
+    that lead to the right place at its end: on a circle particles follow a chord, so take steps in
+    which they turn by a small angle. Between calls they can be moved; the motion goes on from there.
+
+    Examples
+    --------
+    A paddle of four discs that turns twice in a second:
+
+    >>> import jostle, math
+    >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
+    >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
+    >>> world.step(1 / 80, steps=10)
+    >>> world.positions[3].round(4).tolist()
+    [1.0, 5.0]
+
+    A piston that moves to the right for two seconds, then back:
+
+    >>> world = jostle.World([(5, 5)], [(0, 0)], 1.0, walls=[((1, 0), (1, 10))])
+    >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
+    >>> world.step(1 / 60, steps=120)
+    >>> world.walls[0].round(4).tolist()
+    [[2.0, 0.0], [2.0, 10.0]]
+    """
+
+    __match_args__: Final = ("ids",)
+    def __new__(
+        cls,
+        ids: ArrayLike | None = None,
+        *,
+        walls: ArrayLike | None = None,
+        center: _Point = (0.0, 0.0),
+        angular_velocity: float = 0.0,
+        velocity: _Point = (0.0, 0.0),
+        period: float | None = None,
+    ) -> Self: ...
+    @property
+    def ids(self) -> _Ids:
+        """Ids of the particles that it drives: read-only ndarray of int64, shape (k,)."""
+    @property
+    def walls(self) -> NDArray[np.int64]:
+        """Indices of the walls that it drives: read-only ndarray of int64, shape (m,)."""
+    @property
+    def center(self) -> tuple[float, float]:
+        """The centre of the rotation at time 0, (x, y)."""
+    @property
+    def angular_velocity(self) -> float:
+        """In radians per second."""
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """In units of length per second, (x, y)."""
+    @property
+    def period(self) -> float | None:
+        """Seconds of the motion there and back; None if it never goes back."""
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
 class Thermostat:

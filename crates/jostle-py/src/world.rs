@@ -104,8 +104,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
-///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
-///     `AndersenThermostat`: what acts beside gravity and contacts.
+///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+///     `AndersenThermostat` and `Motor`: what acts beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -276,8 +276,8 @@ impl PyWorld {
             let defaults = draft.defaults(Defaults::default());
             let mut world = World::new(draft.particles(len, &defaults)?, rules)?;
             world.set_defaults(defaults)?;
-            world.set_forces(forces)?;
             world.set_walls(walls)?;
+            world.set_forces(forces)?;
             Ok(world)
         });
         Ok(Self::of(world.map_err(refused)?))
@@ -1032,10 +1032,11 @@ impl PyWorld {
         self.change_walls(py, all)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
-    /// and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
-    /// attractors and springs are removed too. If particles merge, attractors and springs refer
-    /// to the merged particle, and a spring between two of them is removed.
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+    /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by id.
+    /// If a particle is removed, its attractors and springs are removed too, and motors drive the
+    /// others. If particles merge, forces refer to the merged particle, and a spring between two of
+    /// them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         forces::show(py, self.long(py, |state| state.world.forces())?)

@@ -11,6 +11,7 @@ mod interrupt;
 mod kinematic;
 mod limits;
 mod merging;
+mod motors;
 mod moving_walls;
 mod physics;
 mod query;

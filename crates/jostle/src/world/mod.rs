@@ -11,6 +11,7 @@ mod asleep;
 mod bounds;
 mod columns;
 mod defaults;
+mod drive;
 mod feel;
 mod ids;
 mod merge;
@@ -258,6 +259,7 @@ impl World {
     /// overlap a wall are pushed out in several steps.
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
         check_plane(self.settings.container, walls.len())?;
+        drive::check_walls(&self.forces, walls.len())?;
         let mut walls = Walls::new(walls, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
@@ -282,6 +284,7 @@ impl World {
     /// particles wake.
     pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
         forces::validate(&forces, |id| self.contains(id))?;
+        self.check_motors(&forces)?;
         forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
         self.wake_all();
         self.drifts.clear();

@@ -131,11 +131,11 @@ impl World {
     /// Whether anything may fall asleep with the present settings and forces.
     pub(super) fn may_sleep(&self) -> bool {
         let settings = &self.settings;
-        let is_thermostat = |force: &Force| matches!(force, Force::Thermostat(_));
+        let pulls_none = |force: &Force| matches!(force, Force::Thermostat(_) | Force::Motor(_));
         settings.sleeping
             && settings.on_touch == OnTouch::Bounce
             && settings.gravity != [0.0; 2]
-            && self.forces.iter().all(is_thermostat)
+            && self.forces.iter().all(pulls_none)
             && !self.walls.move_any()
     }
 

@@ -9,6 +9,7 @@ mod forces;
 mod ids;
 mod sleepers;
 
+use super::drive::check_walls;
 use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
@@ -131,6 +132,7 @@ impl World {
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
             world.walls.set_sides(world.settings.side_restitutions());
+            check_walls(&world.forces, world.walls.all().len()).map_err(valid)?;
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
