@@ -2341,6 +2341,38 @@ class World:
         (6.0, 0.0)
         >>> world.set(0, positions=(2, 1))
         """
+    def force(self, ids: ArrayLike, forces: _Vectors) -> None:
+        """Add forces of your own on some particles, for the next call of `step`.
+
+        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
+        the same particle add up.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The particles; one may be given more than once. Nothing accelerates immovable ones.
+        forces : array_like, shape (k, 2), or (2,) for one id
+            In units of mass times length per second². A force wakes the particle.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an id does not exist, a shape is wrong, or a number is not finite or too large; then
+            nothing is changed.
+
+        See Also
+        --------
+        World.accelerations : Those of all particles.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
+        >>> world.force(1, (0, 6))
+        >>> world.step(0.5, steps=2)
+        >>> world.velocities.tolist()
+        [[0.0, 0.0], [0.0, 3.0]]
+        """
     @property
     def ids(self) -> _Ids:
         """The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
@@ -2421,6 +2453,38 @@ class World:
         """
     @velocities.setter
     def velocities(self, value: _Vectors) -> None: ...
+    @property
+    def accelerations(self) -> NDArray[np.float32]:
+        """Accelerations by forces of your own in the next call of `step`: ndarray of float32, shape
+        (n, 2), a read-only copy in units of length per second².
+
+        Assign an array of this shape before each call, or None for none; `force` adds to it. They act
+        during all steps of the call, beside gravity and `forces`, and are 0 after it. Nothing accelerates
+        immovable particles. The others wake where it is not 0, and do not fall asleep in the call.
+
+        Raises
+        ------
+        ValueError
+            If the shape is wrong, or a number is not finite or too large.
+
+        See Also
+        --------
+        World.force : Forces on some particles.
+
+        Examples
+        --------
+        A force towards the x axis:
+
+        >>> import jostle
+        >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
+        >>> for _ in range(157):  # half a period: π / 0.02 steps
+        ...     world.accelerations = -world.positions * (0, 1)
+        ...     world.step(0.02)
+        >>> world.positions.round(1).tolist()
+        [[0.0, -1.0]]
+        """
+    @accelerations.setter
+    def accelerations(self, value: _Vectors | None) -> None: ...
     @property
     def radii(self) -> NDArray[np.float32]:
         """Radii: ndarray of float32, shape (n,), a read-only copy in units of length.

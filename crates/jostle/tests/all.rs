@@ -7,6 +7,7 @@ mod determinism;
 mod filters;
 mod forces;
 mod friction;
+mod given;
 mod interrupt;
 mod kinematic;
 mod limits;

@@ -13,6 +13,7 @@ mod columns;
 mod defaults;
 mod drive;
 mod feel;
+mod given;
 mod ids;
 mod merge;
 mod search;
@@ -124,6 +125,8 @@ pub struct World {
     /// They name particles by rows.
     forces: Vec<Force>,
     walls: Walls,
+    /// The accelerations of the rows by forces of the caller; empty if there are none.
+    given: Vec<[f32; 2]>,
     /// Those that are awake, in canonical order, like `rows`, `wall_pushes` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
@@ -308,6 +311,9 @@ impl World {
         }
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
+        if !self.given.is_empty() {
+            self.given.resize(new, [0.0; 2]);
+        }
         let awake = self.rows.len();
         self.wall_pushes.resize(awake, [0.0; MAX_WALLS]);
         if !self.wall_frictions.is_empty() {
@@ -353,6 +359,7 @@ impl World {
         self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
         self.keep(&keep);
         self.ids.remove(gone);
+        retain_unless(&mut self.given, gone);
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         shifted

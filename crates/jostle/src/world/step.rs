@@ -209,7 +209,7 @@ impl World {
         interrupt::check()?;
         self.memory.substeps = substeps;
         self.feel(dt)?;
-        if !self.forces.is_empty() {
+        if !self.forces.is_empty() || !self.given.is_empty() {
             watch(Stage::Forces);
         }
         self.bound(dt);
@@ -295,7 +295,7 @@ impl World {
             memory.before.arranged = true;
         }
         gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
-        if self.forces.is_empty() {
+        if self.forces.is_empty() && self.given.is_empty() {
             return;
         }
         let forces = &mut memory.forces;
