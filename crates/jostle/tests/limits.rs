@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use jostle::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle::interrupt::watch;
-use jostle::{Container, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle::{Container, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -111,7 +111,14 @@ fn worlds() -> Vec<(&'static str, World)> {
         all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
         make(all, WorldSettings { container: torus, ..Default::default() })
     };
+    let mut walled = make(crowd(60, 30.0), pile);
+    let wall = |k: i32| {
+        let x = (k * 17 % 30) as f32;
+        Wall::new([[x, (k * 7 % 30) as f32], [x + 5.0, (k * 11 % 30) as f32 + 0.5]])
+    };
+    walled.set_walls((0..12).map(wall).collect()).unwrap();
     vec![
+        ("walls", walled),
         ("pile", make(crowd(60, 30.0), pile)),
         ("springs", sprung),
         ("merging", make(crowd(60, 30.0), merging)),

@@ -408,16 +408,22 @@ impl Window<'_> {
     }
 
     /// Calls `act` with each wall that a disc touches and approaches as it begins a segment.
-    pub fn each_touched_wall(&self, index: u32, now: &Segment, mut act: impl FnMut(u32)) {
+    /// `contacts` is scratch.
+    pub fn each_touched_wall(
+        &self,
+        index: u32,
+        now: &Segment,
+        contacts: &mut Vec<Contact>,
+        mut act: impl FnMut(u32),
+    ) {
         self.each_touched_side(index, now, &mut act);
         if self.flight.walls.is_empty() {
             return;
         }
         let radius = f64::from(self.starts[index as usize].radius);
         let rounding = self.wall_limits(now.position, index, FIRST).rounding;
-        let mut contacts = Vec::new();
-        self.flight.walls.contacts(index, now.position, radius, rounding, &mut contacts);
-        for Contact { wall, normal, .. } in contacts {
+        self.flight.walls.contacts(index, now.position, radius, rounding, contacts);
+        for &Contact { wall, normal, .. } in &*contacts {
             let limits = self.wall_limits(now.position, index, wall);
             if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 act(wall);

@@ -85,7 +85,7 @@ def clear_of(positions: Floats, radii: Floats, ends: Ends) -> NDArray[np.bool_]:
     clear = np.ones(len(positions), np.bool_)
     if len(ends) and len(positions):
         boxes = np.concatenate([ends.min(axis=1), ends.max(axis=1)], axis=1)
-        discs = jostle.Quadtree(positions, radii)
+        discs = jostle.Quadtree(positions.astype(np.float64), radii.astype(np.float64))
         near, wall = discs.pairs(jostle.Quadtree(boxes=boxes.astype(np.float64))).T.astype(np.intp)
         overlap = _distances(positions[near], ends[wall]) < radii[near]
         clear[near[overlap]] = False
@@ -98,5 +98,5 @@ def _distances(points: Floats, ends: Ends) -> Floats:
     offset = points - start
     share = (offset * way).sum(axis=1) / (way * way).sum(axis=1)
     away = offset - np.clip(share, 0.0, 1.0)[:, None] * way
-    distances: Floats = np.hypot(away[:, 0], away[:, 1])
+    distances: Floats = np.sqrt((away * away).sum(axis=1))
     return distances
