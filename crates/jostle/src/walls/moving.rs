@@ -50,17 +50,19 @@ impl Wall {
 impl Walls {
     /// Whether any wall moves.
     pub fn move_any(&self) -> bool {
-        self.all.iter().any(Wall::moves)
+        self.any_moves
     }
 
     /// The velocity of the wall with a number; 0 at the container.
     pub fn velocity(&self, wall: u32) -> [f32; 2] {
-        self.get(wall).map_or([0.0; 2], |of| of.velocity)
+        // Most worlds need not read the wall.
+        if self.any_moves { self.get(wall).map_or([0.0; 2], |of| of.velocity) } else { [0.0; 2] }
     }
 
     /// Changes the velocity of wall `index`.
     pub fn set_velocity(&mut self, index: usize, velocity: [f32; 2]) {
         self.all[index].velocity = velocity;
+        self.any_moves = self.all.iter().any(Wall::moves);
     }
 
     /// Begins a step of `dt` seconds.
@@ -81,6 +83,7 @@ impl Walls {
     /// Takes back the walls before a step.
     pub fn restore(&mut self, all: Vec<Wall>) {
         self.all = all;
+        self.any_moves = self.all.iter().any(Wall::moves);
         self.end_step(0.0);
     }
 
