@@ -109,6 +109,7 @@ pub struct Walls {
     covering: Vec<u32>,
     tree: Quadtree<f32>,
     sides: Sides,
+    /// Then a step reads the velocity of each wall.
     any_moves: bool,
 }
 
