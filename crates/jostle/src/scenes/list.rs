@@ -163,7 +163,7 @@ pub const SCENES: [Scene; 21] = [
         name: "piston",
         default_count: 2_000,
         about: "A piston halves the volume of a gas in eight seconds and gives it back in eight. \
-                Its energy doubles meanwhile, as it must when two dimensions are compressed slowly.",
+                The discs get almost twice as fast meanwhile, and slow again.",
         make: machines::piston,
         view: machines::piston_view,
     },

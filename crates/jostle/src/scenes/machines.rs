@@ -96,7 +96,7 @@ pub fn mill(n: usize, random: &mut Random) -> Start {
     let radius = drum(n);
     // Grains fit between the tips of the arms and the drum.
     let (hub, tip) = (HUB * radius, radius - 3.0 * GRAINS[1] - PADDLE);
-    let count = ((tip - hub) / PADDLE_PITCH) as usize;
+    let count = ((tip - hub) / PADDLE_PITCH) as usize + 1;
     let along = |k: usize| tip - k as f32 * PADDLE_PITCH;
     let paddles =
         arms().flat_map(|[x, y]| (0..count).map(move |k| [x * along(k), y * along(k)])).collect();

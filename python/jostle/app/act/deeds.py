@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.engine import REFUSALS, Edit, Engine, sentence
 from jostle.app.simulate.article_simulation import NO_WALLS
+from jostle.app.simulate.engine import REFUSALS, Edit, Engine, sentence
 from jostle.app.simulate.room import free_places
 from jostle.app.simulate.segments import nearest
 from jostle.app.simulate.settings import Polyline

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
+from jostle.app.simulate.motors import keeping_walls, shifted
 from jostle.app.simulate.settings import Polyline
 from jostle.app.simulate.simulation import Point
 
@@ -17,28 +18,20 @@ Ends = NDArray[np.float32]  # (m, 2, 2)
 
 @dataclass
 class Segments:
-    """A copy of the walls of a world, which only edits change.
+    """The walls of a world: first those of the scene and of its file, then those that were drawn.
 
     Attributes
     ----------
-    ends
-        (m, 2, 2): first those of the scene and of its file, then those that were drawn.
     own
         The number of those of the scene and of its file.
     """
 
-    ends: Ends
     own: int
 
     @classmethod
     def of(cls, world: jostle.World) -> Segments:
         """Return the walls of a new world: all are its own."""
-        return cls(world.walls, len(world.walls))
-
-    @property
-    def drawn(self) -> Ends:
-        """Return the walls that a user drew."""
-        return self.ends[self.own :]
+        return cls(len(world.walls))
 
     def add(self, world: jostle.World, line: Polyline, *, own: bool) -> None:
         """Add the sides of a polyline to a world; they are own only if none was drawn before."""
@@ -46,29 +39,33 @@ class Segments:
         friction = np.nan if line.friction is None else line.friction
         restitution = np.append(world.wall_restitution, np.full(len(new), line.restitution))
         frictions = np.append(world.wall_friction, np.full(len(new), friction))
-        self._set(world, np.concatenate([self.ends, new]), restitution, frictions)
+        self._set(world, np.concatenate([world.walls, new]), restitution, frictions)
         self.own += len(new) if own else 0
 
     def remove(self, world: jostle.World, rows: ArrayLike) -> None:
         """Remove walls from a world; rows that do not exist are ignored."""
-        keep = np.ones(len(self.ends), np.bool_)
+        ends = world.walls
+        keep = np.ones(len(ends), np.bool_)
         wanted = np.asarray(rows, np.int64).reshape(-1)
         keep[wanted[(wanted >= 0) & (wanted < len(keep))]] = False
         own = int(np.count_nonzero(keep[: self.own]))
         restitution, friction = world.wall_restitution[keep], world.wall_friction[keep]
-        self._set(world, self.ends[keep], restitution, friction)
+        velocities, forces = world.wall_velocities[keep], keeping_walls(world.forces, keep)
+        world.forces = ()  # motors of walls do not let them be removed
+        self._set(world, ends[keep], restitution, friction)
+        world.wall_velocities, world.forces = velocities, forces
         self.own = own
 
     def shift(self, world: jostle.World, by: Floats) -> None:
         """Move all walls of a world."""
-        if len(self.ends) and by.any():
-            world.walls = self.ends + by
-            self.ends = world.walls
+        if by.any():
+            world.forces = shifted(world.forces, by)
+            if len(world.walls):
+                world.walls = world.walls + by
 
     def _set(self, world: jostle.World, ends: Ends, restitution: Floats, friction: Floats) -> None:
         world.walls = ends  # this alone can be refused
         world.wall_restitution, world.wall_friction = restitution, friction
-        self.ends = world.walls
 
 
 def nearest(ends: Ends, point: Point) -> tuple[int, float]:

@@ -180,7 +180,9 @@ def degenerate_walls(facts: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
         after = np.roll(points, -1, axis=0) if closed else points[1:]
         for row in np.flatnonzero((points[: len(after)] == after).all(axis=1))[:1].tolist():
             other = (row + 1) % len(points)
-            why = f"is {shown(list(line['points'][other]))}, like points[{row}]; a wall needs length"
+            why = (
+                f"is {shown(list(line['points'][other]))}, like points[{row}]; a wall needs length"
+            )
             yield (*key, other), why
 
 

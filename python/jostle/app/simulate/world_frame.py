@@ -39,7 +39,7 @@ def frame_of(
         angles=world.angles if columns.turns else None,
         scene=scene,
         begun_with=begun_with,
-        walls=segments.ends,
+        walls=world.walls,
         own_walls=segments.own,
     )
 

@@ -107,16 +107,16 @@ class WorldState:
         own = facts["own_forces"]
         if own > len(world.forces):
             raise ValueError(f"own_forces is {own}; its world has {len(world.forces)} forces")
-        walls, own_walls = world.walls, facts["own_walls"]
-        if own_walls > len(walls):
-            raise ValueError(f"own_walls is {own_walls}; its world has {len(walls)} walls")
+        count, own_walls = len(world.walls), facts["own_walls"]
+        if own_walls > count:
+            raise ValueError(f"own_walls is {own_walls}; its world has {count} walls")
         return cls(
             settings=settings,
             view=rect_of(facts["view"]),
             home=home,
             world=world,
             columns=Columns.read(world, tags, born, facts["next_tag"]),
-            segments=Segments(walls, own_walls),
+            segments=Segments(own_walls),
             attractions=Attractions(own, pulls_of(facts["pulls"])),
             emitters=_emitters(facts["emitters"], home, settings),
         )
