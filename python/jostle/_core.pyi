@@ -30,7 +30,9 @@ from jostle.results import (
     RayHits,
     Stats,
     WallContacts,
+    WorldCollisions,
     WorldContacts,
+    WorldEvents,
     WorldStats,
 )
 
@@ -2126,6 +2128,7 @@ class World:
         max_depth: SupportsIndex = 4096,
         substeps: SupportsIndex | None = None,
         sleeping: bool = True,
+        track_events: bool = False,
     ) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
         """Advance the simulation.
@@ -2857,6 +2860,14 @@ class World:
         >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
         (array([2]), array([10.], dtype=float32))
         """
+    @property
+    def events(self) -> WorldEvents: ...
+    @property
+    def track_events(self) -> bool: ...
+    @track_events.setter
+    def track_events(self, value: bool) -> None: ...
+    @property
+    def collisions(self) -> WorldCollisions: ...
     @property
     def momentum(self) -> tuple[float, float]:
         """Sum of mass times velocity, (x, y)."""

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use jostle::{Defaults, Each, Error, Filter, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
@@ -132,6 +132,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     Whether islands of touching particles that rest fall asleep under gravity, if the
 ///     coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
 ///     speed below 0.01 √(g r), where r is the radius.
+/// track_events : bool, default False
+///     Whether `events` tells which pairs began and ceased to touch in each call of `step`.
 ///
 /// Raises
 /// ------
@@ -194,7 +196,7 @@ impl PyWorld {
             wall_velocities=None, wall_restitution=Given::NOTHING, wall_friction=None,
             forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
-            sleeping=Given::NOTHING,
+            sleeping=Given::NOTHING, track_events=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
@@ -202,7 +204,8 @@ impl PyWorld {
                           masks=None, container=None, container_restitution=1.0, walls=None, \
                           wall_velocities=None, wall_restitution=1.0, \
                           wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
-                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
+                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True, \
+                          track_events=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -235,6 +238,7 @@ impl PyWorld {
         max_depth: Given<'py>,
         substeps: Option<&Bound<'py, PyAny>>,
         sleeping: Given<'py>,
+        track_events: Given<'py>,
     ) -> PyResult<Self> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
@@ -251,6 +255,7 @@ impl PyWorld {
             method: settings::method(&method)?,
             substeps: settings::substeps(substeps)?,
             sleeping: settings::sleeping(&sleeping)?,
+            track_events: settings::track_events(&track_events)?,
             tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
             ..WorldSettings::default()
         };
@@ -1274,6 +1279,86 @@ impl PyWorld {
         results::wall_contacts(py, self.long(py, |state| state.world.wall_contacts())?)
     }
 
+    /// The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
+    /// `entered`, `stayed` and `left`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
+    /// sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
+    ///
+    /// All steps and sub-steps of the call count: a pair that began and ceased to touch is in
+    /// `entered` and in `left`. A pair in `entered` did not touch at the end of the call before, and a
+    /// pair in `left` does not touch at the end of this one, also because a particle was removed or
+    /// merged. In the first call all pairs that touch have entered. So each pair leaves as often as it
+    /// enters, and not before.
+    ///
+    /// Particles touch if they collide, if the gap between them is at most the rounding of float32, or
+    /// if a resting contact presses them together. Two that are not movable never touch.
+    ///
+    /// Raises
+    /// ------
+    /// RuntimeError
+    ///     If `track_events` is False.
+    ///
+    /// See Also
+    /// --------
+    /// contacts : The pairs of the last step, with impulses.
+    /// collisions : The number of collisions.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
+    /// ... )
+    /// >>> world.step(2.0)  # 0 hits 1, which flies on
+    /// >>> world.events.entered, world.events.left
+    /// (array([[0, 1]]), array([[0, 1]]))
+    /// >>> world.step(2.0)  # 1 touches 2 after 4 seconds
+    /// >>> entered, stayed, left = world.events
+    /// >>> entered, len(stayed), len(left)
+    /// (array([[1, 2]]), 0, 0)
+    #[getter]
+    fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let events = self.long(py, |state| state.world.events())?;
+        let rule = "events are not tracked; set world.track_events = True before the step, or make \
+                    the world with track_events=True";
+        results::world_events(py, events.ok_or_else(|| PyRuntimeError::new_err(rule))?)
+    }
+
+    /// Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair
+    /// counts as touching before the next step.
+    #[getter]
+    fn track_events(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.rules(py)?.track_events)
+    }
+
+    #[setter]
+    fn set_track_events(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let track_events = settings::track_events(&value)?;
+        self.change_rules(py, |rules| rules.track_events = track_events)
+    }
+
+    /// The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those of
+    /// two particles, and `walls`, those of a particle and a wall or the container.
+    ///
+    /// All impacts in the order of time count, those of the same pair each. Resting contacts do not.
+    ///
+    /// See Also
+    /// --------
+    /// contacts, wall_contacts : Which particles touched, with impulses.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> box = jostle.Box(-4, -1, 4, 1)
+    /// >>> world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+    /// >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
+    /// >>> world.collisions
+    /// WorldCollisions(pairs=3, walls=2)
+    #[getter]
+    fn collisions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let collisions = self.state(py)?.world.collisions();
+        results::world_collisions(py, collisions)
+    }
+
     /// Sum of mass times velocity, (x, y).
     #[getter]
     fn momentum(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
@@ -1572,11 +1657,19 @@ impl State {
     fn begin(&mut self, dt: f64) -> jostle::Result<()> {
         self.world.step(dt, 0, &mut |_| ())?;
         self.world.forget_renumbering();
+        self.world.begin_record();
         Ok(())
     }
 
-    /// Does some of the steps, and returns how many are left.
-    fn step(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
+    /// Does some of the steps, and returns how many are left. If one is refused, those before are
+    /// done.
+    fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+        let left = self.step_for_a_while(dt, left);
+        self.world.end_record()?;
+        left
+    }
+
+    fn step_for_a_while(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
         let start = Instant::now();
         while left > 0 {
             let mut profile = <[Duration; Stage::ALL.len()]>::default();

@@ -78,6 +78,7 @@ impl World {
         let mut touching: Vec<[u32; 2]> = happened.map(|meeting| meeting.places).collect();
         self.memory.meetings = meetings;
         for _ in 0..ROUNDS {
+            self.record_pairs(&touching);
             if touching.is_empty() || !self.merge_touching(&touching) {
                 return;
             }

@@ -14,6 +14,7 @@ mod defaults;
 mod feel;
 mod ids;
 mod merge;
+mod record;
 mod search;
 mod settings;
 mod sleeping;
@@ -22,6 +23,7 @@ mod step;
 mod substeps;
 mod sums;
 mod touches;
+mod touching;
 mod undo;
 mod waking;
 
@@ -45,6 +47,8 @@ use asleep::Asleep;
 pub use defaults::Defaults;
 use feel::ForceMemory;
 use ids::Ids;
+use record::Record;
+pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use sleeping::Drift;
 use step::MAX_CANDIDATES;
@@ -145,6 +149,8 @@ pub struct World {
     stats: Stats,
     /// The old and the new id of each particle that became part of another.
     renumbered: Option<Vec<[Id; 2]>>,
+    /// What happened since the last call of [`World::begin_record`].
+    record: Record,
     memory: Memory,
 }
 
@@ -171,6 +177,9 @@ struct Memory {
     moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
+    /// Those of the step.
+    collisions: Collisions,
+    touching: touching::Scratch,
     events: Events,
     /// Pairs that touched in earlier parts of the step, and their impulses.
     touched_before: Vec<([u32; 2], [f32; 2])>,
@@ -234,8 +243,8 @@ impl World {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
         check_plane(settings.container, self.walls.all().len())?;
-        let WorldSettings { method, tree, .. } = settings;
-        if settings != (WorldSettings { method, tree, ..self.settings }) {
+        let WorldSettings { method, tree, track_events, .. } = settings;
+        if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             self.wake_all();
             self.drifts.clear();
         }
@@ -243,6 +252,9 @@ impl World {
             self.wall_pushes.fill([0.0; MAX_WALLS]);
             self.wall_frictions.clear();
             self.wall_impulses.clear();
+        }
+        if track_events != self.settings.track_events {
+            self.record.forget_pairs();
         }
         self.settings = settings;
         self.walls.set_sides(settings.side_restitutions());

@@ -155,6 +155,7 @@ impl World {
         if self.list_sleepers() {
             let sleepers = self.take_sleepers();
             self.asleep.append(&sleepers, self.settings.tree)?;
+            self.record.knows_sleepers = false;
             let island_of = &self.memory.sleeping.island_of;
             let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
             self.drop_wall_impulses(sleepers.rows);

@@ -60,6 +60,7 @@ impl World {
                 interrupt::check()?;
                 self.wall_impulses.clear();
                 self.stats = Stats::default();
+                self.record.is_open |= !self.record.knows_sleepers;
             } else {
                 self.step_until_complete(single, dt, watch)?;
             }
@@ -86,9 +87,11 @@ impl World {
                 self.meet_bath(single);
                 self.keep_wall_pushes();
                 touches::add_up(&mut self.wall_impulses);
+                self.record_touching();
                 done = self.fall_asleep(dt);
                 if done.is_ok() {
                     self.asleep.forget_woken();
+                    self.close_step();
                     return Ok(());
                 }
             }

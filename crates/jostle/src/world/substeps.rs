@@ -4,7 +4,7 @@
 use super::feel::{accelerate, springs};
 use super::settings::DEFAULT_SUBSTEPS;
 use super::touches::WallImpulse;
-use super::{Memory, OnTouch, Stage, World, merge};
+use super::{Collisions, Memory, OnTouch, Stage, World, merge};
 use crate::error::Result;
 use crate::events::{Bounce, Flight, WALL};
 use crate::flow::{Flow, Kick};
@@ -232,6 +232,10 @@ impl World {
             |a: &Bounce, b: &Bounce| pair(a).cmp(&pair(b)).then_with(|| rest(a).cmp(&rest(b)));
         memory.events.bounced.sort_unstable_by(order);
         let bounced = &memory.events.bounced;
+        for of in bounced.iter().filter(|of| of.impulses[0] > 0.0) {
+            let Collisions { pairs, walls } = &mut memory.collisions;
+            *(if of.pair[1] == WALL { walls } else { pairs }) += 1;
+        }
         let off_walls = bounced.iter().filter(|of| of.pair[1] == WALL);
         let off_walls = off_walls.map(|of| (of.pair[0], of.code, of.impulses));
         let off_walls = off_walls.chain(memory.wall_impulses.drain(..));

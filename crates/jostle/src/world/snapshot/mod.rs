@@ -7,6 +7,7 @@
 mod defaults;
 mod forces;
 mod ids;
+mod record;
 mod sleepers;
 
 use super::ids::Ids;
@@ -26,6 +27,7 @@ use crate::walls::{FIRST, Wall};
 use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
 use ids::{get_ids, put_ids};
+use record::{get_record, put_record};
 use sleepers::{get_sleepers, put_sleepers};
 
 /// The first bytes.
@@ -74,6 +76,7 @@ impl World {
         put_walls(&mut to, self.walls());
         put_ids(&mut to, &self.ids);
         put_defaults(&mut to, &self.defaults);
+        put_record(&mut to, self);
         to.finish(MAGIC, VERSION)
     }
 
@@ -134,6 +137,7 @@ impl World {
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
+        get_record(&mut from, &mut world, version)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
