@@ -2114,6 +2114,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
         container: _Container | None = None,
         container_restitution: ArrayLike = 1.0,
         walls: ArrayLike | None = None,
@@ -2177,6 +2178,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> int:
         """Add one particle or many, after the others.
 
@@ -2313,6 +2315,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -2558,6 +2561,10 @@ class World:
         """
     @masks.setter
     def masks(self, value: ArrayLike) -> None: ...
+    @property
+    def sensors(self) -> NDArray[np.bool_]: ...
+    @sensors.setter
+    def sensors(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> tuple[float, float]:
         """Acceleration of all movable particles, (x, y), units of length per second squared."""

@@ -82,6 +82,9 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
 ///     categories are 1 and masks have all bits. Walls, the container and forces do not depend on
 ///     them.
+/// sensors : array_like of bool, one or shape (n,), optional
+///     Whether the particle is a sensor: it neither pushes others nor is pushed by them, and `events`
+///     and `contacts` tell what touches it. If omitted, none is. See `World.sensors`.
 /// container : Box, Circle, Torus or None, optional
 ///     The region of the particles. The first step moves particles that are outside to the
 ///     inside.
@@ -192,7 +195,7 @@ impl PyWorld {
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
             friction=Given::NOTHING, angles=None, angular_velocities=None, categories=None,
-            masks=None, container=None, container_restitution=Given::NOTHING, walls=None,
+            masks=None, sensors=None, container=None, container_restitution=Given::NOTHING, walls=None,
             wall_velocities=None, wall_restitution=Given::NOTHING, wall_friction=None,
             forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
@@ -201,7 +204,8 @@ impl PyWorld {
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
                           friction=0.0, angles=None, angular_velocities=None, categories=None, \
-                          masks=None, container=None, container_restitution=1.0, walls=None, \
+                          masks=None, sensors=None, container=None, \
+                          container_restitution=1.0, walls=None, \
                           wall_velocities=None, wall_restitution=1.0, \
                           wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
                           threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True, \
@@ -224,6 +228,7 @@ impl PyWorld {
         angular_velocities: Option<&Bound<'py, PyAny>>,
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
+        sensors: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
         container_restitution: Given<'py>,
         walls: Option<&Bound<'py, PyAny>>,
@@ -249,6 +254,7 @@ impl PyWorld {
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         draft.categories = bit_sets("categories", categories, len)?;
         draft.masks = bit_sets("masks", masks, len)?;
+        draft.sensors = truths("sensors", sensors, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
@@ -355,6 +361,7 @@ impl PyWorld {
     /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
     /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     1 and all bits if no number was given for all particles.
+    /// sensors : array_like of bool, one or shape (k,), default False
     ///
     /// Returns
     /// -------
@@ -380,7 +387,7 @@ impl PyWorld {
     #[pyo3(signature = (
         positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None,
-        categories=None, masks=None,
+        categories=None, masks=None, sensors=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -398,6 +405,7 @@ impl PyWorld {
         angular_velocities: Option<&Bound<'py, PyAny>>,
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
+        sensors: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
@@ -410,6 +418,7 @@ impl PyWorld {
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         draft.categories = bit_sets("categories", categories, len)?;
         draft.masks = bit_sets("masks", masks, len)?;
+        draft.sensors = truths("sensors", sensors, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
@@ -464,6 +473,7 @@ impl PyWorld {
     /// movable : array_like of bool, one or shape (k,), optional
     /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
     /// categories, masks : array_like of int, a number or shape (k,), optional
+    /// sensors : array_like of bool, one or shape (k,), optional
     ///     Omitted columns stay the same.
     ///
     /// Raises
@@ -483,7 +493,7 @@ impl PyWorld {
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
-        masks=None,
+        masks=None, sensors=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -501,6 +511,7 @@ impl PyWorld {
         angular_velocities: Option<&Bound<'_, PyAny>>,
         categories: Option<&Bound<'_, PyAny>>,
         masks: Option<&Bound<'_, PyAny>>,
+        sensors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
         let len = ids.all.len();
@@ -517,6 +528,7 @@ impl PyWorld {
             angular_velocities: reals("angular_velocities", angular_velocities, len)?,
             categories: bit_sets("categories", categories, len)?,
             masks: bit_sets("masks", masks, len)?,
+            sensors: truths("sensors", sensors, len)?,
         };
         ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
     }
@@ -836,6 +848,47 @@ impl PyWorld {
         self.write_all(py, |len| {
             let masks = bit_sets("masks", Some(value), len)?;
             Ok(Draft { masks, ..Draft::default() })
+        })
+    }
+
+    /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// A sensor and another particle pass through each other, and `contacts` and `events` tell that
+    /// they touch, without impulses. A disc that passes through a sensor within a step, at any speed,
+    /// is found too: it has entered and left. Walls, the container and forces act on sensors that are
+    /// movable, as on other particles; one with ``movable=False`` stays where it is put or moves with
+    /// its velocity, and reports other particles that are not movable, too. Sensors report each other.
+    /// Categories and masks tell what they report. They never merge.
+    ///
+    /// To change all, assign an array or one bool; to change some, use `set`.
+    ///
+    /// See Also
+    /// --------
+    /// events : The pairs that began and ceased to touch.
+    ///
+    /// Examples
+    /// --------
+    /// A fast disc passes through a sensor within one step:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
+    /// >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
+    /// >>> world.step(1 / 60)
+    /// >>> world.events.entered, world.events.left
+    /// (array([[0, 1]]), array([[0, 1]]))
+    /// >>> world.velocities[0]
+    /// array([900.,   0.], dtype=float32)
+    #[getter]
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let sensors = self.long(py, |state| state.world.sensors())?;
+        Ok(read_only(column(py, sensors)))
+    }
+
+    #[setter]
+    fn set_sensors(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let sensors = truths("sensors", Some(value), len)?;
+            Ok(Draft { sensors, ..Draft::default() })
         })
     }
 
@@ -1290,7 +1343,9 @@ impl PyWorld {
     /// enters, and not before.
     ///
     /// Particles touch if they collide, if the gap between them is at most the rounding of float32, or
-    /// if a resting contact presses them together. Two that are not movable never touch.
+    /// if a resting contact presses them together. Particles that pass through each other, sensors
+    /// among them, touch if they overlap at any time of the call. Two that are not movable touch only
+    /// if one is a sensor.
     ///
     /// Raises
     /// ------

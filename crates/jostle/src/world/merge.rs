@@ -85,7 +85,9 @@ impl World {
             // If there are too many pairs to list, the next step returns the error.
             let Ok((overlaps, tests)) = self.overlapping() else { return };
             self.stats.tests += tests;
+            let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
             touching = overlaps.into_iter().map(|overlap| overlap.places).collect();
+            touching.retain(|&[a, b]| !is_sensor(a) && !is_sensor(b));
         }
     }
 
@@ -189,6 +191,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         movable: vec![anchor.is_none()],
         spins: vec![spin_of(all, places, container, radius)],
         filters: vec![filter_of(all, places)],
+        sensors: vec![],
     })
 }
 

@@ -202,6 +202,8 @@ struct Memory {
     listing: search::ListScratch,
     /// The candidate pairs.
     pairs: search::Lists,
+    /// Those of pairs that pass through each other, if it matters whether they touch.
+    sensed: search::Lists,
     /// Those that overlap at the beginning of a step in which nothing can rest.
     overlaps: search::Lists,
     /// The candidate pairs of a world whose particles merge.
@@ -429,6 +431,12 @@ impl World {
         let (places, awake) = (self.places(), self.rows.len());
         if !copy.spins.is_empty() {
             self.particles.spins_mut();
+        }
+        if !copy.filters.is_empty() {
+            self.particles.filters_mut();
+        }
+        if !copy.sensors.is_empty() {
+            self.particles.sensors_mut();
         }
         for (index, &row) in rows.iter().enumerate() {
             let place = places[row as usize] as usize;

@@ -296,10 +296,14 @@ impl World {
     fn candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
         let is_sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;
-        let Memory { tree, listing, pairs, .. } = &mut self.memory;
+        let Memory { tree, listing, pairs, sensed, .. } = &mut self.memory;
+        sensed.clear();
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {
                 pairs.clear();
+                if self.settings.track_events {
+                    search::list(tree, &self.settings, true, listing, sensed)?;
+                }
                 0
             }
             OnTouch::Bounce | OnTouch::Merge => {
@@ -428,5 +432,6 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
     let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
     let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
     let order = order.then_with(|| all.movable[a].cmp(&all.movable[b]));
-    order.then_with(|| all.filter(a).cmp(&all.filter(b)))
+    let order = order.then_with(|| all.filter(a).cmp(&all.filter(b)));
+    order.then_with(|| all.is_sensor(a).cmp(&all.is_sensor(b)))
 }

@@ -2,6 +2,7 @@
 //! collide in the order of time, then positions are corrected.
 
 use super::feel::{accelerate, springs};
+use super::search::Lists;
 use super::settings::DEFAULT_SUBSTEPS;
 use super::touches::WallImpulse;
 use super::{Collisions, Memory, OnTouch, Stage, World, merge};
@@ -51,8 +52,12 @@ impl World {
     pub(super) fn prepare(&mut self) {
         let threads = self.threads();
         let may_rest = self.may_rest();
-        let Memory { tree, pairs, overlaps, meetings, moving, exhausted, events, .. } =
+        let Memory { tree, pairs, sensed, overlaps, meetings, moving, exhausted, events, .. } =
             &mut self.memory;
+        if !self.particles.sensors.is_empty() {
+            let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
+            take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
+        }
         moving.clone_from(&self.particles.movable);
         meetings.clear();
         if self.settings.on_touch == OnTouch::Merge {
@@ -203,6 +208,8 @@ impl World {
                 thermal: forces::thermal_sides(&self.forces, self.time),
                 pairs: settings.on_touch == OnTouch::Bounce,
                 candidates: &memory.pairs,
+                sensed: &memory.sensed,
+                senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
                 limits: &memory.limits,
                 threads,
             };
@@ -246,7 +253,18 @@ impl World {
             pushes: [0.0; 2],
         }));
         let pairs = bounced.iter().filter(|of| of.pair[1] != WALL).map(|of| (of.pair, of.impulses));
-        let touched = pairs.chain(memory.touched_before.iter().copied());
+        let sensed = &mut memory.events.sensed;
+        sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
+        sensed.sort_unstable();
+        sensed.dedup();
+        if settings.on_touch != OnTouch::Bounce {
+            let sensed = std::mem::take(sensed);
+            self.record_pairs(&sensed);
+            self.memory.events.sensed = sensed;
+            return self.store();
+        }
+        let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
+        let touched = pairs.chain(sensed).chain(memory.touched_before.iter().copied());
         let touched = touched.map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
             let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
@@ -258,4 +276,13 @@ impl World {
         self.contacts.each(threads, |contact| contact.measure(motions));
         self.store()
     }
+}
+
+/// Moves some pairs from lists to others, which are empty.
+fn take(from: &mut Lists, to: &mut Lists, is_taken: impl Fn([u32; 2]) -> bool) {
+    to.extend(from.iter_mut().map(|(image, pairs)| {
+        let taken = pairs.iter().copied().filter(|&pair| is_taken(pair)).collect();
+        pairs.retain(|&pair| !is_taken(pair));
+        (*image, taken)
+    }));
 }

@@ -81,7 +81,7 @@ impl World {
         search::list(tree, &self.settings, false, listing, lists)?;
         let touch = move |[a, b]: [u32; 2]| {
             let [a, b] = [a, b].map(|place| place as usize);
-            if !(all.movable[a] || all.movable[b]) {
+            if !all.may_touch(a, b) {
                 return false;
             }
             let [p, q] = [a, b].map(|at| exact(all.positions[at], all.residuals[at]));

@@ -224,6 +224,7 @@ fn put_particles(to: &mut Writer, all: &Particles) {
         to.put(*angle);
     }
     put_filters(to, &all.filters);
+    put_sensors(to, &all.sensors);
 }
 
 fn put_filters(to: &mut Writer, filters: &[Filter]) {
@@ -243,6 +244,7 @@ fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Part
         movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
         spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
         filters: if version > 6 { get_filters(from, len)? } else { vec![] },
+        sensors: if version > 6 { get_sensors(from, len)? } else { vec![] },
     })
 }
 
@@ -253,6 +255,19 @@ fn get_filters(from: &mut Reader<'_>, len: usize) -> Result<Vec<Filter>> {
     }
     let words: Vec<[u32; 2]> = from.get_all(len)?;
     Ok(words.into_iter().map(|[category, mask]| Filter { category, mask }).collect())
+}
+
+fn put_sensors(to: &mut Writer, sensors: &[bool]) {
+    to.put(u8::from(!sensors.is_empty()));
+    to.put_all(&sensors.iter().map(|&is_sensor| u8::from(is_sensor)).collect::<Vec<u8>>());
+}
+
+/// Which of `len` particles are sensors; empty if none is.
+fn get_sensors(from: &mut Reader<'_>, len: usize) -> Result<Vec<bool>> {
+    if from.get::<u8>()? == 0 {
+        return Ok(Vec::new());
+    }
+    Ok(from.get_all::<u8>(len)?.into_iter().map(|is_sensor| is_sensor > 0).collect())
 }
 
 fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {
