@@ -78,7 +78,7 @@ def test_the_same_slider_gives_the_same_world() -> None:
 
 
 def test_walls_are_not_counted_and_stay() -> None:
-    simulation = start(Settings("sand", 300))
+    simulation = start(Settings("galton", 300))
     fixed = int((~simulation.frame().movable).sum())
     assert fixed > 0
     for n in (350, 100):

@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("pygame")
 
+from jostle.app.draw.camera import Camera
 from jostle.app.draw.shown import ColourBy, Shown, TreeView
 from jostle.app.keep import config
 from jostle.app.keep.config import (
@@ -21,7 +22,16 @@ from jostle.app.keep.config import (
     line_of,
     read_config,
 )
-from jostle.app.simulate.settings import GROUP_RULES, RULES, Group, Settings
+from jostle.app.keep.scene_file import read_scene, scene_bytes
+from jostle.app.simulate.segments import clear_of
+from jostle.app.simulate.settings import (
+    GROUP_RULES,
+    LINE_RULES,
+    RULES,
+    Group,
+    Polyline,
+    Settings,
+)
 from jostle.app.simulate.start import start
 
 TOML = "tomllib" if sys.version_info >= (3, 11) else "tomli"
@@ -63,7 +73,7 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
     shown = (field.name for field in fields(Shown))
-    for name in (*RULES, *GROUP_RULES, *WINDOW_RULES, *shown):
+    for name in (*RULES, *GROUP_RULES, *LINE_RULES, *WINDOW_RULES, *shown):
         assert f"`{name}`" in page, name
 
 
@@ -137,6 +147,40 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("[shown]\ntrees = true", "line 2: trees is not an entry of [shown]; did you mean tree?"),
         ("[shown]\ntree = true", "line 2: tree is true; it must be one of off, outline,"),
         ('[shown]\nlabels = "yes"', "line 2: labels is 'yes'; it must be true or false"),
+        ("walls = 3", "line 1: walls is 3; it must be written as [[walls]]"),
+        ("[[walls]]\nclosed = true", "line 1: walls[0].points is missing"),
+        (
+            "[[walls]]\npoints = [[0, 0], [1]]",
+            "line 2: walls[0].points[1] is [1]; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\n[[walls]]\npoints = [[0, 0], [1, 2], [1, 2]]",
+            "line 4: walls[1].points[2] is [1, 2], like points[1]; a wall needs length",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2], [3, 0], [0, 0]]\nclosed = true",
+            "line 2: walls[0].points[0] is [0, 0], like points[3]; a wall needs length",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nclosed = true",
+            "line 2: walls[0].points has 2 entries; a closed polyline needs at least 3",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nrestitution = 2",
+            "line 3: walls[0].restitution is 2; it must be a number from 0 to 1",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nfriction = -1",
+            "line 3: walls[0].friction is -1; it must be a number from 0",
+        ),
+        (
+            "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
+            "line 2: walls[0].bounce is not a property of walls",
+        ),
+        (
+            'method = "article-brute"\n[[walls]]\npoints = [[0, 0], [1, 2]]',
+            "walls cannot be set here: the article's rules are fixed",
+        ),
         ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),
         (
             "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
@@ -188,6 +232,63 @@ def test_a_group_that_cannot_be_between_the_walls_is_refused(
     with pytest.raises(ValueError) as caught:
         start(read(tmp_path, text).settings)
     assert sentence in str(caught.value)
+
+
+def test_walls_of_a_file_are_those_of_the_world(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 50
+[[walls]]
+points = [[10, 10], [60, 10], [60, 40]]
+restitution = 0.5
+[[walls]]
+points = [[5, 50], [20, 50], [20.5, 60]]
+closed = true
+friction = 0.25
+"""
+    simulation = start(read(tmp_path, text).settings)
+    world = simulation.world
+    assert world.walls[:, 0].tolist() == [[10, 10], [60, 10], [5, 50], [20, 50], [20.5, 60]]
+    assert world.wall_restitution.tolist() == [0.5, 0.5, 1, 1, 1]
+    assert np.nan_to_num(world.wall_friction, nan=-1).tolist() == [-1, -1, 0.25, 0.25, 0.25]
+    frame = simulation.frame()
+    assert frame.own_walls == len(frame.walls) == 5
+
+
+def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 50\n[[walls]]\npoints = [[10, 10], [60, 10]]\nrestitution = 0.5'
+    simulation = start(read(tmp_path, text).settings)
+    simulation.add_wall(Polyline(((5, 5), (9, 9)), friction=0.5))
+    path = tmp_path / "walls.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), Shown()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings and len(again.settings.walls) == 1
+    frame = again.frame()
+    assert (len(frame.walls), frame.own_walls) == (2, 1)
+    np.testing.assert_array_equal(again.world.wall_restitution, [0.5, 1])
+    for one in (simulation, again):
+        one.step()
+    np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_groups_of_a_file_are_beside_its_walls(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 0
+[[walls]]
+points = [[0, 0], [20, 20], [0, 20], [20, 0]]
+[[particles]]
+count = 60
+radius = 0.5
+"""
+    simulation = start(read(tmp_path, text).settings)
+    frame = simulation.frame()
+    assert len(frame) == 60
+    assert clear_of(frame.positions, frame.radii, frame.walls).all()
+
+
+def test_walls_on_a_torus_are_refused(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 5\ncontainer = "torus"\n[[walls]]\npoints = [[0, 0], [9, 9]]'
+    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls is 1 walls; on a"):
+        start(read(tmp_path, text).settings)
 
 
 def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:

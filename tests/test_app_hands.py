@@ -405,7 +405,7 @@ def test_attractors_and_selection_do_not_survive_another_scene() -> None:
     hands.session.pulls.place((0.0, 0.0))
     hands.session.deeds.wall((10, 10), (40, 10))
     hands.key(pygame.K_RIGHTBRACKET)
-    assert hands.session.engine.scene == "pile" and not hands.session.deeds.walls
+    assert hands.session.engine.scene == "pile" and len(hands.session.deeds.drawn_walls) == 0
     hands.frames(2)
     assert hands.session.frame.attractors == () == hands.session.pulls.placed
     hands.key(pygame.K_LEFTBRACKET)

@@ -238,25 +238,13 @@ def test_drift_begins_again_when_the_new_gravity_is_there(few) -> None:
 
 def test_no_wall_is_lost(few) -> None:
     hands = Hands(world_of(TWO))
-    session, threads = hands.session, set()
-
-    class Walls(list):
-        def append(self, wall) -> None:
-            threads.add(threading.current_thread().name)
-            super().append(wall)
-
-        def extend(self, walls) -> None:
-            threads.add(threading.current_thread().name)
-            super().extend(walls)
-
-    session.deeds.walls = Walls()
+    session = hands.session
     for y in (50, 100, 150):
         session.deeds.wall((100, y), (160, y))
         hands.frames(1)
     session.engine.wait()
     hands.frames(1)
-    assert len(session.deeds.walls) == 3
-    assert threads == {threading.current_thread().name}
+    assert session.deeds.drawn_walls.tolist() == [0, 1, 2]
 
 
 def test_a_slider_of_numbers_leaves_only_its_last_wish_waiting(few) -> None:

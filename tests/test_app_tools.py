@@ -11,11 +11,15 @@ pygame = pytest.importorskip("pygame")
 
 from app_hands import FRAME, MIDDLE, RIGHT, Hands, article_with, post, tags, world_of  # noqa: E402
 
-from jostle.app.act import deeds  # noqa: E402
 from jostle.app.act.pulls import STRENGTH  # noqa: E402
 from jostle.app.act.tools import Tool  # noqa: E402
+from jostle.app.draw.camera import Camera  # noqa: E402
+from jostle.app.draw.palette import STAGE  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.stage import draw_walls  # noqa: E402
 from jostle.app.draw.tools_view import draw_preview, draw_selection  # noqa: E402
+from jostle.app.simulate.settings import Polyline, Settings  # noqa: E402
+from jostle.app.simulate.start import start  # noqa: E402
 
 FOUR = [(100, 100), (200, 100), (100, 300), (600, 400)]
 
@@ -88,9 +92,7 @@ def test_a_wall_that_is_drawn_stops_a_ball() -> None:
     hands = Hands(world_of([(200, 250)]))
     hands.key(pygame.K_2)
     hands.drag((400, 50), (400, 450))
-    frame = hands.session.frame
-    beads = frame.positions[~frame.movable]
-    assert len(beads) > 20 and np.ptp(beads[:, 1]) == pytest.approx(400, abs=2)
+    assert hands.session.frame.walls[0] == pytest.approx(np.array([(400, 50), (400, 450)]), abs=2)
     hands.session.engine.edit(lambda simulation: simulation.change([0], velocities=(900, 0)))
     hands.frames(20)
     assert hands.world.positions[0, 0] < 400 and hands.world.velocities[0, 0] < 0
@@ -113,18 +115,61 @@ def test_drawn_walls_can_be_cleared() -> None:
     hands.key(pygame.K_2)
     hands.drag((400, 50), (400, 450))
     hands.drag((50, 450), (300, 450))
-    assert len(hands.session.deeds.walls) == 2
+    assert hands.session.deeds.drawn_walls.tolist() == [0, 1]
     hands.session.deeds.clear_walls()
-    assert len(hands.session.frame) == 1 and not hands.session.deeds.walls
+    assert len(hands.session.frame.walls) == 0 == len(hands.world.walls)
 
 
-def test_a_long_wall_has_thicker_beads_instead_of_more(monkeypatch) -> None:
+def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> None:
+    simulation = start(Settings("gas", 0, walls=(Polyline(((10, 10), (50, 10), (90, 40))),)))
+    hands = Hands(simulation)
+    own = hands.world.walls
+    hands.session.deeds.wall((20, 20), (70, 70))
+    assert hands.session.deeds.drawn_walls.tolist() == [2]
+    hands.session.deeds.clear_walls()
+    np.testing.assert_array_equal(hands.world.walls, own)
+
+
+def test_a_click_removes_the_wall_under_the_cursor() -> None:
     hands = Hands(world_of([(200, 250)]))
-    thin = hands.session.deeds.bead_radius((0, 0), (800, 0))
-    monkeypatch.setattr(deeds, "MOST_BEADS", 100)
-    hands.session.deeds.wall((0, 0), (800, 0))
-    frame = hands.session.frame
-    assert 90 < len(frame) < 110 and frame.radii[1] > 2 * thin
+    hands.key(pygame.K_2)
+    hands.drag((400, 50), (400, 450))
+    hands.drag((50, 450), (300, 450))
+    hands.click((600, 250))
+    assert len(hands.session.frame.walls) == 2
+    hands.click((400, 200))
+    assert hands.session.frame.walls[:, 0, 1] == pytest.approx([450], abs=2)
+
+
+def test_a_drawn_wall_goes_and_comes_with_the_history() -> None:
+    hands = Hands(world_of([(200, 250)]))
+    hands.frames(3)
+    hands.key(pygame.K_2)
+    hands.drag((400, 50), (400, 450))
+    hands.frames(3)
+    history, now = hands.session.history, hands.session.frame.walls
+    assert len(now) == 1
+    state = hands.session.engine.simulation.save()
+    hands.key(pygame.K_p)
+    for _ in range(6):
+        hands.key(pygame.K_u)
+    assert history is not None and len(hands.session.frame.walls) == 0
+    hands.session.engine.simulation.load(state)
+    np.testing.assert_array_equal(hands.session.engine.simulation.frame().walls, now)
+    assert hands.session.engine.simulation.frame().own_walls == 0
+
+
+@pytest.mark.parametrize("size", [(640, 360), (1920, 1080)])
+def test_walls_are_drawn_even_if_their_ends_are_far_outside(size) -> None:
+    painter = SoftwarePainter(size)
+    camera = Camera(size, (0.0, 0.0, 64.0, 36.0))
+    painter.fill(STAGE)
+    draw_walls(painter, np.array([[(-1e9, 18.0), (1e9, 18.0)], [(1e9, 1e9), (2e9, 1e9)]]), camera)
+    canvas = pygame.surfarray.array3d(painter.canvas())
+    lit = (canvas != np.array(STAGE)).any(axis=2)
+    (x,), (y,) = camera.to_screen(np.array([(32.0, 18.0)]))
+    assert lit[round(float(x)) - 50 : round(float(x)) + 50, round(float(y))].all()
+    assert lit.any(axis=0).sum() <= 5
 
 
 def test_the_cursor_shows_which_tool_is_in_hand() -> None:

@@ -163,7 +163,7 @@ ENDS: dict[str, Callable[[Session], bool]] = {
     "menu": lambda session: session.menu is not None and session.menu.tag is not None,
     "why": lambda session: len(session.selection) == 2 and session.why is not None,
     "help": lambda session: session.shown.help,
-    "walls": lambda session: len(session.deeds.walls) == 2 and len(session.pulls.placed) == 1,
+    "walls": lambda session: len(session.deeds.drawn_walls) == 2 and len(session.pulls.placed) == 1,
     "rewind": lambda session: session.paused and abs(session.history.back - 3.2) < 0.05,
     "settings": lambda session: isinstance(session.frame.container, jostle.Circle),
 }

@@ -154,9 +154,13 @@ ACTING = {
     *("world_simulation", "article_simulation", "carry", "engine", "session", "running", "report"),
     *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
     "attractions",
+    "segments",
 }
 LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
-ACTS = {"step", "restart", "adjust", "attract", "drag", "change", "load", "add", "remove", "set"}
+ACTS = {
+    *("step", "restart", "adjust", "attract", "drag", "change", "load", "add", "remove", "set"),
+    *("add_wall", "remove_walls"),
+}
 
 
 def imports(path: Path) -> Iterator[str]:
@@ -265,7 +269,7 @@ def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
 
 
 # The modules that determine a state without user input, except the article's own programs.
-STATE = ["chance", "emitters", "room", "start", "walls"]
+STATE = ["chance", "emitters", "room", "segments", "start", "walls"]
 
 
 @pytest.mark.parametrize("name", STATE)

@@ -9,8 +9,8 @@
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
-    `Thermostat`, `ThermalWalls` and `AndersenThermostat` are its forces. `polyline` makes
-    walls.
+    `Thermostat`, `ThermalWalls`, `AndersenThermostat` and `Motor` are its forces.
+    `polyline` makes walls.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
@@ -27,6 +27,7 @@ from jostle._core import (
     Circle,
     Events,
     Gravitation,
+    Motor,
     Quadtree,
     Space,
     Springs,
@@ -62,6 +63,7 @@ __all__ = [
     "Events",
     "Gravitation",
     "Hits",
+    "Motor",
     "Neighbors",
     "Nodes",
     "Quadtree",

@@ -43,6 +43,7 @@ __all__ = [
     "Circle",
     "Events",
     "Gravitation",
+    "Motor",
     "Quadtree",
     "Space",
     "Springs",
@@ -126,7 +127,7 @@ _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
-    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat
+    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Motor
 )
 
 def abandon_threads() -> None:
@@ -2028,8 +2029,8 @@ class World:
         Coefficients of friction of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of forces, default ()
-        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
-        `AndersenThermostat`: what acts beside gravity and contacts.
+        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+        `AndersenThermostat` and `Motor`: what acts beside gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -2346,6 +2347,38 @@ class World:
         (6.0, 0.0)
         >>> world.set(0, positions=(2, 1))
         """
+    def force(self, ids: ArrayLike, forces: _Vectors) -> None:
+        """Add forces of your own on some particles, for the next call of `step`.
+
+        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
+        the same particle add up.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The particles; one may be given more than once. Nothing accelerates immovable ones.
+        forces : array_like, shape (k, 2), or (2,) for one id
+            In units of mass times length per second². A force wakes the particle.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an id does not exist, a shape is wrong, or a number is not finite or too large; then
+            nothing is changed.
+
+        See Also
+        --------
+        World.accelerations : Those of all particles.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
+        >>> world.force(1, (0, 6))
+        >>> world.step(0.5, steps=2)
+        >>> world.velocities.tolist()
+        [[0.0, 0.0], [0.0, 3.0]]
+        """
     @property
     def ids(self) -> _Ids:
         """The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
@@ -2426,6 +2459,38 @@ class World:
         """
     @velocities.setter
     def velocities(self, value: _Vectors) -> None: ...
+    @property
+    def accelerations(self) -> NDArray[np.float32]:
+        """Accelerations by forces of your own in the next call of `step`: ndarray of float32, shape
+        (n, 2), a read-only copy in units of length per second².
+
+        Assign an array of this shape before each call, or None for none; `force` adds to it. They act
+        during all steps of the call, beside gravity and `forces`, and are 0 after it. Nothing accelerates
+        immovable particles. The others wake where it is not 0, and do not fall asleep in the call.
+
+        Raises
+        ------
+        ValueError
+            If the shape is wrong, or a number is not finite or too large.
+
+        See Also
+        --------
+        World.force : Forces on some particles.
+
+        Examples
+        --------
+        A force towards the x axis:
+
+        >>> import jostle
+        >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
+        >>> for _ in range(157):  # half a period: π / 0.02 steps
+        ...     world.accelerations = -world.positions * (0, 1)
+        ...     world.step(0.02)
+        >>> world.positions.round(1).tolist()
+        [[0.0, -1.0]]
+        """
+    @accelerations.setter
+    def accelerations(self, value: _Vectors | None) -> None: ...
     @property
     def radii(self) -> NDArray[np.float32]:
         """Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
@@ -2695,10 +2760,11 @@ class World:
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
-        and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
-        attractors and springs are removed too. If particles merge, attractors and springs refer
-        to the merged particle, and a spring between two of them is removed.
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+        `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by id.
+        If a particle is removed, its attractors and springs are removed too, and motors drive the
+        others. If particles merge, forces refer to the merged particle, and a spring between two of
+        them is removed.
         """
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
@@ -3322,6 +3388,101 @@ class Springs:
     def __getnewargs__(self) -> tuple[NDArray[Any], ...]: ...
 
 @final
+class Motor:
+    """Drives immovable particles and walls along a given motion.
+
+    They turn about a centre and move with a velocity, for example as the paddles of a mill, the
+    flippers of a pinball table or a piston. With a `period` they move there in its first half and back
+    in its second. Other particles are pushed by them and do not slow them down. It is one of the
+    `World.forces`.
+
+    Parameters
+    ----------
+    ids : array_like of int, shape (k,), optional
+        Ids of the immovable particles; if one is removed, the motor drives the others.
+    walls : array_like of int, shape (m,), optional
+        Indices of the walls. They do not turn.
+    center : array_like, shape (2,), default (0.0, 0.0)
+        The centre of the rotation, in units of length. It moves with `velocity`.
+    angular_velocity : float, default 0.0
+        In radians per second, positive from +x to +y.
+    velocity : array_like, shape (2,), default (0.0, 0.0)
+        In units of length per second.
+    period : float, optional
+        Seconds of the motion there and back, above 0. If omitted, it never goes back.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a number is out of range, a particle or a wall is given twice, or walls are to turn. When it
+        is assigned to `World.forces`, also if a particle is movable or a wall does not exist.
+
+    See Also
+    --------
+    World.walls : Their indices.
+
+    Notes
+    -----
+    The motion is a function of `World.time`. At the beginning of each step the motor sets the velocities
+    that lead to the right place at its end: on a circle particles follow a chord, so take steps in
+    which they turn by a small angle. Between calls they can be moved; the motion goes on from there.
+
+    Examples
+    --------
+    A paddle of four discs that turns twice in a second:
+
+    >>> import jostle, math
+    >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
+    >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
+    >>> world.step(1 / 80, steps=10)
+    >>> world.positions[3].round(4).tolist()
+    [1.0, 5.0]
+
+    A piston that moves to the right for two seconds, then back:
+
+    >>> world = jostle.World([(5, 5)], [(0, 0)], 1.0, walls=[((1, 0), (1, 10))])
+    >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
+    >>> world.step(1 / 60, steps=120)
+    >>> world.walls[0].round(4).tolist()
+    [[2.0, 0.0], [2.0, 10.0]]
+    """
+
+    __match_args__: Final = ("ids",)
+    def __new__(
+        cls,
+        ids: ArrayLike | None = None,
+        *,
+        walls: ArrayLike | None = None,
+        center: _Point = (0.0, 0.0),
+        angular_velocity: float = 0.0,
+        velocity: _Point = (0.0, 0.0),
+        period: float | None = None,
+    ) -> Self: ...
+    @property
+    def ids(self) -> _Ids:
+        """Ids of the particles that it drives: read-only ndarray of int64, shape (k,)."""
+    @property
+    def walls(self) -> NDArray[np.int64]:
+        """Indices of the walls that it drives: read-only ndarray of int64, shape (m,)."""
+    @property
+    def center(self) -> tuple[float, float]:
+        """The centre of the rotation at time 0, (x, y)."""
+    @property
+    def angular_velocity(self) -> float:
+        """In radians per second."""
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """In units of length per second, (x, y)."""
+    @property
+    def period(self) -> float | None:
+        """Seconds of the motion there and back; None if it never goes back."""
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
+
+@final
 class Thermostat:
     """Walls that heat or cool the particles that bounce off them.
 
@@ -3484,7 +3645,7 @@ class AndersenThermostat:
     >>> import jostle
     >>> world = jostle.scenes.create("gas", n=1000)
     >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
-    >>> world.step(1 / 60, steps=120)
+    >>> world.step(1 / 60, steps=300)
     >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
     True
     """

@@ -12,6 +12,7 @@ use crate::arrays::{
     Argument, Given, column, count, decimal, long_ids, number, point, read_only, table, word,
 };
 use crate::error::{refused, type_error, value_error};
+use crate::motor::PyMotor;
 use crate::particles::reals;
 
 /// A force towards a point or a particle.
@@ -718,9 +719,11 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
         Ok(Force::ThermalWalls(found.get().0))
     } else if let Ok(found) = value.cast::<PyAndersenThermostat>() {
         Ok(Force::Andersen(found.get().0))
+    } else if let Ok(found) = value.cast::<PyMotor>() {
+        Ok(Force::Motor(found.get().0.clone()))
     } else {
         let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
-                    jostle.ThermalWalls or jostle.AndersenThermostat";
+                    jostle.ThermalWalls, jostle.AndersenThermostat or jostle.Motor";
         Err(type_error(&format!("forces[{index}]"), rule, value))
     }
 }
@@ -735,6 +738,7 @@ pub fn show<'py>(py: Python<'py>, forces: Vec<Force>) -> PyResult<Bound<'py, PyT
             Force::Thermostat(thermostat) => Py::new(py, PyThermostat(thermostat))?.into_any(),
             Force::ThermalWalls(walls) => Py::new(py, PyThermalWalls(walls))?.into_any(),
             Force::Andersen(bath) => Py::new(py, PyAndersenThermostat(bath))?.into_any(),
+            Force::Motor(motor) => Py::new(py, PyMotor(motor))?.into_any(),
         })
     };
     PyTuple::new(py, forces.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)

@@ -5,6 +5,7 @@ mod allocator;
 mod error;
 mod interrupt;
 mod lock;
+mod motor;
 mod files;
 mod masked;
 mod arrays;
@@ -45,6 +46,8 @@ mod _core {
     use super::forces::{
         PyAndersenThermostat, PyAttractor, PyGravitation, PySprings, PyThermalWalls, PyThermostat,
     };
+    #[pymodule_export]
+    use super::motor::PyMotor;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]

@@ -107,8 +107,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
-///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls` and
-///     `AndersenThermostat`: what acts beside gravity and contacts.
+///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+///     `AndersenThermostat` and `Motor`: what acts beside gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -287,8 +287,8 @@ impl PyWorld {
             let defaults = draft.defaults(Defaults::default());
             let mut world = World::new(draft.particles(len, &defaults)?, rules)?;
             world.set_defaults(defaults)?;
-            world.set_forces(forces)?;
             world.set_walls(walls)?;
+            world.set_forces(forces)?;
             Ok(world)
         });
         Ok(Self::of(world.map_err(refused)?))
@@ -533,6 +533,47 @@ impl PyWorld {
         ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
     }
 
+    /// Add forces of your own on some particles, for the next call of `step`.
+    ///
+    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
+    /// the same particle add up.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles; one may be given more than once. Nothing accelerates immovable ones.
+    /// forces : array_like, shape (k, 2), or (2,) for one id
+    ///     In units of mass times length per second². A force wakes the particle.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     If an id does not exist, a shape is wrong, or a number is not finite or too large; then
+    ///     nothing is changed.
+    ///
+    /// See Also
+    /// --------
+    /// World.accelerations : Those of all particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
+    /// >>> world.force(1, (0, 6))
+    /// >>> world.step(0.5, steps=2)
+    /// >>> world.velocities.tolist()
+    /// [[0.0, 0.0], [0.0, 3.0]]
+    fn force(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        forces: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let ids = Ids::read(ids, "particle")?;
+        let forces = vectors_of(&ids, "forces", Some(forces))?.unwrap_or_default();
+        ids.told(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
+    }
+
     /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
     ///
     /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
@@ -635,6 +676,50 @@ impl PyWorld {
             let velocities = vectors("velocities", Some(value), len)?;
             Ok(Draft { velocities, ..Draft::default() })
         })
+    }
+
+    /// Accelerations by forces of your own in the next call of `step`: ndarray of float32, shape
+    /// (n, 2), a read-only copy in units of length per second².
+    ///
+    /// Assign an array of this shape before each call, or None for none; `force` adds to it. They act
+    /// during all steps of the call, beside gravity and `forces`, and are 0 after it. Nothing accelerates
+    /// immovable particles. The others wake where it is not 0, and do not fall asleep in the call.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the shape is wrong, or a number is not finite or too large.
+    ///
+    /// See Also
+    /// --------
+    /// World.force : Forces on some particles.
+    ///
+    /// Examples
+    /// --------
+    /// A force towards the x axis:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
+    /// >>> for _ in range(157):  # half a period: π / 0.02 steps
+    /// ...     world.accelerations = -world.positions * (0, 1)
+    /// ...     world.step(0.02)
+    /// >>> world.positions.round(1).tolist()
+    /// [[0.0, -1.0]]
+    #[getter]
+    fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let given = self.long(py, |state| {
+            let mut given = state.world.given_accelerations().to_vec();
+            given.resize(state.world.len(), [0.0; 2]);
+            given
+        })?;
+        Ok(read_only(table(py, given)?))
+    }
+
+    #[setter]
+    fn set_accelerations(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let len = self.state(py)?.world.len();
+        let given = vectors("accelerations", value, len)?.unwrap_or_else(|| vec![[0.0; 2]; len]);
+        self.long(py, |state| state.world.set_accelerations(given))?.map_err(refused)
     }
 
     /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
@@ -1090,10 +1175,11 @@ impl PyWorld {
         self.change_walls(py, all)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`
-    /// and `AndersenThermostat`. Assign any sequence of them. They refer to particles by id. If a particle is removed, its
-    /// attractors and springs are removed too. If particles merge, attractors and springs refer
-    /// to the merged particle, and a spring between two of them is removed.
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+    /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by id.
+    /// If a particle is removed, its attractors and springs are removed too, and motors drive the
+    /// others. If particles merge, forces refer to the merged particle, and a spring between two of
+    /// them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         forces::show(py, self.long(py, |state| state.world.forces())?)
@@ -1740,6 +1826,9 @@ impl State {
             if start.elapsed() >= LOOK_UP {
                 break;
             }
+        }
+        if left == 0 {
+            self.world.clear_accelerations();
         }
         Ok(left)
     }

@@ -1,10 +1,10 @@
-//! Time of a step of 100,000 discs among 10,000 walls over that of the discs alone:
+//! Time of a step of 100,000 discs among 10,000 walls over that of the discs alone, and of its stages:
 //! `cargo run --release --package jostle --example walls`; arguments: DISCS WALLS STEPS.
 
 use std::time::Instant;
 
 use jostle::scenes::random::Random;
-use jostle::{Container, Particles, Wall, World, WorldSettings};
+use jostle::{Container, Particles, Stage, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 
@@ -21,14 +21,18 @@ fn main() {
             ..WorldSettings::default()
         };
         let mut both = [0, walls].map(|walls| crowd(discs, walls, settings));
-        both.iter_mut().for_each(|world| step(world, 30));
+        for world in &mut both {
+            step(world, 30);
+        }
         let mut times = [Vec::new(), Vec::new()];
+        let mut stages = [[0.0; Stage::ALL.len()]; 2];
         // One after the other, so that both see the same changes of the machine's speed.
         for _ in 0..steps {
-            for (world, times) in both.iter_mut().zip(&mut times) {
+            for (k, world) in both.iter_mut().enumerate() {
                 let start = Instant::now();
-                step(world, 1);
-                times.push(start.elapsed().as_secs_f64() * 1e3);
+                let new = step(world, 1);
+                times[k].push(start.elapsed().as_secs_f64() * 1e3);
+                stages[k].iter_mut().zip(new).for_each(|(sum, time)| *sum += time / steps as f64);
             }
         }
         let [alone, among] = times.map(|mut times| {
@@ -40,11 +44,22 @@ fn main() {
              ratio {:.2}",
             among / alone
         );
+        for (at, (_, name)) in Stage::ALL.iter().enumerate() {
+            println!("    {name:10} {:7.2} ms, {:7.2} ms", stages[0][at], stages[1][at]);
+        }
     }
 }
 
-fn step(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+/// Makes some steps; returns the milliseconds of each stage.
+fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
+    let (mut times, mut last) = ([0.0; Stage::ALL.len()], Instant::now());
+    let note = &mut |stage: Stage| {
+        let at = Stage::ALL.iter().position(|(of, _)| *of == stage).expect("it is listed");
+        times[at] += last.elapsed().as_secs_f64() * 1e3;
+        last = Instant::now();
+    };
+    world.step(STEP, steps, note).expect("a step succeeds");
+    times
 }
 
 /// Discs of radius 1 that cover 30 % of a box, and walls of length 6 at random places.

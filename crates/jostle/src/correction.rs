@@ -3,6 +3,7 @@
 //! equally, whatever their masses: otherwise the overlap of light particles between heavy ones
 //! would decrease very slowly.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{COLOURS, Contact, Contacts};
@@ -257,6 +258,11 @@ impl Near {
     }
 }
 
+thread_local! {
+    /// Scratch of [`pushed_out`], which many threads call.
+    static NEAR_WALLS: Cell<Vec<u32>> = const { Cell::new(Vec::new()) };
+}
+
 /// The displacement of a particle that is to move `by`, with the least change that lets it overlap
 /// no wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
 fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) -> [f32; 2] {
@@ -275,8 +281,10 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) ->
     if is_free {
         return by;
     }
-    let mut near = Vec::new();
+    let mut near = NEAR_WALLS.take();
+    near.clear();
     walls.each(place, area, most, |wall| near.push(wall));
     let allowed = walls.push_out(&near, [from, to], radius, most);
+    NEAR_WALLS.set(near);
     if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }
 }

@@ -109,6 +109,14 @@ impl Particles {
         self.spins.get(row).copied().unwrap_or_default()
     }
 
+    /// Sets the angular velocity of a disc; points do not turn.
+    pub fn set_angular_velocity(&mut self, row: usize, velocity: f32) {
+        let velocity = if self.radii[row] == 0.0 { 0.0 } else { velocity };
+        if self.spin(row).velocity != velocity {
+            self.spins_mut()[row].velocity = velocity;
+        }
+    }
+
     /// Category and mask of a disc.
     pub fn filter(&self, row: usize) -> Filter {
         self.filters.get(row).copied().unwrap_or_default()

@@ -49,7 +49,18 @@ fn allocations(act: impl FnOnce()) -> usize {
 fn a_step_allocates_nothing_after_some_steps() {
     // A list still grows when a step has more of something than all before it.
     const RARE: usize = 10;
-    let smooth = ["gas", "pile", "mixed", "clusters", "shots", "orbit", "thermostat", "brownian"];
+    let smooth = [
+        "gas",
+        "pile",
+        "mixed",
+        "clusters",
+        "shots",
+        "orbit",
+        "thermostat",
+        "brownian",
+        "sand",
+        "galton",
+    ];
     let rough = ["gas", "pile"];
     let all = smooth.map(|name| (name, 0.0)).into_iter().chain(rough.map(|name| (name, 0.5)));
     for (name, friction) in all {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use jostle::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle::interrupt::watch;
-use jostle::{Container, Id, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle::{Container, Id, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -120,8 +120,15 @@ fn worlds() -> Vec<(&'static str, World)> {
         world.remove(&[7]).unwrap();
         world
     };
+    let mut walled = make(crowd(60, 30.0), pile);
+    let wall = |k: i32| {
+        let x = (k * 17 % 30) as f32;
+        Wall::new([[x, (k * 7 % 30) as f32], [x + 5.0, (k * 11 % 30) as f32 + 0.5]])
+    };
+    walled.set_walls((0..12).map(wall).collect()).unwrap();
     vec![
         ("merging fast", merging_fast),
+        ("walls", walled),
         ("pile", make(crowd(60, 30.0), pile)),
         ("springs", sprung),
         ("merging", make(crowd(60, 30.0), merging)),

@@ -75,28 +75,28 @@ fn no_grain_leaks_and_the_sand_runs_through() {
     for (n, seed) in [(500, 0), (150, 1)] {
         let mut world = create("sand", Some(n), seed);
         let [_, top, right, floor] = scenes::find("sand").unwrap().view(Some(n)).unwrap();
-        let glass: Vec<[f32; 2]> = world
-            .positions()
-            .into_iter()
-            .zip(world.movable())
-            .filter(|bead| !bead.1)
-            .map(|b| b.0)
-            .collect();
-        let half_width = glass.iter().map(|bead| bead[0]).fold(0.0, f32::max);
+        let glass: Vec<[[f32; 2]; 2]> = world.walls().iter().map(|wall| wall.ends).collect();
+        assert_eq!((glass.len(), world.len()), (12, n));
+        let half_width = glass.iter().map(|ends| ends[0][0]).fold(0.0, f32::max);
         assert!(half_width < right);
         run(&mut world, 30);
         let grains = moving(&world);
         assert_eq!(grains.len(), n);
         for &[x, y] in &grains {
             assert!(x.abs() < half_width && y > top && y < floor, "a grain leaked to ({x}, {y})");
-            // Below the neck's widest bead the glass narrows: at any height, inside both walls.
-            let near = glass.iter().filter(|bead| (bead[1] - y).abs() < 3.0);
-            let wall = near.map(|bead| bead[0].abs()).fold(f32::MAX, f32::min);
-            assert!(x.abs() < wall || y.abs() > floor - 12.0, "a grain is outside at ({x}, {y})");
+            assert!(is_inside(&glass, [x, y]), "a grain is outside at ({x}, {y})");
         }
         let through = grains.iter().filter(|grain| grain[1] > 0.0).count();
         assert!(through * 100 >= n * 95, "{through} of {n} grains have run through");
     }
+}
+
+/// Whether a ray from a point to the right crosses an odd number of the walls.
+fn is_inside(walls: &[[[f32; 2]; 2]], [x, y]: [f32; 2]) -> bool {
+    let is_crossed = |[a, b]: [[f32; 2]; 2]| {
+        (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    };
+    walls.iter().filter(|&&wall| is_crossed(wall)).count() % 2 == 1
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use jostle::bytes::{HEAD, checksum};
 use jostle::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
 use jostle::scenes::{SCENES, STEP, random::Random};
-use jostle::{Container, Force, Method, OnTouch, Particles, Settings, World, WorldSettings};
+use jostle::{Container, Force, Method, OnTouch, Particles, Settings, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 fn run(world: &mut World, steps: usize) {
@@ -194,7 +194,11 @@ static SMALL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let mut world = World::new(all, settings).expect("valid");
     world.set_forces(forces(40)).expect("valid");
     world.remove(&[5, 23]).expect("they are there");
+    let slope =
+        Wall { restitution: 0.5, friction: Some(0.3), ..Wall::new([[0.0, 6.0], [7.0, 8.0]]) };
+    world.set_walls(vec![slope, Wall::new([[3.0, 1.0], [3.0, 5.0]])]).expect("valid");
     run(&mut world, 30);
+    assert!(world.wall_contacts().iter().any(|contact| contact.wall >= 4), "walls push discs");
     world.snapshot()
 });
 

@@ -16,6 +16,7 @@ from jostle.app.keep.history import History
 from jostle.app.measure.statistics import Statistics
 from jostle.app.race import Race, refusal
 from jostle.app.simulate import engine as stepping
+from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.carry import carry_over
 from jostle.app.simulate.engine import REFUSALS, Engine, Then
 from jostle.app.simulate.making import Create, Made, Maker, expected, is_long, made
@@ -205,11 +206,15 @@ class Running(Hands):
             self.engine.edit(
                 lambda simulation: None,
                 changes=False,
-                then=lambda: self._take(
-                    partial(carry_over, settings, self.frame, self.engine.view)
-                ),
+                then=lambda: self._carry_over(settings),
                 key="rules",
             )
+
+    def _carry_over(self, settings: Settings) -> None:
+        """Go on under other rules with the same particles."""
+        if settings.by_article and len(self.frame.walls):
+            self.say(f"{NO_WALLS} They are removed.")
+        self._take(partial(carry_over, settings, self.frame, self.engine.view))
 
     def switch_method(self) -> None:
         """Swap brute force and tree, under the same rules."""

@@ -448,17 +448,23 @@ impl Window<'_> {
     }
 
     /// Calls `act` with each wall that a disc touches and approaches as it begins a segment.
-    pub fn each_touched_wall(&self, index: u32, now: &Segment, mut act: impl FnMut(u32)) {
+    /// `contacts` is scratch.
+    pub fn each_touched_wall(
+        &self,
+        index: u32,
+        now: &Segment,
+        contacts: &mut Vec<Contact>,
+        mut act: impl FnMut(u32),
+    ) {
         self.each_touched_side(index, now, &mut act);
         if self.flight.walls.is_empty() {
             return;
         }
         let radius = f64::from(self.starts[index as usize].radius);
         let rounding = self.wall_limits(now.position, index, FIRST).rounding;
-        let mut contacts = Vec::new();
         let (place, walls) = ((now.position, now.time), self.flight.walls);
-        walls.contacts(index, place, radius, rounding, &mut contacts);
-        for Contact { wall, normal, .. } in contacts {
+        walls.contacts(index, place, radius, rounding, contacts);
+        for &Contact { wall, normal, .. } in &*contacts {
             let limits = self.wall_limits(now.position, index, wall);
             let own = walls.velocity(wall);
             let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));

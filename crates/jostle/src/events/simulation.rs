@@ -15,7 +15,7 @@ use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
-use crate::walls::FIRST;
+use crate::walls::{Contact, FIRST};
 
 /// Events of one disc in a window at most: if its collisions are elastic, and if not. A disc that
 /// has had them stands still for the rest of the step.
@@ -64,6 +64,8 @@ struct Nearby {
 pub struct Scratch {
     pub(super) queue: Queue,
     pub(super) predicted: Vec<Event>,
+    /// The contacts of a disc with walls.
+    pub(super) contacts: Vec<Contact>,
     pub(super) impulses: Vec<[f64; 2]>,
     pub(super) rubbing: Rubbing,
     pub(super) group: Vec<InGroup>,
@@ -279,7 +281,11 @@ impl Simulation<'_> {
             if self.history.courses[number as usize].stopped.is_some() {
                 continue;
             }
-            window.each_touched_wall(index, &now, |wall| self.touch_wall(index, wall));
+            let mut contacts = std::mem::take(&mut self.scratch.contacts);
+            window.each_touched_wall(index, &now, &mut contacts, |wall| {
+                self.touch_wall(index, wall);
+            });
+            self.scratch.contacts = contacts;
             for at in near {
                 let Nearby { index: partner, image: code, now: there, .. } =
                     &self.scratch.nearby[at];
@@ -484,8 +490,8 @@ impl Simulation<'_> {
         course.segment = new;
         course.count += 1;
         if course.count >= most {
-            let [_, end] = course.segment.at(window.end, window.gravity());
-            course.stopped = Some(end);
+            // Gravity would accelerate it without end if it stood still in each step.
+            course.stopped = Some(new.velocity);
             course.segment.velocity = [0.0; 2];
             course.segment.falls = false;
         }

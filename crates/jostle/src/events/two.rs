@@ -76,7 +76,8 @@ impl Simulation<'_> {
         let mut are_alone = true;
         for k in [0, 1] {
             let (own, partner) = (discs[k], discs[1 - k]);
-            window.each_touched_wall(own, &now[k], |_| are_alone = false);
+            let contacts = &mut self.scratch.contacts;
+            window.each_touched_wall(own, &now[k], contacts, |_| are_alone = false);
             predicted.extend(window.wall_event(own, &new[k], counts[k]));
             neighbors.of(own, |neighbor| {
                 let (other, image) = (neighbor.index, neighbors.image(neighbor));

@@ -3,18 +3,20 @@
 //! [`accelerate`] sums the accelerations of attractors and gravitation at some
 //! positions. Springs act in parts of a sub-step that are short enough for them
 //! ([`springs::Sprung`]), the thermostat and thermal walls act when particles bounce off walls,
-//! and Andersen's bath at the end of a step.
+//! and Andersen's bath at the end of a step. Motors drive what nothing else moves.
 //! Every sum runs in an order that comes from the state.
 
 pub mod attractor;
-pub mod gravitation;
-pub mod springs;
 pub mod chance;
+pub mod gravitation;
+pub mod motor;
+pub mod springs;
 pub mod thermal;
 pub mod thermostat;
 
 pub use attractor::{Attractor, Law, Pole};
 pub use gravitation::Gravitation;
+pub use motor::Motor;
 pub use springs::{Spring, Springs};
 pub use thermal::{Andersen, ThermalSides, ThermalWalls};
 pub use thermostat::Thermostat;
@@ -40,6 +42,8 @@ pub enum Force {
     ThermalWalls(ThermalWalls),
     /// New velocities at random times.
     Andersen(Andersen),
+    /// A given motion of immovable particles and walls.
+    Motor(Motor),
 }
 
 impl Force {
@@ -52,6 +56,7 @@ impl Force {
             Self::Thermostat(thermostat) => thermostat.validate(),
             Self::ThermalWalls(walls) => walls.validate(),
             Self::Andersen(bath) => bath.validate(),
+            Self::Motor(motor) => motor.validate(),
         }
     }
 
@@ -60,6 +65,7 @@ impl Force {
         match self {
             Self::Attractor(Attractor { pole: Pole::Particle(id), .. }) => vec![*id],
             Self::Springs(springs) => springs.0.iter().flat_map(|spring| spring.pair).collect(),
+            Self::Motor(motor) => motor.ids.clone(),
             _ => Vec::new(),
         }
     }
@@ -69,6 +75,7 @@ impl Force {
         match self {
             Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
             Self::Springs(springs) => !springs.0.is_empty(),
+            Self::Motor(motor) => !motor.ids.is_empty(),
             _ => false,
         }
     }
@@ -105,7 +112,7 @@ pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
 }
 
 /// Renames particles: `renamed` returns the new name of an old one, None if the particle was
-/// removed. Attractors and springs of a removed particle are removed.
+/// removed. Attractors and springs of a removed particle are removed; motors drive it no more.
 pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
     forces.retain_mut(|force| match force {
         Force::Attractor(Attractor { pole: Pole::Particle(name), .. }) => {
@@ -115,6 +122,10 @@ pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
         }
         Force::Springs(springs) => {
             springs.follow(&renamed);
+            true
+        }
+        Force::Motor(motor) => {
+            motor.follow(&renamed);
             true
         }
         _ => true,
@@ -129,6 +140,14 @@ pub fn name_any(forces: &[Force]) -> bool {
 /// Whether any of them is summed by [`accelerate`].
 pub fn pull(forces: &[Force]) -> bool {
     forces.iter().any(|force| matches!(force, Force::Attractor(_) | Force::Gravitation(_)))
+}
+
+/// The motors among them.
+pub fn motors(forces: &[Force]) -> impl Iterator<Item = &Motor> {
+    forces.iter().filter_map(|force| match force {
+        Force::Motor(motor) => Some(motor),
+        _ => None,
+    })
 }
 
 /// The thermostat among them.

@@ -1,6 +1,6 @@
 //! A board of pegs that sorts balls by chance.
 
-use super::placing::{Area, immovable, wall, walls};
+use super::placing::{Area, immovable};
 use super::random::Random;
 use super::{Start, area_of, boxed, find};
 use crate::error::Result;
@@ -14,8 +14,7 @@ const ROW: f32 = 28.0;
 /// Free width between two pegs, in radii of a ball: two balls cannot block it.
 const GAP: f32 = 4.8;
 
-/// Radii of beads and of the largest balls.
-const BEAD: f32 = 3.0;
+/// Radius of the largest balls.
 const BALL: f32 = 4.5;
 
 /// Rows of pegs, fewest and most.
@@ -65,7 +64,7 @@ fn board(n: usize) -> GaltonBoard {
     let bin_top = rows as f32 * ROW;
     // The fullest bin gets about √(2 / (π · rows)) of the balls.
     let share = (2.0 / (std::f32::consts::PI * rows as f32)).sqrt();
-    let height = |ball: f32| n as f32 * share * area_of(ball) / (PACKED * (PITCH - 2.0 * BEAD));
+    let height = |ball: f32| n as f32 * share * area_of(ball) / (PACKED * PITCH);
     let shrink = (0.7 * bin_top / height(BALL).max(1e-3)).sqrt().min(1.0);
     let ball_radius = BALL * shrink;
     let floor = bin_top + 1.3 * height(ball_radius) + 2.0 * ROW;
@@ -80,21 +79,18 @@ pub fn galton_view(n: usize) -> Area {
     [-half_width, FUNNEL_TOP, half_width, board.floor]
 }
 
-/// `n` balls, and before them the pegs and the walls of the bins.
+/// `n` balls, and the pegs before them.
 pub fn galton(n: usize, random: &mut Random) -> Start {
     let board = board(n);
     let [min_x, min_y, max_x, floor] = galton_view(n);
     let mut particles = immovable(pegs(board.rows), (PITCH - GAP * board.ball_radius) / 2.0);
     let inner = &board.bin_edges[1..=board.rows];
-    let bins =
-        inner.iter().flat_map(|&x| wall([x, board.bin_top], [x, floor], BEAD).unwrap_or_default());
-    particles.extend(&immovable(bins.collect(), BEAD));
+    let bins = inner.iter().map(|&x| [[x, board.bin_top], [x, floor]]);
     let radius = board.ball_radius;
-    for side in [-1.0, 1.0] {
-        let spout = side * (SPOUT * radius + BEAD);
-        let funnel = [[spout, -1.5 * ROW], [spout, -2.0 * ROW], [side * 2.5 * PITCH, FUNNEL_TOP]];
-        particles.extend(&immovable(walls(&funnel, BEAD), BEAD));
-    }
+    let funnel = [-1.0, 1.0].map(|side| {
+        let spout = side * SPOUT * radius;
+        [[spout, -1.5 * ROW], [spout, -2.0 * ROW], [side * 2.5 * PITCH, FUNNEL_TOP]]
+    });
     let step = COLUMN_STEP * radius;
     let aside = 0.5 * radius;
     let places: Vec<[f32; 2]> =
@@ -107,7 +103,8 @@ pub fn galton(n: usize, random: &mut Random) -> Start {
         restitution: 0.48,
         ..boxed([min_x, top, max_x, floor])
     };
-    Start::new(particles, settings)
+    let start = bins.fold(Start::new(particles, settings), |start, bin| start.walled(&bin));
+    funnel.iter().fold(start, |start, side| start.walled(side))
 }
 
 /// Row by row, each in the gaps of the one before; the first has one in the middle.

@@ -103,7 +103,7 @@ pub const SCENES: [Scene; 17] = [
     Scene {
         name: "sand",
         default_count: 2_000,
-        about: "Grains run through the neck of an hourglass strung of small immovable beads. \
+        about: "Grains run through the neck of an hourglass made of line segments. \
                 They flow evenly, however much is still above them, and heap up below.",
         make: sand::sand,
         view: sand::sand_view,

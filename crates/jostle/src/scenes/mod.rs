@@ -1,8 +1,8 @@
 //! Seeded scenes by name, the same for tests, benchmarks and the simulator.
 //!
 //! Lengths are pixels, times seconds, y grows downwards; a step is 1/60 s. Every
-//! scene takes any number of particles: its size follows. Beads, which walls are strung
-//! of, come in addition, and first.
+//! scene takes any number of particles: its size follows. Immovable discs come in
+//! addition, and first.
 
 mod falling;
 mod fountain;
@@ -22,6 +22,7 @@ use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::forces::Force;
 use crate::particles::Particles;
+use crate::walls::Wall;
 use crate::world::{Defaults, World, WorldSettings};
 pub use fountain::{Nozzle, fountains};
 pub use galton::{GaltonBoard, galton_board};
@@ -52,15 +53,22 @@ struct Start {
     particles: Particles,
     settings: WorldSettings,
     forces: Vec<Force>,
+    walls: Vec<Wall>,
 }
 
 impl Start {
     fn new(particles: Particles, settings: WorldSettings) -> Self {
-        Self { particles, settings, forces: Vec::new() }
+        Self { particles, settings, forces: Vec::new(), walls: Vec::new() }
     }
 
     fn with(mut self, force: Force) -> Self {
         self.forces.push(force);
+        self
+    }
+
+    /// Adds walls from corner to corner.
+    fn walled(mut self, corners: &[[f32; 2]]) -> Self {
+        self.walls.extend(corners.windows(2).map(|ends| Wall::new([ends[0], ends[1]])));
         self
     }
 }
@@ -80,6 +88,7 @@ impl Scene {
         let start = (self.make)(count, &mut Random::new(seed));
         let friction = common_friction(&start.particles);
         let mut world = World::new(start.particles, start.settings)?;
+        world.set_walls(start.walls)?;
         world.set_forces(start.forces)?;
         world.set_defaults(Defaults { friction, ..Defaults::default() })?;
         Ok(world)

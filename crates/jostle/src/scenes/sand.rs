@@ -1,14 +1,13 @@
 //! An hourglass.
 
-use super::placing::{Area, immovable, walls};
+use super::placing::Area;
 use super::random::Random;
 use super::{Start, boxed};
 use crate::particles::Particles;
 use crate::world::WorldSettings;
 
-/// Radii of the grains, and of the beads that the glass is strung of.
+/// Radii of the grains.
 const GRAINS: [f32; 2] = [2.7, 3.3];
-const BEAD: f32 = 5.0;
 
 /// Width of the neck for 2,000 grains, and the narrowest.
 const NECK: f32 = 23.5;
@@ -21,7 +20,7 @@ const HEAVIER: f32 = 0.04;
 /// From grain to grain at the start.
 const PITCH: f32 = 2.02 * GRAINS[1];
 
-/// Lines between the beads; the glass is the same above and below y = 0.
+/// The walls of the glass, which are the same above and below y = 0.
 struct Glass {
     /// Half the width of the bulbs.
     half_width: f32,
@@ -41,9 +40,9 @@ impl Glass {
         // The flow grows with the neck's width to the power 1.5: so every glass takes
         // about the same time. A neck narrower than this would jam.
         let neck = (NECK * scale * scale.sqrt()).max(NECK);
-        let half_width = 150.0 * scale + BEAD;
-        let half_neck = neck / 2.0 + BEAD;
-        let neck_end = BEAD;
+        let half_width = 150.0 * scale;
+        let half_neck = neck / 2.0;
+        let neck_end = 5.0;
         let shoulder = neck_end + 1.35 * (half_width - half_neck);
         let mut glass = Self { half_width, half_neck, neck_end, shoulder, end: shoulder };
         glass.end = glass.rows(n).last().map_or(shoulder, |(y, _)| y.max(shoulder)) + 40.0 * scale;
@@ -54,8 +53,7 @@ impl Glass {
     fn half_free(&self, y: f32) -> f32 {
         let slope = (self.half_width - self.half_neck) / (self.shoulder - self.neck_end);
         let sloping = self.half_neck + (y - self.neck_end).max(0.0) * slope;
-        // A slope is thicker along x than across.
-        sloping.min(self.half_width) - BEAD * (1.0 + slope * slope).sqrt()
+        sloping.min(self.half_width)
     }
 
     /// Rows of grains that fill a bulb from the neck on: heights and numbers.
@@ -86,14 +84,13 @@ impl Glass {
 }
 
 pub fn sand_view(n: usize) -> Area {
-    let floor = Glass::of(n).end + BEAD;
-    [-1.3 * floor, -1.05 * floor, 1.3 * floor, floor]
+    let floor = Glass::of(n).end;
+    [-1.3 * floor, -1.05 * floor, 1.3 * floor, 1.02 * floor]
 }
 
-/// `n` grains, and the beads of the glass before them.
+/// `n` grains in a glass.
 pub fn sand(n: usize, random: &mut Random) -> Start {
     let glass = Glass::of(n);
-    let mut particles = immovable(walls(&glass.corners(), BEAD), BEAD);
     let mut places = Vec::with_capacity(n);
     for (index, (y, count)) in glass.rows(n).into_iter().enumerate() {
         let first = -0.5 * (count as f32 - 1.0) + if index % 2 == 0 { 0.25 } else { -0.25 };
@@ -105,8 +102,7 @@ pub fn sand(n: usize, random: &mut Random) -> Start {
     for (index, mass) in grains.masses.iter_mut().enumerate() {
         *mass *= 1.0 + HEAVIER * (index * LAYERS / n) as f32;
     }
-    particles.extend(&grains);
     let settings =
         WorldSettings { gravity: [0.0, 900.0], drag: 1.5, restitution: 0.0, ..boxed(sand_view(n)) };
-    Start::new(particles, settings)
+    Start::new(grains, settings).walled(&glass.corners())
 }

@@ -58,6 +58,11 @@ impl Walls {
         self.get(wall).map_or([0.0; 2], |of| of.velocity)
     }
 
+    /// Changes the velocity of wall `index`.
+    pub fn set_velocity(&mut self, index: usize, velocity: [f32; 2]) {
+        self.all[index].velocity = velocity;
+    }
+
     /// Begins a step of `dt` seconds.
     pub fn begin_step(&mut self, settings: Settings, dt: f64) -> Result<()> {
         if self.move_any() { self.build(settings, dt) } else { Ok(()) }

@@ -1,5 +1,7 @@
 //! Which walls each disc may touch during a step.
 
+use std::cell::Cell;
+
 use super::moving::Clock;
 use super::{FIRST, Walls};
 use crate::container::size;
@@ -23,6 +25,11 @@ const PART: f64 = 32.0;
 
 /// Parts of a trajectory at most.
 const MOST_PARTS: f64 = 256.0;
+
+thread_local! {
+    /// Scratch of [`Around::each`], which many threads call.
+    static STACK: Cell<Vec<u32>> = const { Cell::new(Vec::new()) };
+}
 
 /// The walls near each disc in the bounds of a step, in one array (compressed sparse rows).
 #[derive(Debug, Default)]
@@ -156,7 +163,9 @@ impl Around<'_> {
             self.near.of(place).iter().for_each(|&wall| act(wall));
         } else {
             let margin = (radius + extent) * (1.0 + MARGIN);
-            self.walls.each_in([min, max], margin, &mut Vec::new(), |index| act(FIRST + index));
+            let mut stack = STACK.take();
+            self.walls.each_in([min, max], margin, &mut stack, |index| act(FIRST + index));
+            STACK.set(stack);
         }
     }
 

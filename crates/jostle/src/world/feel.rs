@@ -1,5 +1,6 @@
 //! The forces of a world in a step: accelerations, kicks and springs.
 
+use super::given::add_given;
 use super::{World, WorldSettings};
 use crate::container::Container;
 use crate::error::{Error, Result};
@@ -56,18 +57,19 @@ impl World {
         let memory = &mut self.memory.forces;
         memory.accelerations.clear();
         memory.reaches.clear();
-        if self.forces.is_empty() {
+        if self.forces.is_empty() && self.given.is_empty() {
             return Ok(());
         }
         find_places(&self.forces, &self.rows, &mut memory.places);
         let h = dt / substeps as f32;
         let particles = &self.particles;
-        if forces::pull(&self.forces) {
+        if !self.given.is_empty() || forces::pull(&self.forces) {
             let all = particles.positions.iter().zip(&particles.velocities);
             memory.halfway.clear();
             let wrap = |there| settings.container.wrap(there);
             memory.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
             accelerate(&self.forces, particles, settings, memory);
+            add_given(&mut memory.accelerations, &self.rows, &self.given);
         }
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {

@@ -109,6 +109,7 @@ impl World {
                 continue;
             };
             any = true;
+            self.merge_given(&places);
             self.particles.put(places[0], &one, 0);
             self.wall_pushes[places[0]] = Default::default();
             if !self.wall_frictions.is_empty() {
@@ -125,6 +126,23 @@ impl World {
             self.close_up(&heirs);
         }
         any
+    }
+
+    /// The smallest row of merging particles gets the sum of their given forces over their mass.
+    fn merge_given(&mut self, places: &[usize]) {
+        if self.given.is_empty() {
+            return;
+        }
+        let (mut mass, mut sum) = (0.0, [0.0; 2]);
+        for &place in places {
+            let own = f64::from(self.particles.masses[place]);
+            let given = self.given[self.rows[place] as usize];
+            mass += own;
+            sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
+        }
+        let rows = places.iter().map(|&place| self.rows[place]);
+        let first = rows.fold(u32::MAX, u32::min);
+        self.given[first as usize] = sum.map(|force| (force / mass) as f32);
     }
 
     /// Removes the rows that became others.

@@ -11,7 +11,9 @@ mod asleep;
 mod bounds;
 mod columns;
 mod defaults;
+mod drive;
 mod feel;
+mod given;
 mod ids;
 mod merge;
 mod record;
@@ -127,6 +129,8 @@ pub struct World {
     /// They name particles by rows.
     forces: Vec<Force>,
     walls: Walls,
+    /// The accelerations of the rows by forces of the caller; empty if there are none.
+    given: Vec<[f32; 2]>,
     /// Those that are awake, in canonical order, like `rows`, `wall_pushes` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
@@ -272,6 +276,7 @@ impl World {
     /// overlap a wall are pushed out in several steps.
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
         check_plane(self.settings.container, walls.len())?;
+        drive::check_walls(&self.forces, walls.len())?;
         let mut walls = Walls::new(walls, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
@@ -296,6 +301,7 @@ impl World {
     /// particles wake.
     pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
         forces::validate(&forces, |id| self.contains(id))?;
+        self.check_motors(&forces)?;
         forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
         self.wake_all();
         self.drifts.clear();
@@ -319,6 +325,9 @@ impl World {
         }
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
+        if !self.given.is_empty() {
+            self.given.resize(new, [0.0; 2]);
+        }
         let awake = self.rows.len();
         self.wall_pushes.resize(awake, [0.0; MAX_WALLS]);
         if !self.wall_frictions.is_empty() {
@@ -364,6 +373,7 @@ impl World {
         self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
         self.keep(&keep);
         self.ids.remove(gone);
+        retain_unless(&mut self.given, gone);
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         shifted

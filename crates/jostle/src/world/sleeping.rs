@@ -131,11 +131,11 @@ impl World {
     /// Whether anything may fall asleep with the present settings and forces.
     pub(super) fn may_sleep(&self) -> bool {
         let settings = &self.settings;
-        let is_thermostat = |force: &Force| matches!(force, Force::Thermostat(_));
+        let pulls_none = |force: &Force| matches!(force, Force::Thermostat(_) | Force::Motor(_));
         settings.sleeping
             && settings.on_touch == OnTouch::Bounce
             && settings.gravity != [0.0; 2]
-            && self.forces.iter().all(is_thermostat)
+            && self.forces.iter().all(pulls_none)
             && !self.walls.move_any()
     }
 
@@ -173,7 +173,7 @@ impl World {
     /// Adds the displacements of a step of `dt` seconds to the drifts of all particles.
     fn note_velocities(&mut self, dt: f64) {
         let (threads, gravity) = (self.threads(), self.gravity());
-        let Self { particles, settings, drifts, rows, .. } = self;
+        let Self { particles, settings, drifts, rows, given, .. } = self;
         let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
         drifts.resize(rows.len(), Drift::UNKNOWN);
         parallel::for_chunks(threads, drifts, |first, drifts| {
@@ -194,6 +194,13 @@ impl World {
         if !self.memory.exhausted.is_empty() {
             for (drift, row) in drifts.iter_mut().zip(&*rows) {
                 if self.memory.exhausted.binary_search(row).is_ok() {
+                    *drift = Drift::UNKNOWN;
+                }
+            }
+        }
+        if !given.is_empty() {
+            for (drift, &row) in drifts.iter_mut().zip(&*rows) {
+                if given[row as usize] != [0.0; 2] {
                     *drift = Drift::UNKNOWN;
                 }
             }

@@ -9,6 +9,7 @@ use super::undo::Ordered;
 use super::{Memory, OnTouch, Stage, Stats, World, search, touches};
 use crate::container::{Container, MAX_WALLS, MOST_TOURS};
 use crate::error::{Error, Result};
+use crate::forces;
 use crate::interrupt;
 use crate::motion::Motion;
 use crate::parallel;
@@ -62,11 +63,29 @@ impl World {
                 self.stats = Stats::default();
                 self.record.is_open |= !self.record.knows_sleepers;
             } else {
-                self.step_until_complete(single, dt, watch)?;
+                self.step_driven(single, dt, watch)?;
             }
             self.time += dt;
         }
         Ok(())
+    }
+
+    /// Makes a step with the velocities that motors give.
+    fn step_driven(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut (dyn FnMut(Stage) + Send),
+    ) -> Result<()> {
+        if forces::motors(&self.forces).next().is_none() {
+            return self.step_until_complete(single, dt, watch);
+        }
+        let before = self.drive(f64::from(single));
+        let done = self.step_until_complete(single, dt, watch);
+        if done.is_err() {
+            self.restore_driven(before);
+        }
+        done
     }
 
     /// Makes a step. If particles would meet sleeping ones, wakes these and makes it anew.
@@ -193,7 +212,7 @@ impl World {
         interrupt::check()?;
         self.memory.substeps = substeps;
         self.feel(dt)?;
-        if !self.forces.is_empty() {
+        if !self.forces.is_empty() || !self.given.is_empty() {
             watch(Stage::Forces);
         }
         self.bound(dt);
@@ -279,7 +298,7 @@ impl World {
             memory.before.arranged = true;
         }
         gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
-        if self.forces.is_empty() {
+        if self.forces.is_empty() && self.given.is_empty() {
             return;
         }
         let forces = &mut memory.forces;

@@ -2,6 +2,7 @@
 //! collide in the order of time, then positions are corrected.
 
 use super::feel::{accelerate, springs};
+use super::given::add_given;
 use super::search::Lists;
 use super::settings::DEFAULT_SUBSTEPS;
 use super::touches::WallImpulse;
@@ -32,7 +33,7 @@ impl World {
 
     /// Whether forces give kicks before and after the flights of a step.
     fn is_pulled(&self) -> bool {
-        forces::pull(&self.forces) || springs(&self.forces).next().is_some()
+        self.has_accelerations() || springs(&self.forces).next().is_some()
     }
 
     /// Whether gravity or forces may press inelastic particles against each other or against walls.
@@ -97,6 +98,7 @@ impl World {
         let (threads, substeps) = (self.threads(), self.memory.substeps);
         let (is_elastic, may_rest) = (self.is_elastic(), self.may_rest());
         let has_kicks = may_rest || self.is_pulled();
+        let has_accelerations = self.has_accelerations();
         let settings = &self.settings;
         let memory = &mut self.memory;
         memory.motions.resize(self.particles.len());
@@ -146,9 +148,10 @@ impl World {
             interrupt::check()?;
             let (at_start, at_end) = (walls(clock(substep)), walls(clock(substep + 1)));
             let forces = &mut memory.forces;
-            if substep > 0 && forces::pull(&self.forces) {
+            if substep > 0 && has_accelerations {
                 forces.find_halfway(motions, &settings.container, h as f32);
                 accelerate(&self.forces, particles, settings, forces);
+                add_given(&mut forces.accelerations, &self.rows, &self.given);
                 watch(Stage::Forces);
             }
             let kicks = &mut memory.kicks;

@@ -64,7 +64,7 @@ impl World {
             Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
             Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
             Force::Springs(springs) => springs.energy(&bodies),
-            Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => 0.0,
+            _ => 0.0,
         };
         parallel::among(self.threads(), || self.forces.iter().map(energy).sum())
     }

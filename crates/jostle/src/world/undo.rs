@@ -33,6 +33,7 @@ pub(super) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
+    given: Vec<[f32; 2]>,
     /// The walls, if any moves.
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
@@ -50,6 +51,7 @@ impl World {
         let before = &mut self.memory.before;
         before.arranged = false;
         before.forces.clone_from(&self.forces);
+        before.given.clone_from(&self.given);
         before.walls.clear();
         if self.walls.move_any() {
             before.walls.extend_from_slice(self.walls.all());
@@ -96,6 +98,7 @@ impl World {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
         std::mem::swap(&mut self.forces, &mut before.forces);
+        std::mem::swap(&mut self.given, &mut before.given);
         if !before.walls.is_empty() {
             self.walls.restore(std::mem::take(&mut before.walls));
         }

@@ -14,6 +14,7 @@ use super::sleeping::Drift;
 use crate::contacts::Contact;
 use crate::container::MAX_WALLS;
 use crate::error::Result;
+use crate::forces;
 use crate::pairs::JoinScratch;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
@@ -34,7 +35,9 @@ const NONE: u32 = u32::MAX;
 impl World {
     /// Whether particles sleep and all others are static, so that a step changes nothing.
     pub(super) fn is_still(&self) -> bool {
-        !self.asleep.is_empty() && (0..self.rows.len()).all(|at| self.particles.is_static(at))
+        !self.asleep.is_empty()
+            && forces::motors(&self.forces).next().is_none()
+            && (0..self.rows.len()).all(|at| self.particles.is_static(at))
     }
 
     /// Whether the bounds of moving particles overlap sleeping ones; lists the islands of these.

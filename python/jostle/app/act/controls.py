@@ -75,7 +75,7 @@ MOUSE = (
 
 TOOLS = (
     Control("1", "pointer: pick up, throw, select", {pygame.K_1: Action.POINTER}),
-    Control("2", "wall: drag to draw one", {pygame.K_2: Action.WALL}),
+    Control("2", "wall: drag to draw one, click one to remove it", {pygame.K_2: Action.WALL}),
     Control("3", "attractor: click, or drag for its strength", {pygame.K_3: Action.ATTRACTOR}),
     Control("Space", "hold: pull everything to the cursor", {pygame.K_SPACE: Action.PULL}),
     Control("A", "add a particle at the cursor", {pygame.K_a: Action.CREATE}),

@@ -1,4 +1,4 @@
-"""Commands on particles: make, copy, remove, stop, fix, scatter; and walls of discs."""
+"""Commands on particles: make, copy, remove, stop, fix, scatter; and walls."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.engine import REFUSALS, Edit, Engine, Then, sentence
+from jostle.app.simulate.engine import REFUSALS, Edit, Engine, sentence
+from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.room import free_places
+from jostle.app.simulate.segments import nearest
+from jostle.app.simulate.settings import Polyline
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.simulate.walls import bounds
 
-BEAD_SHARE = 0.5  # a wall is as thick as a usual particle's radius …
-THINNEST = 0.004  # … but at least this: radius of a bead in diagonals of the view
-MOST_BEADS = 2_000  # in one wall: a longer one gets thicker beads
 CLONE_GAP = 1.05  # diameters between a particle and its clone
 PARTY_SPEED = 0.4  # diagonals of the view a second, of the fastest guest
 DENSITIES = 1.0, 20.0  # the article's range, for colours that differ
@@ -24,26 +24,12 @@ PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, where there is non
 
 
 class Deeds:
-    """Acts on particles; what the simulation refuses becomes a sentence.
-
-    Attributes
-    ----------
-    walls
-        The beads of each wall that was drawn.
-    """
+    """Acts on particles and walls; what the simulation refuses becomes a sentence."""
 
     def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
         self._engine = engine
         self._say = say
         self._chance = np.random.default_rng()
-        self.walls: list[Tags] = []
-        self._seen: Tags | None = None
-
-    def follow(self, frame: Frame) -> None:
-        """Forget walls that are gone; tags may be given anew after going back in time."""
-        if frame.tags is not self._seen:
-            self.walls[:] = [beads for beads in self.walls if len(frame.rows(beads))]
-            self._seen = frame.tags
 
     # Some particles
 
@@ -125,38 +111,41 @@ class Deeds:
 
     # Walls
 
+    @property
+    def drawn_walls(self) -> NDArray[np.intp]:
+        """Return the rows of the walls that a user drew."""
+        frame = self._engine.frame
+        return np.arange(frame.own_walls, len(frame.walls))
+
     def wall(self, start: Point, end: Point) -> None:
-        """Draw a wall: a chain of immovable beads."""
+        """Draw a wall: a line segment."""
         if self._engine.settings.by_article:
-            self._say("By the article's rules everything can move: there are no walls to draw.")
+            self._say(NO_WALLS)
             return
-        radius = self.bead_radius(start, end)
-        drawn: list[Tags] = []
+        self._edit(lambda simulation: simulation.add_wall(Polyline((start, end))))
+
+    def erase_wall(self, point: Point, reach: float) -> None:
+        """Remove the wall that is nearest to a point, if it is within `reach` of it."""
 
         def work(simulation: Simulation) -> None:
-            beads = jostle.scenes.wall(start, end, radius)
-            _, density = usual(simulation.frame())
-            drawn.append(simulation.add(beads, (0, 0), radius, density, movable=False))
+            row, distance = nearest(simulation.frame().walls, point)
+            if distance <= reach:
+                simulation.remove_walls([row])
 
-        # Only the window changes the list of walls.
-        self._edit(work, then=lambda: self.walls.extend(drawn))
+        self._edit(work)
 
     def clear_walls(self) -> None:
-        """Take every wall away that was drawn."""
-        if self.walls:
-            self.delete(np.concatenate(self.walls))
-            self.walls.clear()
+        """Remove every wall that was drawn."""
 
-    def bead_radius(self, start: Point, end: Point) -> float:
-        """Return how thick a wall between two points is."""
-        spacing = 0.4  # radii between two beads, by `jostle.scenes.wall`
-        few_enough = math.dist(start, end) / (spacing * MOST_BEADS)
-        min_x, min_y, max_x, max_y = self._engine.view
-        seen = THINNEST * math.hypot(max_x - min_x, max_y - min_y)
-        return max(BEAD_SHARE * usual(self._engine.frame)[0], seen, few_enough)
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            simulation.remove_walls(np.arange(frame.own_walls, len(frame.walls)))
 
-    def _edit(self, work: Callable[[Simulation], object], then: Then | None = None) -> None:
-        self._engine.edit(_or_say(work, self._say), then=then)
+        if len(self.drawn_walls):
+            self._edit(work)
+
+    def _edit(self, work: Callable[[Simulation], object]) -> None:
+        self._engine.edit(_or_say(work, self._say))
 
 
 def _or_say(work: Callable[[Simulation], object], say: Callable[[str | None], None]) -> Edit:
@@ -214,7 +203,7 @@ def _places_beside(
     free, found = free_places(
         np.concatenate([frame.positions, places[within]]),
         np.concatenate([frame.radii, radii[within]]),
-        radii[beyond], frame.container, view, len(frame),
+        radii[beyond], frame.container, view, len(frame), frame.walls,
     )  # fmt: skip
     there[beyond] = False
     places[beyond[found]], there[beyond[found]] = free, True

@@ -154,7 +154,6 @@ class Hands:
         frame = self.engine.frame
         self.selection.follow(frame)
         self.pulls.follow(frame)
-        self.deeds.follow(frame)
         if self.hand.held is not None and not len(frame.rows(self.hand.held)):
             self.hand.drop()
 
@@ -162,5 +161,4 @@ class Hands:
         """Forget everything: another simulation comes."""
         self.tools.cancel()
         self.selection.clear()
-        self.deeds.walls.clear()
         self.menu = None

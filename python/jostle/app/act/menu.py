@@ -156,5 +156,10 @@ def _on_the_ground(session: Session, point: Point) -> list[Line]:
         None,
         Item("scramble", "Scramble places", deeds.scramble),
         Item("dance", "Dance party", deeds.dance),
-        Item("clear walls", "Clear drawn walls", deeds.clear_walls, enabled=bool(deeds.walls)),
+        Item(
+            "clear walls",
+            "Clear drawn walls",
+            deeds.clear_walls,
+            enabled=len(deeds.drawn_walls) > 0,
+        ),
     ]

@@ -29,7 +29,7 @@ class Tool(Enum):
 
 @dataclass(frozen=True)
 class Preview:
-    """A drag under way, in world units; `size` is a wall's radius or an attractor's strength."""
+    """A drag under way, in world units; `size` is an attractor's strength."""
 
     tool: Tool
     start: Point
@@ -106,7 +106,7 @@ class Tools:
             return
         drag.end = point
         if drag.tool is Tool.WALL:
-            self._deeds.wall(drag.start, drag.start if drag.is_click else drag.end)
+            self._wall(drag)
         elif drag.tool is Tool.ATTRACTOR:
             self._place(drag)
         elif drag.is_click:
@@ -132,9 +132,7 @@ class Tools:
         if drag.tool is Tool.POINTER and (drag.tag is not None or drag.is_click):
             return None  # picking up shows itself
         size = 0.0
-        if drag.tool is Tool.WALL:
-            size = self._deeds.bead_radius(drag.start, drag.end)
-        elif drag.tool is Tool.ATTRACTOR:
+        if drag.tool is Tool.ATTRACTOR:
             size = self._strength(drag)
         return Preview(drag.tool, drag.start, drag.end, size)
 
@@ -147,6 +145,13 @@ class Tools:
             self._selection.toggle(drag.tag)
         else:
             self._selection.take([drag.tag])
+
+    def _wall(self, drag: _Drag) -> None:
+        """Draw a wall; a click on one removes it."""
+        if drag.is_click:
+            self._deeds.erase_wall(drag.start, 2 * drag.slack)
+        else:
+            self._deeds.wall(drag.start, drag.end)
 
     def _place(self, drag: _Drag) -> None:
         """Place an attractor; a click on one takes it away."""

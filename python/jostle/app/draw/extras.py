@@ -21,8 +21,7 @@ PATH_POINTS = 1_200  # of the heavy particle's path; then every second one is le
 PATH_EVERY = 1 / 30  # seconds between the first points
 PATH_COLOUR = (226, 198, 124)
 CURVE_POINTS = 96
-# Resting balls fill this share of a bin, between walls of beads with this radius.
-PACKED, BEAD = 0.82, 3.0
+PACKED = 0.82  # share of a bin that resting balls fill
 SMALLEST_BIN = 14.0  # pixels, below which counts have no room
 
 
@@ -95,7 +94,7 @@ def _draw_galton(painter: Painter, frame: Frame, camera: Camera) -> Card:
     pitch = edges[1] - edges[0]
     x = np.linspace(edges[0], edges[-1], CURVE_POINTS)
     expected = len(balls) * binomial((x - edges[0]) / pitch - 0.5, board.rows)
-    height = expected * math.pi * board.ball_radius**2 / (PACKED * (pitch - 2 * BEAD))
+    height = expected * math.pi * board.ball_radius**2 / (PACKED * pitch)
     at_x, at_y = camera.to_screen(np.column_stack([x, board.floor - height]))
     ends = np.column_stack([at_x[:-1], at_y[:-1], at_x[1:], at_y[1:]])
     near = (np.abs(ends) < 20_000).all(axis=1)

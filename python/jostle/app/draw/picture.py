@@ -22,7 +22,7 @@ from jostle.app.draw.marks import (
 )
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.shown import ColourBy, Shown, TreeView
-from jostle.app.draw.stage import Beads, draw_discs, draw_stage, rect_on_screen
+from jostle.app.draw.stage import Beads, draw_discs, draw_stage, draw_walls, rect_on_screen
 from jostle.app.draw.trails import Trails
 from jostle.app.simulate.simulation import Frame, TreeBoxes, Wants
 from jostle.app.simulate.walls import bounds
@@ -96,6 +96,7 @@ class Picture:
         draw_discs(painter, frame, shades, camera)
         draw_spins(painter, frame, camera)
         self._beads.draw(painter, frame, camera)
+        draw_walls(painter, frame.walls, camera)
         if shown.tree is TreeView.OUTLINE:
             _draw_tree(overlays.draw_outline, painter, frame, camera, part)
         draw_attractors(painter, frame, camera)

@@ -14,6 +14,7 @@ from jostle.app.simulate.simulation import Container, Frame, Rect
 from jostle.app.simulate.walls import bounds
 
 WALL_WIDTH = 2
+SEGMENT_WIDTH = 3
 NEARLY = 1.05  # diameters, within which immovable discs count as one wall
 STRAIGHT = 0.9999  # cosine between the first step of a run and any other
 FAR = 30_000  # pixels; what lies beyond is clipped to this before it becomes whole pixels
@@ -42,6 +43,29 @@ def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera
     """Draw the particles."""
     x, y = camera.to_screen(frame.positions)
     painter.discs(x, y, frame.radii.astype(np.float64) * camera.scale, shades)
+
+
+def draw_walls(painter: Painter, walls: NDArray[np.floating], camera: Camera) -> None:
+    """Draw line segments, (m, 2, 2) in world units."""
+    if len(walls) == 0:
+        return
+    x, y = camera.to_screen(walls.reshape(-1, 2).astype(np.float64))
+    ends = _clipped(np.column_stack([x, y]).reshape(-1, 2, 2))
+    colours = np.tile(np.array(FIXED, np.uint8), (len(ends), 1))
+    painter.lines(ends.reshape(-1, 4), colours, SEGMENT_WIDTH)
+
+
+def _clipped(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the parts of segments within `FAR` of the origin; others are left out."""
+    start, way = ends[:, 0], ends[:, 1] - ends[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, last = (np.array([-FAR, FAR])[:, None, None] - start) / way
+    enter = np.fmax(np.fmin(first, last).max(axis=1), 0.0)
+    leave = np.fmin(np.fmax(first, last).min(axis=1), 1.0)
+    inside = (enter < leave) & ((way != 0) | (np.abs(start) <= FAR)).all(axis=1)
+    shares = np.stack([enter, leave], axis=1)[inside]
+    clipped: NDArray[np.float64] = start[inside, None] + shares[..., None] * way[inside, None]
+    return clipped
 
 
 class Beads:

@@ -11,7 +11,8 @@ from jostle.app.act.selection import Selection
 from jostle.app.act.tools import Preview, Tool
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ACCENT, FIXED, TEXT, Colour
+from jostle.app.draw.palette import ACCENT, Colour
+from jostle.app.draw.stage import draw_walls
 from jostle.app.simulate.simulation import Frame, Rect
 
 RING_GAP = 3.0  # pixels between a particle and its ring
@@ -52,7 +53,8 @@ def draw_preview(painter: Painter, preview: Preview, camera: Camera) -> None:
     if preview.tool is Tool.POINTER:
         _frame(painter, (min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), ACCENT)
     elif preview.tool is Tool.WALL:
-        _wall(painter, (x0, y0), (x1, y1), preview.size * camera.scale)
+        ends = np.array([preview.start, preview.end], np.float64)
+        draw_walls(painter, ends[None], camera)
     else:
         painter.circle((x0, y0), TARGET, ACCENT, RING_WIDTH)
         painter.circle((x0, y0), 2.5, ACCENT)
@@ -60,21 +62,6 @@ def draw_preview(painter: Painter, preview: Preview, camera: Camera) -> None:
         if reach > TARGET:
             painter.circle((x0, y0), reach, ACCENT, 1.0)
             painter.lines(np.array([[x0, y0, x1, y1]]), _colours(ACCENT, 1), 1.0)
-
-
-def _wall(
-    painter: Painter, start: tuple[float, float], end: tuple[float, float], radius: float
-) -> None:
-    """Show the outline of a wall: two sides and round ends."""
-    (x0, y0), (x1, y1) = start, end
-    length = math.hypot(x1 - x0, y1 - y0)
-    across = (-(y1 - y0) / length, (x1 - x0) / length) if length else (0.0, 0.0)
-    side_x, side_y = across[0] * radius, across[1] * radius
-    sides = [[x0 + s * side_x, y0 + s * side_y, x1 + s * side_x, y1 + s * side_y] for s in (-1, 1)]
-    painter.lines(np.array([[x0, y0, x1, y1]]), _colours(FIXED, 1), max(2 * radius - 2, 1.0))
-    painter.circle(start, radius, FIXED)
-    painter.circle(end, radius, FIXED)
-    painter.lines(np.array(sides), _colours(TEXT, 2), 1.0)
 
 
 def _frame(painter: Painter, rect: Rect, colour: Colour) -> None:

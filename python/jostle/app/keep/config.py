@@ -21,6 +21,7 @@ from jostle.app.simulate.rules import (
     Fields,
     Key,
     Rule,
+    dotted,
     each,
     one_of,
     refusals,
@@ -32,6 +33,7 @@ from jostle.app.simulate.settings import (
     SETTINGS,
     TRUTH,
     Settings,
+    degenerate_walls,
     settings_of,
     unknown_scene,
 )
@@ -43,7 +45,7 @@ LONGEST = 1_000  # characters of a key or a number
 # Settings that are fixed in the article's programs.
 OUR_RULES = (
     *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
-    *("friction", "threads", "on_touch", "sleeping"),
+    *("friction", "threads", "on_touch", "sleeping", "walls"),
 )
 
 WINDOW_RULES: dict[str, Rule] = {
@@ -112,14 +114,22 @@ def read_config(path: Path) -> Config:
 def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
     """Yield the key and the message of each error."""
     for key, why in refusals(entries, ENTRIES):
-        name = next(part for part in reversed(key) if isinstance(part, str))
-        yield key, f"{shorten(name)} {why}"
+        yield key, f"{_name(key)} {why}"
+    for key, why in degenerate_walls(entries):
+        yield key, f"{_name(key)} {why}"
     if unheard := unknown_scene(entries.get("scene", Settings.scene)):
         yield ("scene",), unheard
     if str(entries.get("method")).startswith("article-"):
         for name in OUR_RULES:
             if name in entries:
                 yield (name,), f"{name} cannot be set here: the article's rules are fixed"
+
+
+def _name(key: Key) -> str:
+    """Return the name of an entry; of walls with their numbers, because points are lists too."""
+    if key[0] == "walls":
+        return dotted(key)
+    return shorten(next(part for part in reversed(key) if isinstance(part, str)))
 
 
 def _switch(name: str, value: Any) -> Any:

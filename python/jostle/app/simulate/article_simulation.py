@@ -24,7 +24,7 @@ from jostle.app.simulate.checking import (
 )
 from jostle.app.simulate.packing import pack, unpack
 from jostle.app.simulate.rules import FARTHEST, Fields, each, one_of, require, whole
-from jostle.app.simulate.settings import SETTINGS, Settings, settings_of
+from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, settings_of
 from jostle.app.simulate.simulation import (
     Energies,
     Facts,
@@ -46,6 +46,7 @@ WINDOW = (800, 500)  # pixels
 NUMBERS = ("x", "y", "speed", "angle")  # columns of a particle in full precision
 LARGEST = 1e9  # radius in pixels, and density: masses stay below 1e30, as in a world
 MOST_PIXELS = 10**9  # of a side of the display
+NO_WALLS = "The article's rules have no walls inside the window."
 
 FACTS = Fields(
     {
@@ -295,6 +296,13 @@ class ArticleSimulation:
             for row, particle in found:
                 particle.density = max(round(heavy[row]), 1)
                 particle.__post_init__()  # mass and drag follow
+
+    def add_wall(self, line: Polyline) -> None:
+        """Raise a ValueError: the article has no walls inside its display."""
+        raise ValueError(NO_WALLS)
+
+    def remove_walls(self, rows: ArrayLike) -> None:
+        """Do nothing: there are none."""
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""

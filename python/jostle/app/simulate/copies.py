@@ -24,7 +24,7 @@ def copies_of(
     rows = chance.choice(rows, count)
     places, found = free_places(
         world.positions, columns.radii, columns.radii[rows], world.container, view,
-        int(chance.integers(2**31)),
+        int(chance.integers(2**31)), world.walls,
     )  # fmt: skip
     if len(found) < count:
         return None

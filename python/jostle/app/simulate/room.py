@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.simulate.segments import Ends, clear_of
 from jostle.app.simulate.simulation import Container, Rect
 from jostle.app.simulate.walls import bounds, brought_in
 
@@ -23,6 +24,7 @@ def free_places(
     container: Container,
     view: Rect,
     seed: int,
+    walls: Ends,
 ) -> tuple[Floats, NDArray[np.intp]]:
     """Return random places for discs where nothing is, and which of the discs found one."""
     chance = np.random.default_rng([seed, len(taken), len(radii)])
@@ -36,7 +38,8 @@ def free_places(
             break
         who = np.resize(left, min(max(TRIES * len(left), LEAST), MOST))
         tries = brought_in(chance.uniform(rect[0], rect[1], (len(who), 2)), radii[who], container)
-        free = np.flatnonzero(_clear_of(tries, radii[who], there, sizes))
+        clear = _clear_of(tries, radii[who], there, sizes)
+        free = np.flatnonzero(clear & clear_of(tries, radii[who], walls))
         _, first = np.unique(who[free], return_index=True)
         taken_now = free[first]  # one place for each disc that has any
         taken_now = taken_now[_apart(tries[taken_now], radii[who[taken_now]])]

@@ -68,7 +68,7 @@ def check(name: str, value: object, rule: Rule) -> str | None:
 def require(value: object, rule: AnyRule) -> None:
     """Raise a ValueError with the first field that breaks its rule, and its value."""
     for key, why in refusals(value, rule):
-        raise ValueError(f"{_dotted(key)} {why}".lstrip())
+        raise ValueError(f"{dotted(key)} {why}".lstrip())
 
 
 def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Iterator[tuple[Key, str]]:
@@ -135,7 +135,7 @@ def shorten(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
-def _dotted(key: Key) -> str:
+def dotted(key: Key) -> str:
     """Return a key in the form settings.particles[0].count."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{shorten(part)}" for part in key)
     return "".join(parts).removeprefix(".")

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+
 import jostle
 from jostle.app.simulate.rules import (
+    AnyRule,
     Fields,
+    Key,
     Many,
     Rule,
+    dotted,
     each,
     one_of,
     or_none,
@@ -18,6 +23,7 @@ from jostle.app.simulate.rules import (
     real,
     rect,
     require,
+    shown,
     unknown,
     whole,
 )
@@ -28,6 +34,7 @@ CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
 MOST_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
+MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
 OnTouch = Literal["bounce", "merge", "ignore"]
 Range = tuple[float, float]
@@ -44,6 +51,16 @@ class Group:
     velocity: tuple[float, float] = (0.0, 0.0)  # world units per second
     speed: Range = (0.0, 0.0)  # in any direction, added to the velocity
     movable: bool = True
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Walls from point to point."""
+
+    points: tuple[tuple[float, float], ...]
+    closed: bool = False  # whether there is a wall from the last point to the first
+    restitution: float = 1.0  # multiplied by those of the world and the particle
+    friction: float | None = None  # that of the particle, if None
 
 
 @dataclass
@@ -68,6 +85,7 @@ class Settings:
     particles: tuple[Group, ...] = ()  # in addition to those of the scene
     friction: float | None = None  # of every particle
     sleeping: bool | None = None  # whether particles that rest may fall asleep
+    walls: tuple[Polyline, ...] = ()  # in addition to those of the scene
 
     @property
     def by_article(self) -> bool:
@@ -119,14 +137,51 @@ GROUPS = Many(
     "written as [[particles]], once for each group",
     MOST_GROUPS,
 )
-SETTINGS = Fields({**RULES, "particles": GROUPS}, "a setting", complete=False)
+LINE_RULES: dict[str, AnyRule] = {
+    "points": Many(each(real(), "x", "y"), "a list of points, each [x, y]", MOST_LINES),
+    "closed": TRUTH,
+    "restitution": real(0, 1),
+    "friction": or_none(real(0)),
+}
+LINES = Many(
+    Fields(LINE_RULES, "a property of walls", complete=False),
+    "written as [[walls]], once for each polyline",
+    MOST_LINES,
+)
+SETTINGS = Fields({**RULES, "particles": GROUPS, "walls": LINES}, "a setting", complete=False)
 
 
 def settings_of(facts: Mapping[str, Any]) -> Settings:
     """Return settings from fields of JSON or TOML; raise a ValueError if one is wrong."""
     require(facts, SETTINGS)
+    for key, why in degenerate_walls(facts):
+        raise ValueError(f"{dotted(key)} {why}")
     groups = tuple(map(_group_of, facts.get("particles", ())))
-    return Settings(**{**_tidy(facts), "particles": groups})
+    lines = tuple(map(_line_of, facts.get("walls", ())))
+    return Settings(**{**_tidy(facts), "particles": groups, "walls": lines})
+
+
+def degenerate_walls(facts: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
+    """Yield the key and the message of each polyline without length, after a check of its types.
+
+    Coordinates are compared in float32, as the library stores them.
+    """
+    for number, line in enumerate(facts.get("walls", ())):
+        if "points" not in line:
+            yield ("walls", number, "points"), "is missing"
+            continue
+        key: Key = ("walls", number, "points")
+        points = np.array(line["points"], np.float32).reshape(-1, 2)
+        closed = bool(line.get("closed", False))
+        least = 3 if closed else 2
+        if len(points) < least:
+            what = "closed polyline" if closed else "polyline"
+            yield key, f"has {len(points)} entries; a {what} needs at least {least}"
+        after = np.roll(points, -1, axis=0) if closed else points[1:]
+        for row in np.flatnonzero((points[: len(after)] == after).all(axis=1))[:1].tolist():
+            other = (row + 1) % len(points)
+            why = f"is {shown(list(line['points'][other]))}, like points[{row}]; a wall needs length"
+            yield (*key, other), why
 
 
 def unknown_scene(name: str) -> str | None:
@@ -144,10 +199,16 @@ def _group_of(facts: Mapping[str, Any]) -> Group:
     return Group(**plain)
 
 
+def _line_of(facts: Mapping[str, Any]) -> Polyline:
+    """Return a polyline from its fields."""
+    points = tuple((float(x), float(y)) for x, y in facts["points"])
+    return Polyline(**{**facts, "points": points})
+
+
 def _tidy(facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return lists as tuples of real numbers, and other values unchanged."""
     return {
         name: tuple(map(float, value)) if isinstance(value, list | tuple) else value
         for name, value in facts.items()
-        if name != "particles"
+        if name not in ("particles", "walls")
     }

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.settings import Polyline, Settings
 
 Point = tuple[float, float]
 Rect = tuple[float, float, float, float]
@@ -99,6 +99,9 @@ class Frame:
     angles: NDArray[np.float32] | None = None  # (n,), radians; None if nothing turns
     scene: str = ""  # whose extras are shown
     begun_with: int | None = None  # the number of particles that the scene was made for
+    # (m, 2, 2), line segments: first those of the scene, then those that were drawn
+    walls: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2, 2), np.float32))
+    own_walls: int = 0  # the number of those of the scene
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -192,6 +195,12 @@ class Simulation(Protocol):
         movable: ArrayLike | None = None,
     ) -> None:
         """Set columns of particles; tags that are gone are no mistake, their rows are left out."""
+
+    def add_wall(self, line: Polyline) -> None:
+        """Add line segments that a user draws."""
+
+    def remove_walls(self, rows: ArrayLike) -> None:
+        """Remove line segments by their rows in the frame."""
 
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""

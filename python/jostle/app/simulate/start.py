@@ -29,6 +29,7 @@ def start(settings: Settings) -> Simulation:
         simulation = ArticleSimulation(settings)
     else:
         simulation = WorldSimulation.of_scene(settings)
+        simulation.add_own_walls(settings.walls)
     for number, group in enumerate(settings.particles):
         name = f"particles[{number}]"
         _require_room(name, group, simulation.frame().container)
@@ -41,7 +42,8 @@ def start(settings: Settings) -> Simulation:
 
 def resume(settings: Settings, state: bytes) -> Simulation:
     """Return the simulation that goes on from a state of one with these settings."""
-    empty = start(replace(settings, n=0, particles=()))  # the state brings its own
+    # The state brings its own.
+    empty = start(replace(settings, n=0, particles=(), walls=()))
     empty.load(state)
     return empty
 
@@ -72,8 +74,9 @@ def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) 
     region = group.region or simulation.view
     radii = chance.uniform(*group.radius, count)
     free, found = free_places(
-        frame.positions, frame.radii, radii, frame.container, region, int(chance.integers(2**31))
-    )
+        frame.positions, frame.radii, radii, frame.container, region,
+        int(chance.integers(2**31)), frame.walls,
+    )  # fmt: skip
     places = chance.uniform(region[:2], region[2:], (count, 2))
     places[found] = free  # the others lie where they may, and the first steps part them
     spread = chance.uniform(*group.speed, count)[:, None] * directions(chance, count)

@@ -7,12 +7,14 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.columns import Columns
+from jostle.app.simulate.segments import Segments
 from jostle.app.simulate.simulation import Energies, Facts, Frame, Pull, Touching, TreeBoxes, Wants
 
 
 def frame_of(
     world: jostle.World,
     columns: Columns,
+    segments: Segments,
     wants: Wants,
     pulls: tuple[Pull, ...],
     scene: str,
@@ -37,6 +39,8 @@ def frame_of(
         angles=world.angles if columns.turns else None,
         scene=scene,
         begun_with=begun_with,
+        walls=segments.ends,
+        own_walls=segments.own,
     )
 
 

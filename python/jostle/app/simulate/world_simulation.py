@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +15,8 @@ from jostle.app.simulate.attractions import Attractions
 from jostle.app.simulate.columns import Columns
 from jostle.app.simulate.copies import copies_of
 from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.segments import Segments
+from jostle.app.simulate.settings import Polyline, Settings
 from jostle.app.simulate.simulation import Container, Frame, Point, Pull, Rect, Tags, Wants
 from jostle.app.simulate.walls import Home, bounds, brought_in, center_of
 from jostle.app.simulate.world_frame import frame_of
@@ -56,6 +57,7 @@ class WorldSimulation:
         self.view = view
         self.world = create()
         self._columns = Columns(self.world)
+        self._segments = Segments.of(self.world)
         self._attractions = Attractions(len(self.world.forces))
         for name in RULES:
             value = getattr(settings, name)
@@ -105,7 +107,9 @@ class WorldSimulation:
     def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
         """Return the present state."""
         pulls, begun_with = self._attractions.pulls, self._home.n
-        return frame_of(self.world, self._columns, wants, pulls, self.scene, begun_with)
+        return frame_of(
+            self.world, self._columns, self._segments, wants, pulls, self.scene, begun_with
+        )
 
     # Acting
 
@@ -164,6 +168,7 @@ class WorldSimulation:
         before = center_of(bounds(world.container) or self._home.rect)
         world.container, self.view = self._home.fitted(settings.container, settings.world_size)
         shift = np.array(center_of(bounds(world.container) or self._home.rect)) - np.array(before)
+        self._segments.shift(world, shift)
         places = world.positions.astype(np.float64) + shift
         inside = brought_in(places, self._columns.radii.astype(np.float64), world.container)
         world.positions = np.where(self._columns.movable[:, None], inside, places)
@@ -249,6 +254,22 @@ class WorldSimulation:
         if movable is not None or densities is not None:
             self._columns.copy(self.world)
 
+    def add_own_walls(self, lines: Sequence[Polyline]) -> None:
+        """Add the walls of a file, before any is drawn; raise a ValueError with the first wrong."""
+        for number, line in enumerate(lines):
+            try:
+                self._segments.add(self.world, line, own=True)
+            except ValueError as error:
+                raise ValueError(f"walls[{number}] cannot be added: {error}") from error
+
+    def add_wall(self, line: Polyline) -> None:
+        """Add line segments that a user draws."""
+        self._segments.add(self.world, line, own=False)
+
+    def remove_walls(self, rows: ArrayLike) -> None:
+        """Remove line segments by their rows in the frame."""
+        self._segments.remove(self.world, rows)
+
     def attract(self, pulls: tuple[Pull, ...]) -> None:
         """Replace the attractions that a person has placed."""
         self._attractions.place(self.world, self._columns, pulls)
@@ -283,15 +304,15 @@ class WorldSimulation:
     def save(self) -> bytes:
         """Return the state."""
         return WorldState(
-            self.settings, self.view, self._home, self.world, self._columns, self._attractions,
-            self.emitters,
+            self.settings, self.view, self._home, self.world, self._columns, self._segments,
+            self._attractions, self.emitters,
         ).save()  # fmt: skip
 
     def load(self, state: bytes) -> None:
         """Restore a state from bytes; raise a ValueError if they are wrong."""
         new = WorldState.load(state)
         self.settings, self.view, self._home = new.settings, new.view, new.home
-        self.world, self._columns = new.world, new.columns
+        self.world, self._columns, self._segments = new.world, new.columns, new.segments
         self._attractions, self.emitters = new.attractions, new.emitters
 
     def _diagonal(self) -> float:

@@ -30,6 +30,7 @@ from jostle.app.simulate.rules import (
     require,
     shown,
 )
+from jostle.app.simulate.segments import Segments
 from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settings, settings_of
 from jostle.app.simulate.simulation import Rect
 from jostle.app.simulate.walls import Home
@@ -58,6 +59,7 @@ FACTS = Fields(
         "pulls": PULLS,
         "home": HOME,
         "emitters": or_none(EMITTERS),
+        "own_walls": COUNT,
     }
 )
 
@@ -71,6 +73,7 @@ class WorldState:
     home: Home
     world: jostle.World
     columns: Columns
+    segments: Segments
     attractions: Attractions
     emitters: Emitters | None
 
@@ -84,6 +87,7 @@ class WorldState:
             "pulls": [asdict(pull) for pull in self.attractions.pulls],
             "home": asdict(self.home),
             "emitters": self.emitters.state if self.emitters else None,
+            "own_walls": self.segments.own,
         }
         tags, born = self.columns.tags, self.columns.born
         snapshot = blob(self.world.snapshot())
@@ -93,6 +97,7 @@ class WorldState:
     def load(cls, state: bytes) -> WorldState:
         """Return it from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("world", state)
+        facts = {"own_walls": 0, **facts}  # older files have no walls
         require(facts, FACTS)
         world = jostle.World.restore(bytes_of(arrays, "world"))
         settings, home = settings_of(facts["settings"]), Home.read(facts["home"])
@@ -102,12 +107,16 @@ class WorldState:
         own = facts["own_forces"]
         if own > len(world.forces):
             raise ValueError(f"own_forces is {own}; its world has {len(world.forces)} forces")
+        walls, own_walls = world.walls, facts["own_walls"]
+        if own_walls > len(walls):
+            raise ValueError(f"own_walls is {own_walls}; its world has {len(walls)} walls")
         return cls(
             settings=settings,
             view=rect_of(facts["view"]),
             home=home,
             world=world,
             columns=Columns.read(world, tags, born, facts["next_tag"]),
+            segments=Segments(walls, own_walls),
             attractions=Attractions(own, pulls_of(facts["pulls"])),
             emitters=_emitters(facts["emitters"], home, settings),
         )

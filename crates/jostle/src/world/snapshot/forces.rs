@@ -3,7 +3,8 @@
 use crate::bytes::{Reader, Writer, damaged};
 use crate::error::Result;
 use crate::forces::{
-    Andersen, Attractor, Force, Gravitation, Law, Pole, Spring, Springs, ThermalWalls, Thermostat,
+    Andersen, Attractor, Force, Gravitation, Law, Motor, Pole, Spring, Springs, ThermalWalls,
+    Thermostat,
 };
 use crate::space::Id;
 
@@ -51,6 +52,15 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
             to.put([*temperature, *rate]);
             to.put(*seed);
         }
+        Force::Motor(Motor { ids, walls, center, angular_velocity, velocity, period }) => {
+            to.put(6u8);
+            to.put_count(ids.len());
+            ids.iter().for_each(|&row| to.put(row as u32));
+            to.put_count(walls.len());
+            walls.iter().for_each(|&wall| to.put(wall));
+            to.put([*center, *velocity]);
+            to.put([*angular_velocity, *period]);
+        }
     }
 }
 
@@ -90,6 +100,15 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
         5 => {
             let ([temperature, rate], seed) = (from.get()?, from.get()?);
             Force::Andersen(Andersen { temperature, rate, seed })
+        }
+        6 => {
+            let count = from.get_count()?;
+            let ids = from.get_all::<u32>(count)?.into_iter().map(Id::from).collect();
+            let count = from.get_count()?;
+            let walls = from.get_all(count)?;
+            let [center, velocity] = from.get()?;
+            let [angular_velocity, period] = from.get()?;
+            Force::Motor(Motor { ids, walls, center, angular_velocity, velocity, period })
         }
         _ => return Err(damaged("there is no such force")),
     })

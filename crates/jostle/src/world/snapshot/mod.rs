@@ -10,6 +10,7 @@ mod ids;
 mod record;
 mod sleepers;
 
+use super::drive::check_walls;
 use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
@@ -19,7 +20,7 @@ use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
-use crate::particles::{Particles, Spin};
+use crate::particles::{Particles, Spin, check_vectors};
 use crate::settings::{Method, Settings};
 use crate::shapes::Filter;
 use crate::space::Id;
@@ -35,7 +36,7 @@ const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
 /// version 4 no sleeping, version 5 no walls besides the container, version 6 no moving walls, no
-/// ids, no defaults, no categories and masks, and no coefficients of the container.
+/// ids, no defaults, no given accelerations, no categories and masks, and no coefficients of the container.
 const VERSION: u32 = 7;
 
 impl World {
@@ -76,6 +77,7 @@ impl World {
         put_walls(&mut to, self.walls());
         put_ids(&mut to, &self.ids);
         put_defaults(&mut to, &self.defaults);
+        put_given(&mut to, &self.given);
         put_record(&mut to, self);
         to.finish(MAGIC, VERSION)
     }
@@ -134,9 +136,11 @@ impl World {
             check_plane(world.settings.container, walls.len()).map_err(valid)?;
             world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
             world.walls.set_sides(world.settings.side_restitutions());
+            check_walls(&world.forces, world.walls.all().len()).map_err(valid)?;
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
+        world.given = if version > 6 { get_given(&mut from, world.len())? } else { vec![] };
         get_record(&mut from, &mut world, version)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
@@ -225,6 +229,21 @@ fn put_particles(to: &mut Writer, all: &Particles) {
     }
     put_filters(to, &all.filters);
     put_sensors(to, &all.sensors);
+}
+
+fn put_given(to: &mut Writer, given: &[[f32; 2]]) {
+    to.put(u8::from(!given.is_empty()));
+    to.put_all(given);
+}
+
+/// The given accelerations of `len` particles; empty if there are none.
+fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Vec<[f32; 2]>> {
+    if from.get::<u8>()? == 0 {
+        return Ok(Vec::new());
+    }
+    let given = from.get_all(len)?;
+    check_vectors("accelerations", &given).map_err(|error| damaged(&error.to_string()))?;
+    Ok(given)
 }
 
 fn put_filters(to: &mut Writer, filters: &[Filter]) {

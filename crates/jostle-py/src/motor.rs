@@ -1,0 +1,179 @@
+//! `jostle.Motor`: a given motion of immovable particles and walls, as a value.
+
+use jostle::Id;
+use jostle::forces::Motor;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
+
+use crate::arrays::{Given, column, decimal, long_ids, number, point, read_only};
+use crate::error::refused;
+
+/// Drives immovable particles and walls along a given motion.
+///
+/// They turn about a centre and move with a velocity, for example as the paddles of a mill, the
+/// flippers of a pinball table or a piston. With a `period` they move there in its first half and back
+/// in its second. Other particles are pushed by them and do not slow them down. It is one of the
+/// `World.forces`.
+///
+/// Parameters
+/// ----------
+/// ids : array_like of int, shape (k,), optional
+///     Ids of the immovable particles; if one is removed, the motor drives the others.
+/// walls : array_like of int, shape (m,), optional
+///     Indices of the walls. They do not turn.
+/// center : array_like, shape (2,), default (0.0, 0.0)
+///     The centre of the rotation, in units of length. It moves with `velocity`.
+/// angular_velocity : float, default 0.0
+///     In radians per second, positive from +x to +y.
+/// velocity : array_like, shape (2,), default (0.0, 0.0)
+///     In units of length per second.
+/// period : float, optional
+///     Seconds of the motion there and back, above 0. If omitted, it never goes back.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument has the wrong type.
+/// ValueError
+///     If a number is out of range, a particle or a wall is given twice, or walls are to turn. When it
+///     is assigned to `World.forces`, also if a particle is movable or a wall does not exist.
+///
+/// See Also
+/// --------
+/// World.walls : Their indices.
+///
+/// Notes
+/// -----
+/// The motion is a function of `World.time`. At the beginning of each step the motor sets the velocities
+/// that lead to the right place at its end: on a circle particles follow a chord, so take steps in
+/// which they turn by a small angle. Between calls they can be moved; the motion goes on from there.
+///
+/// Examples
+/// --------
+/// A paddle of four discs that turns twice in a second:
+///
+/// >>> import jostle, math
+/// >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
+/// >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
+/// >>> world.step(1 / 80, steps=10)
+/// >>> world.positions[3].round(4).tolist()
+/// [1.0, 5.0]
+///
+/// A piston that moves to the right for two seconds, then back:
+///
+/// >>> world = jostle.World([(5, 5)], [(0, 0)], 1.0, walls=[((1, 0), (1, 10))])
+/// >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
+/// >>> world.step(1 / 60, steps=120)
+/// >>> world.walls[0].round(4).tolist()
+/// [[2.0, 0.0], [2.0, 10.0]]
+#[pyclass(module = "jostle", name = "Motor", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyMotor(pub Motor);
+
+#[pymethods]
+impl PyMotor {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str,) = ("ids",);
+
+    #[new]
+    #[pyo3(
+        signature = (
+            ids=None, *, walls=None, center=Given::NOTHING, angular_velocity=Given::NOTHING,
+            velocity=Given::NOTHING, period=None,
+        ),
+        text_signature = "(ids=None, *, walls=None, center=(0.0, 0.0), angular_velocity=0.0, \
+                          velocity=(0.0, 0.0), period=None)"
+    )]
+    fn new(
+        ids: Option<&Bound<'_, PyAny>>,
+        walls: Option<&Bound<'_, PyAny>>,
+        center: Given<'_>,
+        angular_velocity: Given<'_>,
+        velocity: Given<'_>,
+        period: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let all = |name, value: Option<&Bound<'_, PyAny>>, of| -> PyResult<Vec<Id>> {
+            value.map_or(Ok(Vec::new()), |value| Ok(long_ids(name, value, of)?.rows(1)))
+        };
+        let pair = |name, given: &Given<'_>| given.value().map_or(Ok([0.0; 2]), |v| point(name, v));
+        let turning =
+            angular_velocity.value().map_or(Ok(0.0), |v| number("angular_velocity", v))?;
+        let motor = Motor {
+            ids: all("ids", ids, "particle")?,
+            walls: wall_numbers(&all("walls", walls, "wall")?)?,
+            center: pair("center", &center)?,
+            angular_velocity: turning as f32,
+            velocity: pair("velocity", &velocity)?,
+            period: period.map_or(Ok(f64::INFINITY), |value| number("period", value))? as f32,
+        };
+        motor.validate().map_err(refused)?;
+        Ok(Self(motor))
+    }
+
+    /// Ids of the particles that it drives: read-only ndarray of int64, shape (k,).
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Id>> {
+        read_only(column(py, self.0.ids.clone()))
+    }
+
+    /// Indices of the walls that it drives: read-only ndarray of int64, shape (m,).
+    #[getter]
+    fn walls<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        read_only(column(py, self.0.walls.iter().map(|&wall| i64::from(wall)).collect()))
+    }
+
+    /// The centre of the rotation at time 0, (x, y).
+    #[getter]
+    fn center(&self) -> (f64, f64) {
+        self.0.center.map(decimal).into()
+    }
+
+    /// In radians per second.
+    #[getter]
+    fn angular_velocity(&self) -> f64 {
+        decimal(self.0.angular_velocity)
+    }
+
+    /// In units of length per second, (x, y).
+    #[getter]
+    fn velocity(&self) -> (f64, f64) {
+        self.0.velocity.map(decimal).into()
+    }
+
+    /// Seconds of the motion there and back; None if it never goes back.
+    #[getter]
+    fn period(&self) -> Option<f64> {
+        self.0.period.is_finite().then(|| decimal(self.0.period))
+    }
+
+    #[expect(clippy::type_complexity, reason = "the shape that pickle wants")]
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((Bound<'py, PyArray1<Id>>,), Bound<'py, PyDict>)> {
+        let keywords = [
+            ("walls", self.walls(py).into_any()),
+            ("center", self.center().into_pyobject(py)?.into_any()),
+            ("angular_velocity", self.angular_velocity().into_pyobject(py)?.into_any()),
+            ("velocity", self.velocity().into_pyobject(py)?.into_any()),
+            ("period", self.period().into_pyobject(py)?.into_any()),
+        ];
+        Ok(((self.ids(py),), keywords.into_py_dict(py)?))
+    }
+
+    fn __repr__(&self) -> String {
+        let (particles, walls) = (self.0.ids.len(), self.0.walls.len());
+        format!("<jostle.Motor of {particles} particles and {walls} walls>")
+    }
+}
+
+/// Indices of walls.
+fn wall_numbers(all: &[i64]) -> PyResult<Vec<u32>> {
+    let number = |(index, &wall): (usize, &i64)| {
+        let refusal = || jostle::Error::at("walls", index, wall, "no wall has this index");
+        u32::try_from(wall).map_err(|_| refused(refusal()))
+    };
+    all.iter().enumerate().map(number).collect()
+}

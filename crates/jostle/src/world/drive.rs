@@ -1,0 +1,97 @@
+//! Motors drive immovable particles and walls.
+
+use super::World;
+use crate::error::{Error, Result};
+use crate::forces::{self, Force, Motor};
+use crate::motion::exact;
+use crate::space::Id;
+
+/// The velocities of what motors drive, before a step.
+pub(super) struct Driven {
+    /// Place, velocity and angular velocity.
+    particles: Vec<(usize, [f32; 2], f32)>,
+    /// Index and velocity.
+    walls: Vec<(usize, [f32; 2])>,
+}
+
+impl World {
+    /// Gives the particles and walls of motors their velocities in a step of `dt` seconds; returns
+    /// those before.
+    pub(super) fn drive(&mut self, dt: f64) -> Driven {
+        let mut before = Driven { particles: Vec::new(), walls: Vec::new() };
+        let places = self.places();
+        for motor in forces::motors(&self.forces) {
+            let drive = motor.drive(self.time, dt);
+            for &row in &motor.ids {
+                let place = places[row as usize] as usize;
+                let all = &mut self.particles;
+                // It may have become movable, and may sleep then.
+                if all.movable.get(place) != Some(&false) {
+                    continue;
+                }
+                before.particles.push((place, all.velocities[place], all.spin(place).velocity));
+                let position = exact(all.positions[place], all.residuals[place]);
+                let offset = self.settings.container.short_way(drive.offset(position));
+                all.velocities[place] = drive.velocity_at(offset);
+                all.set_angular_velocity(place, drive.angular_velocity);
+            }
+            for &wall in &motor.walls {
+                let wall = wall as usize;
+                before.walls.push((wall, self.walls.all()[wall].velocity));
+                self.walls.set_velocity(wall, drive.velocity());
+            }
+        }
+        before
+    }
+
+    /// Takes back what [`World::drive`] did before a step that failed.
+    pub(super) fn restore_driven(&mut self, before: Driven) {
+        for (place, velocity, angular_velocity) in before.particles {
+            self.particles.velocities[place] = velocity;
+            self.particles.set_angular_velocity(place, angular_velocity);
+        }
+        for (wall, velocity) in before.walls {
+            self.walls.set_velocity(wall, velocity);
+        }
+        self.particles.simplify();
+    }
+
+    /// Refuses motors of movable particles, and of walls that do not exist.
+    pub(super) fn check_motors(&self, forces: &[Force]) -> Result<()> {
+        check_walls(forces, self.walls.all().len())?;
+        let places = self.places();
+        for (index, motor) in motors(forces) {
+            let is_movable = |&&id: &&Id| {
+                let row = self.ids.row(id).expect("it is in the world");
+                // Immovable particles never sleep.
+                self.particles.movable.get(places[row as usize] as usize) != Some(&false)
+            };
+            if let Some(id) = motor.ids.iter().find(is_movable) {
+                let value = format!("a motor of particle {id}");
+                let rule = "it drives immovable particles only";
+                return Err(Error::at("forces", index, value, rule));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses motors of walls that are not among the first `walls`.
+pub(super) fn check_walls(forces: &[Force], walls: usize) -> Result<()> {
+    for (index, motor) in motors(forces) {
+        if let Some(wall) = motor.walls.iter().find(|&&wall| wall as usize >= walls) {
+            let (value, rule) =
+                (format!("a motor of wall {wall}"), format!("there are {walls} walls"));
+            return Err(Error::at("forces", index, value, &rule));
+        }
+    }
+    Ok(())
+}
+
+/// The motors with their indices among the forces.
+fn motors(forces: &[Force]) -> impl Iterator<Item = (usize, &Motor)> {
+    forces.iter().enumerate().filter_map(|(index, force)| match force {
+        Force::Motor(motor) => Some((index, motor)),
+        _ => None,
+    })
+}

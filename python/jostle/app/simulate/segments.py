@@ -1,0 +1,102 @@
+"""Line segments: the walls inside a container, which a scene, a file or a user adds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import jostle
+from jostle.app.simulate.settings import Polyline
+from jostle.app.simulate.simulation import Point
+
+Floats = NDArray[np.floating]
+Ends = NDArray[np.float32]  # (m, 2, 2)
+
+
+@dataclass
+class Segments:
+    """A copy of the walls of a world, which only edits change.
+
+    Attributes
+    ----------
+    ends
+        (m, 2, 2): first those of the scene and of its file, then those that were drawn.
+    own
+        The number of those of the scene and of its file.
+    """
+
+    ends: Ends
+    own: int
+
+    @classmethod
+    def of(cls, world: jostle.World) -> Segments:
+        """Return the walls of a new world: all are its own."""
+        return cls(world.walls, len(world.walls))
+
+    @property
+    def drawn(self) -> Ends:
+        """Return the walls that a user drew."""
+        return self.ends[self.own :]
+
+    def add(self, world: jostle.World, line: Polyline, *, own: bool) -> None:
+        """Add the sides of a polyline to a world; they are own only if none was drawn before."""
+        new = jostle.polyline(line.points, closed=line.closed)
+        friction = np.nan if line.friction is None else line.friction
+        restitution = np.append(world.wall_restitution, np.full(len(new), line.restitution))
+        frictions = np.append(world.wall_friction, np.full(len(new), friction))
+        self._set(world, np.concatenate([self.ends, new]), restitution, frictions)
+        self.own += len(new) if own else 0
+
+    def remove(self, world: jostle.World, rows: ArrayLike) -> None:
+        """Remove walls from a world; rows that do not exist are ignored."""
+        keep = np.ones(len(self.ends), np.bool_)
+        wanted = np.asarray(rows, np.int64).reshape(-1)
+        keep[wanted[(wanted >= 0) & (wanted < len(keep))]] = False
+        own = int(np.count_nonzero(keep[: self.own]))
+        restitution, friction = world.wall_restitution[keep], world.wall_friction[keep]
+        self._set(world, self.ends[keep], restitution, friction)
+        self.own = own
+
+    def shift(self, world: jostle.World, by: Floats) -> None:
+        """Move all walls of a world."""
+        if len(self.ends) and by.any():
+            world.walls = self.ends + by
+            self.ends = world.walls
+
+    def _set(self, world: jostle.World, ends: Ends, restitution: Floats, friction: Floats) -> None:
+        world.walls = ends  # this alone can be refused
+        world.wall_restitution, world.wall_friction = restitution, friction
+        self.ends = world.walls
+
+
+def nearest(ends: Ends, point: Point) -> tuple[int, float]:
+    """Return the row of the nearest wall and its distance; -1 and inf if there is none."""
+    if len(ends) == 0:
+        return -1, np.inf
+    gaps = _distances(np.array([point]), ends)
+    row = int(np.argmin(gaps))
+    return row, float(gaps[row])
+
+
+def clear_of(positions: Floats, radii: Floats, ends: Ends) -> NDArray[np.bool_]:
+    """Return which discs overlap no wall."""
+    clear = np.ones(len(positions), np.bool_)
+    if len(ends) and len(positions):
+        boxes = np.concatenate([ends.min(axis=1), ends.max(axis=1)], axis=1)
+        discs = jostle.Quadtree(positions.astype(np.float64), radii.astype(np.float64))
+        near, wall = discs.pairs(jostle.Quadtree(boxes=boxes.astype(np.float64))).T.astype(np.intp)
+        overlap = _distances(positions[near], ends[wall]) < radii[near]
+        clear[near[overlap]] = False
+    return clear
+
+
+def _distances(points: Floats, ends: Ends) -> Floats:
+    """Return the distance of each point from the wall of the same row."""
+    start, way = ends[:, 0].astype(np.float64), np.diff(ends.astype(np.float64), axis=1)[:, 0]
+    offset = points - start
+    share = (offset * way).sum(axis=1) / (way * way).sum(axis=1)
+    away = offset - np.clip(share, 0.0, 1.0)[:, None] * way
+    distances: Floats = np.sqrt((away * away).sum(axis=1))
+    return distances

@@ -1,0 +1,96 @@
+"""`Motor`, a given motion of immovable particles and walls."""
+
+import copy
+import math
+import pickle
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jostle
+
+STEP = 1 / 60
+
+
+def world(**settings: Any) -> jostle.World:
+    """Two immovable discs, a movable one and two walls."""
+    walls = [((-5, -5), (5, -5)), ((-5, 5), (5, 5))]
+    movable = [False, False, True]
+    positions = [(1, 0), (2, 0), (4, 3)]
+    return jostle.World(positions, np.zeros((3, 2)), 0.5, movable=movable, walls=walls, **settings)
+
+
+def test_they_are_values() -> None:
+    motor = jostle.Motor(
+        [1, 0], walls=[1], center=(0.5, 1), velocity=(0, 2), angular_velocity=0, period=3
+    )
+    assert (motor.ids.tolist(), motor.walls.tolist()) == ([1, 0], [1])
+    assert (motor.center, motor.velocity, motor.angular_velocity) == ((0.5, 1), (0, 2), 0)
+    assert motor.period == 3 and jostle.Motor([0]).period is None
+    assert repr(motor) == "<jostle.Motor of 2 particles and 1 walls>"
+    for same in (pickle.loads(pickle.dumps(motor)), copy.deepcopy(motor)):
+        assert same == motor
+    assert motor != jostle.Motor([1, 0], walls=[1], center=(0.5, 1), velocity=(0, 2))
+    moved = world(forces=[motor])
+    assert moved.forces == (motor,)
+    assert jostle.World.restore(moved.snapshot()).forces == (motor,)
+
+
+def test_a_motor_drives_particles_and_walls() -> None:
+    turning = jostle.Motor([0, 1], angular_velocity=math.pi / 2)
+    lift = jostle.Motor(walls=[0], velocity=(0, 1), period=4)
+    driven = world(forces=[turning, lift])
+    driven.step(STEP, steps=120)
+    np.testing.assert_allclose(driven.positions[:2], [(-1, 0), (-2, 0)], atol=1e-5)
+    np.testing.assert_allclose(driven.walls[:, :, 1], [(-3, -3), (5, 5)], atol=1e-5)
+    assert driven.angular_velocities[:2] == pytest.approx(math.pi / 2)
+    assert driven.wall_velocities[0].tolist() == pytest.approx([0, 1])
+    driven.step(STEP, steps=120)
+    np.testing.assert_allclose(driven.walls[0, :, 1], -5, atol=1e-5)
+
+
+def test_ids_stay_when_others_are_removed() -> None:
+    driven = world(forces=[jostle.Motor([0, 1], velocity=(1, 0))])
+    driven.remove(0)
+    assert driven.forces[0].ids.tolist() == [1]
+    driven.step(STEP, steps=60)
+    assert driven.positions[0].tolist() == pytest.approx([3, 0], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: jostle.Motor([0, 1, 0]), ValueError, "ids[2] is 0; it is given twice"),
+        (lambda: jostle.Motor(walls=[-1]), ValueError, "walls[0] is -1; no wall has"),
+        (lambda: jostle.Motor([0], period=0), ValueError, "period is 0; it must be above 0"),
+        (lambda: jostle.Motor([0], period=math.nan), ValueError, "period is NaN; it must be"),
+        (lambda: jostle.Motor([0], center=(0, math.inf)), ValueError, "center is (0, inf); both"),
+        (lambda: jostle.Motor([0], velocity=(1, 2, 3)), ValueError, "velocity has shape (3,)"),
+        (
+            lambda: jostle.Motor(walls=[0], angular_velocity=1),
+            ValueError,
+            "angular_velocity is 1; walls do not turn",
+        ),
+        (lambda: jostle.Motor("all"), TypeError, "ids must hold integers"),
+        (
+            lambda: world(forces=[jostle.Motor([0, 2])]),
+            ValueError,
+            "forces[0] is a motor of particle 2; it drives immovable particles only",
+        ),
+        (
+            lambda: world(forces=[jostle.Motor(walls=[2])]),
+            ValueError,
+            "forces[0] is a motor of wall 2; there are 2 walls",
+        ),
+        (
+            lambda: setattr(world(forces=[jostle.Motor(walls=[1])]), "walls", None),
+            ValueError,
+            "forces[0] is a motor of wall 1; there are 0 walls",
+        ),
+    ],
+)
+def test_wrong_ones_are_refused(make: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=f"^{re.escape(message)}"):
+        make()
