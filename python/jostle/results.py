@@ -271,7 +271,7 @@ class WorldEvents(NamedTuple):
     stayed : ndarray of int64, shape (m, 2)
         Pairs that touched at the ends of both calls.
     left : ndarray of int64, shape (m, 2)
-        Pairs that touched at the end of the call before or in this one, and do not touch at its end.
+        Pairs that touched at the end of the call before or in this one, and not at its end.
 
     See Also
     --------

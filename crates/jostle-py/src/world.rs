@@ -942,8 +942,8 @@ impl PyWorld {
     /// they touch, without impulses. A disc that passes through a sensor within a step, at any speed,
     /// is found too: it has entered and left. Walls, the container and forces act on sensors that are
     /// movable, as on other particles; one with ``movable=False`` stays where it is put or moves with
-    /// its velocity, and reports other particles that are not movable, too. Sensors report each other.
-    /// Categories and masks tell what they report. They never merge.
+    /// its velocity, and reports other particles that are not movable, too. Two sensors report each
+    /// other if one is movable. Categories and masks tell what they report. They never merge.
     ///
     /// To change all, assign an array or one bool; to change some, use `set`.
     ///
@@ -1431,7 +1431,7 @@ impl PyWorld {
     /// Particles touch if they collide, if the gap between them is at most the rounding of float32, or
     /// if a resting contact presses them together. Particles that pass through each other, sensors
     /// among them, touch if they overlap at any time of the call. Two that are not movable touch only
-    /// if one is a sensor.
+    /// if just one is a sensor.
     ///
     /// Raises
     /// ------

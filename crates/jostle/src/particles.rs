@@ -128,10 +128,10 @@ impl Particles {
         self.sensors.get(row).is_some_and(|&is_sensor| is_sensor)
     }
 
-    /// Whether two discs that overlap touch: one of them must be movable or a sensor.
+    /// Whether two discs that overlap touch: one of them must be movable, or just one a sensor.
     #[inline(always)]
     pub fn may_touch(&self, a: usize, b: usize) -> bool {
-        self.movable[a] || self.movable[b] || self.is_sensor(a) || self.is_sensor(b)
+        self.movable[a] || self.movable[b] || self.is_sensor(a) != self.is_sensor(b)
     }
 
     /// Coefficient of friction of two discs.

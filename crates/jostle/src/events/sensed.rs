@@ -13,6 +13,10 @@ impl Events {
     /// Appends the pairs that touch along their trajectories in the window, of those that pass
     /// through each other.
     pub(super) fn find_sensed(&mut self, window: &Window<'_>) {
+        let is_any = window.flight.sensed.iter().any(|(_, pairs)| !pairs.is_empty());
+        if !is_any && self.sensed_near.is_empty() {
+            return;
+        }
         let lists = window.flight.sensed.iter();
         let parts: Vec<_> = lists
             .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(move |part| (*image, part)))
@@ -37,8 +41,12 @@ impl Events {
         self.sensed_near = near;
     }
 
-    /// Whether the trajectories of two discs come so near each other that their surfaces touch.
+    /// Whether two discs may touch, and their trajectories come so near each other that their surfaces touch.
     fn pass(&self, window: &Window<'_>, pair: [u32; 2], image: Vector) -> bool {
+        let [a, b] = pair.map(|index| index as usize);
+        if !window.flight.particles.may_touch(a, b) {
+            return false;
+        }
         let reach = window.reach(pair[0], pair[1]);
         self.any_at_once(window, pair, |own: &Part, other: &Part| {
             let both = Relative::of(&own.segment, &other.segment, image, window.gravity());

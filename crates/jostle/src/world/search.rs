@@ -67,7 +67,7 @@ pub(super) fn list(
     Ok(tests)
 }
 
-/// Two particles that overlap, at least one of them movable or a sensor.
+/// Two particles that overlap and may touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Overlap {
     pub(super) places: [u32; 2],
