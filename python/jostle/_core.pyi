@@ -2249,6 +2249,9 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> _Ids: ...
     @overload
     def add(
@@ -2264,6 +2267,9 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> int: ...
     @overload
     def add(
@@ -2279,6 +2285,9 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.

@@ -138,8 +138,9 @@ impl World {
     /// Makes what a step has recorded final.
     pub(super) fn close_step(&mut self) {
         let Collisions { pairs, walls } = self.memory.collisions;
-        self.record.collisions.pairs += pairs;
-        self.record.collisions.walls += walls;
+        let all = &mut self.record.collisions;
+        all.pairs = all.pairs.saturating_add(pairs);
+        all.walls = all.walls.saturating_add(walls);
         self.record.is_open = true;
         self.record.shorten();
     }

@@ -38,9 +38,8 @@ pub(super) fn get_record(from: &mut Reader<'_>, world: &mut World, version: u32)
         Ok(all.into_iter().map(|pair| pair.map(|id| id as Id)).collect())
     };
     let [before, during, at_end] = [list()?, list()?, list()?];
-    if !world.settings.track_events
-        && !(before.is_empty() && during.is_empty() && at_end.is_empty())
-    {
+    let has_pairs = [&before, &during, &at_end].iter().any(|pairs| !pairs.is_empty());
+    if has_pairs && !world.settings.track_events {
         return Err(damaged("it has events, but tracks none"));
     }
     let collisions = Collisions { pairs, walls };
