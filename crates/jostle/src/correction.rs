@@ -125,8 +125,10 @@ impl Correction {
         }
         // The displacement that walls allow.
         let inside = |place: u32, by: [f32; 2]| {
-            let by = if walls.is_empty() { by } else { pushed_out(walls, motions, place, by) };
             let position = motions.position(place);
+            let far = (by[0] * by[0] + by[1] * by[1]).sqrt() * (1.0 + 4.0 * f32::EPSILON);
+            let is_free = walls.is_empty() || walls.is_far(place, position, far);
+            let by = if is_free { by } else { pushed_out(walls, motions, place, by) };
             let wanted = [0, 1].map(|k| position[k] + by[k]);
             let allowed = container.clamp(wanted, radii[place as usize]);
             let is_kept = |k: usize| allowed[k] == wanted[k];

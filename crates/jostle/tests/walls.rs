@@ -448,7 +448,7 @@ fn escape(seed: u64) -> Option<String> {
         for (at, &radius) in world.positions().into_iter().zip(&radii) {
             let gap = |wall: &Wall| distance(wall.ends, at) / f64::from(radius) - 1.0;
             let least = world.walls().iter().map(gap).fold(f64::INFINITY, f64::min);
-            if !is_inside(&points, at) || least < -0.02 {
+            if !is_inside(&points, at) || least < -0.05 {
                 let stats = world.stats();
                 return Some(format!(
                     "seed {seed} step {step}: {at:?} r {radius} {least} {stats:?}"

@@ -233,6 +233,7 @@ impl Window<'_> {
     }
 
     /// A test in float32 that is false only if a disc certainly does not get to a wall.
+    #[inline(always)]
     pub fn may_hit_walls(&self, index: u32) -> bool {
         let Start { position, velocity: [u, v], .. } = self.starts[index as usize];
         let [x, y] = self.flight.gravity.map(|g| g as f32);

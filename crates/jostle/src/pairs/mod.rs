@@ -212,6 +212,21 @@ pub fn places_between<T: Scalar>(
     join.run_in(max_pairs, &as_they_are, memory)
 }
 
+/// The same without a shift or filters, and only pairs of places that `is_wanted` accepts.
+pub fn wanted_places_between<T: Scalar>(
+    a: &Quadtree<T>,
+    b: &Quadtree<T>,
+    is_wanted: impl Fn([u32; 2]) -> bool + Sync,
+    max_pairs: usize,
+    memory: &mut JoinScratch,
+) -> Result<Found> {
+    let join = Join { filters: Filters::Ignore, ..Join::between(a, b, None) };
+    let finish = |pairs: &mut Vec<[u32; 2]>, new| {
+        keep(pairs, new, |pair| is_wanted(pair).then_some(pair));
+    };
+    join.run_in(max_pairs, &finish, memory)
+}
+
 /// All overlapping pairs of rows, `i < j`, in no promised order, every row tested
 /// against every other.
 pub fn brute<T: Scalar>(

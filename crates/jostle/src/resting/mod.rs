@@ -108,10 +108,21 @@ pub struct Resting {
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
     walls: Vec<Walls>,
-    /// The contacts of a particle and walls.
-    found: Vec<segments::Contact>,
+    /// Those of a part of the particles each.
+    parts: Vec<WallPart>,
     /// How many of these, the first, belong to particles that have contacts of uneven masses.
     uneven_walls: usize,
+}
+
+/// Particles whose walls a thread lists at a time.
+const WALL_PART: usize = 4096;
+
+/// Lists of a part of the particles.
+#[derive(Debug, Default)]
+struct WallPart {
+    walls: Vec<Walls>,
+    /// The contacts of a particle and walls.
+    found: Vec<segments::Contact>,
 }
 
 /// The contacts of an iteration.
@@ -418,16 +429,22 @@ impl Resting {
         kicks: &[Kick],
     ) {
         let WallPushes { normal, friction, .. } = wall_pushes;
-        let Self { walls, uneven_walls, found, .. } = self;
+        let Self { walls, uneven_walls, parts, .. } = self;
         walls.clear();
+        parts.resize_with(kicks.len().div_ceil(WALL_PART), WallPart::default);
         let mut list = |uneven| {
             let is_listed =
                 |place: &usize| scene.moving[*place] && contacts.is_uneven(*place as u32) == uneven;
-            let resting = (0..kicks.len()).filter(is_listed).filter_map(|place| {
-                let friction = friction.get(place).copied().unwrap_or_default();
-                Walls::of(place, normal[place], friction, scene, &kicks[place], found)
+            let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
+            parallel::for_each(scene.threads, tasks, |(part, first)| {
+                let WallPart { walls, found } = part;
+                let places = first..kicks.len().min(first + WALL_PART);
+                walls.extend(places.filter(is_listed).filter_map(|place| {
+                    let friction = friction.get(place).copied().unwrap_or_default();
+                    Walls::of(place, normal[place], friction, scene, &kicks[place], found)
+                }));
             });
-            walls.extend(resting);
+            parts.iter_mut().for_each(|part| walls.append(&mut part.walls));
             walls.len()
         };
         *uneven_walls = 0;

@@ -1,9 +1,12 @@
 //! The list of all scenes.
 
-use super::{Scene, falling, fountain, galton, games, gases, heap, mixing, sand, soft, stars};
+use super::{
+    Scene, falling, fountain, galton, games, gases, heap, machines, mixing, pinball, sand, soft,
+    stars,
+};
 
 /// All scenes.
-pub const SCENES: [Scene; 17] = [
+pub const SCENES: [Scene; 21] = [
     Scene {
         name: "article",
         default_count: 500,
@@ -139,5 +142,37 @@ pub const SCENES: [Scene; 17] = [
                 The heap keeps a slope; set friction to 0 and it runs apart.",
         make: heap::heap,
         view: heap::heap_view,
+    },
+    Scene {
+        name: "mill",
+        default_count: 1_500,
+        about: "A wheel with five paddles turns in a drum and lifts the grains. \
+                Nothing slows it down: the paddles are immovable discs that a motor drives.",
+        make: machines::mill,
+        view: machines::mill_view,
+    },
+    Scene {
+        name: "conveyor",
+        default_count: 600,
+        about: "Rollers that turn carry grains with friction up to the right. \
+                They fall off the end, and a chute leads them back to the first roller.",
+        make: machines::conveyor,
+        view: machines::conveyor_view,
+    },
+    Scene {
+        name: "piston",
+        default_count: 2_000,
+        about: "A piston halves the volume of a gas in eight seconds and gives it back in eight. \
+                Its energy doubles meanwhile, as it must when two dimensions are compressed slowly.",
+        make: machines::piston,
+        view: machines::piston_view,
+    },
+    Scene {
+        name: "pinball",
+        default_count: 12,
+        about: "Balls among bumpers, on a table whose flippers beat by themselves. \
+                No ball passes through a flipper, however fast both are.",
+        make: pinball::pinball,
+        view: pinball::pinball_view,
     },
 ];

@@ -109,6 +109,8 @@ pub struct Walls {
     covering: Vec<u32>,
     tree: Quadtree<f32>,
     sides: Sides,
+    /// Then a step reads the velocity of each wall.
+    any_moves: bool,
 }
 
 impl Line {
@@ -176,7 +178,8 @@ impl Walls {
     /// Walls with a tree. Refuses walls that are not finite, too large or without length.
     pub fn new(all: Vec<Wall>, settings: Settings) -> Result<Self> {
         validate(&all)?;
-        let mut walls = Self { all, ..Self::default() };
+        let any_moves = all.iter().any(Wall::moves);
+        let mut walls = Self { all, any_moves, ..Self::default() };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }

@@ -50,22 +50,27 @@ impl Wall {
 impl Walls {
     /// Whether any wall moves.
     pub fn move_any(&self) -> bool {
-        self.all.iter().any(Wall::moves)
+        self.any_moves
     }
 
     /// The velocity of the wall with a number; 0 at the container.
+    #[inline(always)]
     pub fn velocity(&self, wall: u32) -> [f32; 2] {
-        self.get(wall).map_or([0.0; 2], |of| of.velocity)
+        // Most worlds need not read the wall.
+        if self.any_moves { self.get(wall).map_or([0.0; 2], |of| of.velocity) } else { [0.0; 2] }
     }
 
     /// Changes the velocity of wall `index`.
     pub fn set_velocity(&mut self, index: usize, velocity: [f32; 2]) {
         self.all[index].velocity = velocity;
+        // It may stay true when the last one stops; that costs a little time.
+        self.any_moves |= self.all[index].moves();
     }
 
     /// Begins a step of `dt` seconds.
     pub fn begin_step(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        if self.move_any() { self.build(settings, dt) } else { Ok(()) }
+        self.any_moves = self.all.iter().any(Wall::moves);
+        if self.any_moves { self.build(settings, dt) } else { Ok(()) }
     }
 
     /// Moves the walls to the end of a step of `dt` seconds.
@@ -81,6 +86,7 @@ impl Walls {
     /// Takes back the walls before a step.
     pub fn restore(&mut self, all: Vec<Wall>) {
         self.all = all;
+        self.any_moves = self.all.iter().any(Wall::moves);
         self.end_step(0.0);
     }
 
@@ -117,7 +123,11 @@ impl Clock {
 
     /// How far a wall has moved in the step, `time` seconds of flight after the beginning of the
     /// window.
+    #[inline(always)]
     pub(super) fn offset(&self, walls: &Walls, wall: u32, time: f64) -> Vector {
+        if !walls.any_moves {
+            return [0.0; 2];
+        }
         let seconds = self.elapsed + self.rate * time;
         walls.all[(wall - FIRST) as usize].displacement(seconds)
     }

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cover, Shape};
 use crate::motion::exact;
 use crate::pairs::{self, Filters, JoinScratch};
+use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::query::each_overlap;
@@ -61,11 +62,18 @@ impl Near {
         if walls.is_empty() {
             return Ok(());
         }
+        // The bounds of a wall that is not parallel to an axis are much larger than the wall.
+        let line = |place: u32| &walls.lines[walls.tree.rows()[place as usize] as usize];
+        let is_near = |[wall, place]: [u32; 2]| {
+            let (line, circle) = (line(wall), bounds.columns().shape(place as usize));
+            let distance = line.distance(circle.min.map(f64::from));
+            distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.travel
+        };
         let Self { join, found, .. } = self;
         join.pairs = std::mem::take(found);
         let pairs = match method {
             Method::Quadtree => {
-                pairs::places_between(&walls.tree, bounds, [0.0; 2], Filters::Ignore, most, join)
+                pairs::wanted_places_between(&walls.tree, bounds, is_near, most, join)
             }
             Method::Brute => {
                 let [lines, discs] = [&walls.tree, bounds].map(Quadtree::columns);
@@ -78,35 +86,51 @@ impl Near {
                 other => other,
             })?
             .pairs;
-        self.reaches.clear();
-        self.reaches.extend_from_slice(reaches);
-        let free = &mut self.free;
-        free.clear();
-        free.extend_from_slice(reaches);
-        // The bounds of a wall that is not parallel to an axis are much larger than the wall.
-        found.retain_mut(|[wall, place]| {
-            *wall = walls.tree.rows()[*wall as usize];
-            let circle = bounds.columns().shape(*place as usize);
-            let line = &walls.lines[*wall as usize];
-            let distance = line.distance(circle.min.map(f64::from));
-            // The radius of the disc, with the reserve of the circle for rounding.
-            let at = *place as usize;
-            let radius = line.reach(f64::from(circle.radius) - f64::from(reaches[at]));
-            free[at] = free[at].min((distance - radius * (1.0 + MARGIN) - line.travel) as f32);
-            distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.travel
-        });
-        self.starts.resize(bounds.len() + 2, 0);
-        found.iter().for_each(|&[_, place]| self.starts[place as usize + 2] += 1);
+        if method == Method::Brute {
+            found.retain(|&pair| is_near(pair));
+        }
+        self.arrange(walls, bounds.len());
+        self.find_free(walls, bounds, reaches);
+        Ok(())
+    }
+
+    /// Sorts the walls that were found by discs.
+    fn arrange(&mut self, walls: &Walls, discs: usize) {
+        self.starts.resize(discs + 2, 0);
+        self.found.iter().for_each(|&[_, place]| self.starts[place as usize + 2] += 1);
         for place in 2..self.starts.len() {
             self.starts[place] += self.starts[place - 1];
         }
-        self.walls.resize(found.len(), 0);
-        for &[wall, place] in &*found {
+        self.walls.resize(self.found.len(), 0);
+        for &[wall, place] in &self.found {
             let next = &mut self.starts[place as usize + 1];
-            self.walls[*next as usize] = FIRST + wall;
+            self.walls[*next as usize] = FIRST + walls.tree.rows()[wall as usize];
             *next += 1;
         }
-        Ok(())
+    }
+
+    /// Finds the displacements after which discs touch no wall yet.
+    fn find_free(&mut self, walls: &Walls, bounds: &Quadtree<f32>, reaches: &[f32]) {
+        self.reaches.clear();
+        self.reaches.extend_from_slice(reaches);
+        let mut free = std::mem::take(&mut self.free);
+        free.clear();
+        free.extend_from_slice(reaches);
+        let threads = bounds.settings().threads;
+        parallel::for_chunks(threads, &mut free, |first, free| {
+            for (free, place) in free.iter_mut().zip(first..) {
+                for &wall in self.of(place as u32) {
+                    let line = &walls.lines[(wall - FIRST) as usize];
+                    let circle = bounds.columns().shape(place);
+                    // The radius of the disc, with the reserve of the circle for rounding.
+                    let radius = line.reach(f64::from(circle.radius) - f64::from(reaches[place]));
+                    let distance = line.distance(circle.min.map(f64::from));
+                    let left = distance - radius * (1.0 + MARGIN) - line.travel;
+                    *free = free.min(left as f32);
+                }
+            }
+        });
+        self.free = free;
     }
 
     fn of(&self, place: u32) -> &[u32] {

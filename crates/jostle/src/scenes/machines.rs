@@ -1,0 +1,198 @@
+//! Machines that drive particles: a piston, a mill and a conveyor. y grows downwards.
+
+use super::placing::{Area, immovable, lattice};
+use super::random::Random;
+use super::{Start, area_of, boxed, side_for};
+use crate::container::Container;
+use crate::forces::{Force, Motor};
+use crate::particles::Particles;
+use crate::walls::Wall;
+use crate::world::WorldSettings;
+
+const GRAVITY: f32 = 900.0;
+
+/// A motor that drives nothing, without a motion.
+pub const MOTOR: Motor = Motor {
+    ids: Vec::new(),
+    walls: Vec::new(),
+    center: [0.0; 2],
+    angular_velocity: 0.0,
+    velocity: [0.0; 2],
+    period: f32::INFINITY,
+};
+
+const GAS_RADIUS: f32 = 3.0;
+const GAS_COVERAGE: f32 = 0.2;
+const GAS_SPEED: f32 = 200.0;
+
+/// Length of the cylinder over its height, and the share by which the piston shortens it.
+const CYLINDER: f32 = 1.6;
+const STROKE: f32 = 0.5;
+
+/// Seconds of the piston's way there and back.
+const PISTON_PERIOD: f32 = 16.0;
+
+/// Length and height of the cylinder.
+fn cylinder(n: usize) -> [f32; 2] {
+    let height = side_for(n as f32 * area_of(GAS_RADIUS), GAS_COVERAGE * CYLINDER, 100.0);
+    [CYLINDER * height, height]
+}
+
+pub fn piston_view(n: usize) -> Area {
+    let [length, height] = cylinder(n);
+    // Room for the rod.
+    [0.0, 0.0, (1.0 + STROKE) * length, height]
+}
+
+/// `n` discs of a gas in front of a piston.
+pub fn piston(n: usize, random: &mut Random) -> Start {
+    let [length, height] = cylinder(n);
+    let inside = [GAS_RADIUS, GAS_RADIUS, length - GAS_RADIUS, height - GAS_RADIUS];
+    let places = lattice(n, inside, 0.0, random);
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * GAS_SPEED)).collect();
+    let gas = Particles::new(places, velocities, vec![GAS_RADIUS; n], 1.0);
+    let mut start = Start::new(gas, boxed(piston_view(n)));
+    start.walls.push(Wall::new([[length, 0.0], [length, height]]));
+    let middle = 0.5 * height;
+    start.walls.push(Wall::new([[length, middle], [(1.0 + STROKE) * length, middle]]));
+    let velocity = [-2.0 * STROKE * length / PISTON_PERIOD, 0.0];
+    start.with(Force::Motor(Motor { walls: vec![0, 1], velocity, period: PISTON_PERIOD, ..MOTOR }))
+}
+
+const GRAINS: [f32; 2] = [3.0, 4.0];
+const MILL_COVERAGE: f32 = 0.35;
+const ARMS: usize = 5;
+
+/// Radius of the discs of a paddle, and from one to the next.
+const PADDLE: f32 = 3.0;
+const PADDLE_PITCH: f32 = 3.6;
+
+/// Radius of the hub over that of the drum.
+const HUB: f32 = 0.12;
+
+/// Centrifugal acceleration at the rim over gravity.
+const FROUDE: f32 = 0.25;
+
+fn drum(n: usize) -> f32 {
+    let grain = area_of(0.5 * (GRAINS[0] + GRAINS[1]));
+    side_for(n as f32 * grain, MILL_COVERAGE, 160.0) / std::f32::consts::PI.sqrt()
+}
+
+pub fn mill_view(n: usize) -> Area {
+    let radius = drum(n);
+    [-radius, -radius, radius, radius]
+}
+
+/// Directions of the arms.
+fn arms() -> impl Iterator<Item = [f32; 2]> {
+    (0..ARMS).map(|arm| {
+        let angle = std::f32::consts::TAU * arm as f32 / ARMS as f32;
+        [angle.cos(), angle.sin()]
+    })
+}
+
+/// `n` grains in a drum, and a wheel before them.
+pub fn mill(n: usize, random: &mut Random) -> Start {
+    let radius = drum(n);
+    // Grains fit between the tips of the arms and the drum.
+    let (hub, tip) = (HUB * radius, radius - 3.0 * GRAINS[1] - PADDLE);
+    let count = ((tip - hub) / PADDLE_PITCH) as usize;
+    let along = |k: usize| tip - k as f32 * PADDLE_PITCH;
+    let paddles =
+        arms().flat_map(|[x, y]| (0..count).map(move |k| [x * along(k), y * along(k)])).collect();
+    let mut particles = immovable(vec![[0.0; 2]], hub);
+    particles.extend(&immovable(paddles, PADDLE));
+    let ids = (0..particles.len() as i64).collect();
+    particles.extend(&grains(between_arms(n, radius, random), 10.0, random));
+    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.5);
+    let container = Container::Circle { center: [0.0; 2], radius };
+    let gravity = [0.0, GRAVITY];
+    let settings =
+        WorldSettings { container, gravity, restitution: 0.2, ..WorldSettings::default() };
+    let angular_velocity = (FROUDE * GRAVITY / radius).sqrt();
+    Start::new(particles, settings).with(Force::Motor(Motor { ids, angular_velocity, ..MOTOR }))
+}
+
+/// Places for `n` grains in the drum that overlap neither it nor the wheel.
+fn between_arms(n: usize, radius: f32, random: &mut Random) -> Vec<[f32; 2]> {
+    let grain = GRAINS[1];
+    let is_free = |&[x, y]: &[f32; 2]| {
+        let distance = (x * x + y * y).sqrt();
+        let off_arms = arms().all(|[u, v]| {
+            let across = (x * v - y * u).abs();
+            x * u + y * v < 0.0 || across > PADDLE + grain
+        });
+        distance < radius - grain && distance > HUB * radius + grain && off_arms
+    };
+    let mut cells = n;
+    loop {
+        let all = lattice(cells, mill_view(n), 0.0, random);
+        let free: Vec<[f32; 2]> = all.into_iter().filter(is_free).take(n).collect();
+        if free.len() == n {
+            return free;
+        }
+        cells += cells / 20 + 1;
+    }
+}
+
+/// Grains at some places, with speeds of up to `speed`.
+fn grains(places: Vec<[f32; 2]>, speed: f32, random: &mut Random) -> Particles {
+    let radii = places.iter().map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
+    let velocities = places.iter().map(|_| random.in_disc().map(|v| v * speed)).collect();
+    Particles::new(places, velocities, radii, 1.0)
+}
+
+const ROLLER: f32 = 6.0;
+
+/// From roller to roller: less room than a grain needs.
+const ROLLER_PITCH: f32 = 12.5;
+
+/// Speed of the surfaces of the rollers.
+const BELT_SPEED: f32 = 120.0;
+
+/// Slopes of the rollers, which lead up to the right, and of the chute below, which leads back.
+const CLIMB: f32 = 0.08;
+const CHUTE: f32 = 0.06;
+
+/// Width of the gaps at both ends of the rollers, and of that below the first.
+const GAP: f32 = 60.0;
+
+/// Length of the machine for each grain.
+const LENGTH_PER_GRAIN: f32 = 1.6;
+
+/// Length of the machine, and its lowest and its highest place.
+fn conveyor_size(n: usize) -> [f32; 3] {
+    let length = (n as f32 * LENGTH_PER_GRAIN).max(480.0);
+    [length, GAP, -CLIMB * length - 2.0 * GAP]
+}
+
+pub fn conveyor_view(n: usize) -> Area {
+    let [length, lowest, highest] = conveyor_size(n);
+    [0.0, highest, length, lowest]
+}
+
+/// `n` grains on rollers that carry them up to the right, from where a chute leads them back.
+pub fn conveyor(n: usize, random: &mut Random) -> Start {
+    let area = conveyor_view(n);
+    let [length, lowest, _] = conveyor_size(n);
+    let count = ((length - 2.0 * GAP) / ROLLER_PITCH) as usize;
+    let roller = |k: usize| [GAP + k as f32 * ROLLER_PITCH, -CLIMB * k as f32 * ROLLER_PITCH];
+    let mut particles = immovable((0..count).map(roller).collect(), ROLLER);
+    let turning = BELT_SPEED / ROLLER;
+    particles.spins_mut().iter_mut().for_each(|spin| spin.velocity = turning);
+    // In layers above the rollers.
+    let pitch = 2.02 * GRAINS[1];
+    let columns = (((length - 2.0 * GAP) / pitch) as usize).max(1);
+    let place = |index: usize| {
+        let x = GAP + (index % columns) as f32 * pitch;
+        let layer = 1.0 + (index / columns) as f32;
+        [x, -CLIMB * (x - GAP) - ROLLER - layer * pitch]
+    };
+    particles.extend(&grains((0..n).map(place).collect(), 10.0, random));
+    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.8);
+    let settings = WorldSettings { gravity: [0.0, GRAVITY], restitution: 0.1, ..boxed(area) };
+    let mut start = Start::new(particles, settings);
+    let chute = Wall::new([[0.0, lowest], [length, lowest - CHUTE * length]]);
+    start.walls.push(Wall { friction: Some(0.0), ..chute });
+    start
+}

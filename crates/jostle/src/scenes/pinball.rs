@@ -1,0 +1,125 @@
+//! A pinball table whose flippers beat by themselves. y grows downwards.
+
+use super::machines::MOTOR;
+use super::placing::{Area, immovable, lattice};
+use super::random::Random;
+use super::{Start, boxed};
+use crate::forces::{Force, Motor};
+use crate::particles::Particles;
+use crate::walls::Wall;
+use crate::world::WorldSettings;
+
+/// Width and height of a table for this many balls; tables for more are larger.
+const TABLE: [f32; 2] = [300.0, 500.0];
+const BALLS: f32 = 12.0;
+const BALL: f32 = 7.0;
+
+/// Places and radii of the bumpers, in widths of the table.
+const BUMPERS: [([f32; 2], f32); 7] = [
+    ([0.30, 0.52], 0.075),
+    ([0.70, 0.52], 0.075),
+    ([0.50, 0.78], 0.075),
+    ([0.50, 0.34], 0.045),
+    ([0.13, 0.80], 0.03),
+    ([0.87, 0.80], 0.03),
+    ([0.50, 1.08], 0.03),
+];
+
+/// The left half of the table's outline, in widths of the table: the rounded top, and the guide
+/// that leads to the flipper.
+const TOP: [[f32; 2]; 5] = [[0.0, 0.3], [0.03, 0.17], [0.1, 0.07], [0.2, 0.015], [0.3, 0.0]];
+const GUIDE: [[f32; 2]; 3] = [[0.0, 1.15], [PIVOT[0], PIVOT[1]], [PIVOT[0], TABLE[1] / TABLE[0]]];
+
+/// A triangle above the left flipper.
+const SLINGSHOT: [[f32; 2]; 4] = [[0.15, 0.98], [0.15, 1.12], [0.27, 1.21], [0.15, 0.98]];
+
+/// The left flipper, in widths of the table: its pivot, its length, and its radii at both ends.
+const PIVOT: [f32; 2] = [0.28, 1.36];
+const FLIPPER: f32 = 0.155;
+const FLIPPER_RADII: [f32; 2] = [0.024, 0.012];
+
+/// Discs of a flipper, the angle by which it points down at first, and that by which it turns.
+const FLIPPER_DISCS: usize = 12;
+const REST_ANGLE: f32 = 0.45;
+const SWING: f32 = 0.9;
+
+/// Seconds of a beat of the flippers, and of one of the floor between them, which throws balls back.
+const FLIPPER_PERIOD: f32 = 0.5;
+const FLOOR_PERIOD: f32 = 0.2;
+const FLOOR_SPEED: f32 = 700.0;
+
+/// The factor by which a table is larger.
+fn scale(n: usize) -> f32 {
+    (n as f32 / BALLS).sqrt().max(1.0)
+}
+
+fn width(n: usize) -> f32 {
+    scale(n) * TABLE[0]
+}
+
+pub fn pinball_view(n: usize) -> Area {
+    [0.0, 0.0, width(n), scale(n) * TABLE[1]]
+}
+
+/// `n` balls; bumpers and flippers before them.
+pub fn pinball(n: usize, random: &mut Random) -> Start {
+    let width = width(n);
+    let mut particles = Particles::default();
+    for (place, radius) in BUMPERS {
+        particles.extend(&immovable(vec![place.map(|v| v * width)], radius * width));
+    }
+    let flippers = [false, true].map(|is_right| flipper(is_right, width, &mut particles));
+    let [u, v] = [0.15 * width, 0.1 * width];
+    let places = lattice(n, [u, v, width - u, 0.42 * width], 0.0, random);
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 300.0)).collect();
+    let mut balls = Particles::new(places, velocities, vec![BALL; n], 1.0);
+    balls.restitutions.fill(0.9);
+    particles.extend(&balls);
+    let settings = WorldSettings { gravity: [0.0, 500.0], drag: 0.05, ..boxed(pinball_view(n)) };
+    let mut start = Start::new(particles, settings);
+    for is_right in [false, true] {
+        let side = |line: &[[f32; 2]]| -> Vec<[f32; 2]> {
+            line.iter().map(|&at| mirrored(at, is_right).map(|v| v * width)).collect()
+        };
+        start = start.walled(&side(&TOP)).walled(&side(&GUIDE)).walled(&side(&SLINGSHOT));
+    }
+    start.walls.iter_mut().for_each(|wall| wall.restitution = 0.7);
+    let floor = start.walls.len() as u32;
+    // A little shorter than the way between the guides, so that it touches neither.
+    let (y, inset) = (0.96 * scale(n) * TABLE[1], 0.3 * BALL);
+    let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
+    start.walls.push(Wall::new(ends.map(|x| [x, y])));
+    start.forces.extend(flippers.map(Force::Motor));
+    start.with(Force::Motor(Motor {
+        walls: vec![floor],
+        velocity: [0.0, -FLOOR_SPEED],
+        period: FLOOR_PERIOD,
+        ..MOTOR
+    }))
+}
+
+/// Its image on the right half, if `is_right`.
+fn mirrored([x, y]: [f32; 2], is_right: bool) -> [f32; 2] {
+    if is_right { [1.0 - x, y] } else { [x, y] }
+}
+
+/// Adds the discs of a flipper, and returns its motor.
+fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Motor {
+    let first = particles.len() as i64;
+    let along = [REST_ANGLE.cos(), REST_ANGLE.sin()];
+    for k in 0..FLIPPER_DISCS {
+        let share = k as f32 / (FLIPPER_DISCS - 1) as f32;
+        let place = [0, 1].map(|axis| PIVOT[axis] + share * FLIPPER * along[axis]);
+        let radius = FLIPPER_RADII[0] + share * (FLIPPER_RADII[1] - FLIPPER_RADII[0]);
+        let place = mirrored(place, is_right).map(|v| v * width);
+        particles.extend(&immovable(vec![place], radius * width));
+    }
+    let upwards = if is_right { SWING } else { -SWING };
+    Motor {
+        ids: (first..particles.len() as i64).collect(),
+        center: mirrored(PIVOT, is_right).map(|v| v * width),
+        angular_velocity: 2.0 * upwards / FLIPPER_PERIOD,
+        period: FLIPPER_PERIOD,
+        ..MOTOR
+    }
+}
