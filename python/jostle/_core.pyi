@@ -2986,8 +2986,8 @@ class World:
         All steps and sub-steps of the call count: a pair that began and ceased to touch is in
         `entered` and in `left`. A pair in `entered` did not touch at the end of the call before, and a
         pair in `left` does not touch at the end of this one, also because a particle was removed or
-        merged. In the first call all pairs that touch have entered. So each pair leaves as often as it
-        enters, and not before.
+        merged. In the first call all pairs that touch have entered. So a pair
+        that has entered does not enter again before it has left.
 
         Particles touch if they collide, if the gap between them is at most the rounding of float32, or
         if a resting contact presses them together. Particles that pass through each other, sensors
