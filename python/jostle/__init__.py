@@ -13,7 +13,7 @@
     `polyline` makes walls.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
-`WorldContacts`, `WallContacts`, `WorldStats`
+`WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
 `article`
     The two programs of the article of 2015, in plain Python, with their faults.
@@ -47,7 +47,9 @@ from jostle.results import (
     RayHits,
     Stats,
     WallContacts,
+    WorldCollisions,
     WorldContacts,
+    WorldEvents,
     WorldStats,
 )
 from jostle.walls import polyline
@@ -75,7 +77,9 @@ __all__ = [
     "Torus",
     "WallContacts",
     "World",
+    "WorldCollisions",
     "WorldContacts",
+    "WorldEvents",
     "WorldStats",
     "__version__",
     "article",

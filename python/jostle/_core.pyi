@@ -30,7 +30,9 @@ from jostle.results import (
     RayHits,
     Stats,
     WallContacts,
+    WorldCollisions,
     WorldContacts,
+    WorldEvents,
     WorldStats,
 )
 
@@ -2005,6 +2007,9 @@ class World:
         ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
         categories are 1 and masks have all bits. Walls, the container and forces do not depend on
         them.
+    sensors : array_like of bool, one or shape (n,), optional
+        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and `events`
+        and `contacts` tell what touches it. If omitted, none is. See `World.sensors`.
     container : Box, Circle, Torus or None, optional
         The region of the particles. The first step moves particles that are outside to the
         inside.
@@ -2055,6 +2060,8 @@ class World:
         Whether islands of touching particles that rest fall asleep under gravity, if the
         coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
         speed below 0.01 √(g r), where r is the radius.
+    track_events : bool, default False
+        Whether `events` tells which pairs began and ceased to touch in each call of `step`.
 
     Raises
     ------
@@ -2113,6 +2120,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
         container: _Container | None = None,
         container_restitution: ArrayLike = 1.0,
         walls: ArrayLike | None = None,
@@ -2127,6 +2135,7 @@ class World:
         max_depth: SupportsIndex = 4096,
         substeps: SupportsIndex | None = None,
         sleeping: bool = True,
+        track_events: bool = False,
     ) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
         """Advance the simulation.
@@ -2175,6 +2184,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> int:
         """Add one particle or many, after the others.
 
@@ -2201,6 +2211,7 @@ class World:
         angles, angular_velocities : array_like, a number or shape (k,), default 0.0
         categories, masks : array_like of int, a number or shape (k,), optional
             1 and all bits if no number was given for all particles.
+        sensors : array_like of bool, one or shape (k,), default False
 
         Returns
         -------
@@ -2238,6 +2249,9 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> _Ids: ...
     @overload
     def add(
@@ -2253,6 +2267,9 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> int: ...
     @overload
     def add(
@@ -2268,6 +2285,9 @@ class World:
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
         angular_velocities: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
@@ -2311,6 +2331,7 @@ class World:
         angular_velocities: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -2324,6 +2345,7 @@ class World:
         movable : array_like of bool, one or shape (k,), optional
         friction, angles, angular_velocities : array_like, a number or shape (k,), optional
         categories, masks : array_like of int, a number or shape (k,), optional
+        sensors : array_like of bool, one or shape (k,), optional
             Omitted columns stay the same.
 
         Raises
@@ -2620,6 +2642,38 @@ class World:
         """
     @masks.setter
     def masks(self, value: ArrayLike) -> None: ...
+    @property
+    def sensors(self) -> NDArray[np.bool_]:
+        """Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
+
+        A sensor and another particle pass through each other, and `contacts` and `events` tell that
+        they touch, without impulses. A disc that passes through a sensor within a step, at any speed,
+        is found too: it has entered and left. Walls, the container and forces act on sensors that are
+        movable, as on other particles; one with ``movable=False`` stays where it is put or moves with
+        its velocity, and reports other particles that are not movable, too. Two sensors report each
+        other if one is movable. Categories and masks tell what they report. They never merge.
+
+        To change all, assign an array or one bool; to change some, use `set`.
+
+        See Also
+        --------
+        events : The pairs that began and ceased to touch.
+
+        Examples
+        --------
+        A fast disc passes through a sensor within one step:
+
+        >>> import jostle
+        >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
+        >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
+        >>> world.step(1 / 60)
+        >>> world.events.entered, world.events.left
+        (array([[0, 1]]), array([[0, 1]]))
+        >>> world.velocities[0]
+        array([900.,   0.], dtype=float32)
+        """
+    @sensors.setter
+    def sensors(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> tuple[float, float]:
         """Acceleration of all movable particles, (x, y), units of length per second squared."""
@@ -2922,6 +2976,74 @@ class World:
         >>> world.step(0.01)
         >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
         (array([2]), array([10.], dtype=float32))
+        """
+    @property
+    def events(self) -> WorldEvents:
+        """The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
+        `entered`, `stayed` and `left`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
+        sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
+
+        All steps and sub-steps of the call count: a pair that began and ceased to touch is in
+        `entered` and in `left`. A pair in `entered` did not touch at the end of the call before, and a
+        pair in `left` does not touch at the end of this one, also because a particle was removed or
+        merged. In the first call all pairs that touch have entered. So a pair
+        that has entered does not enter again before it has left.
+
+        Particles touch if they collide, if the gap between them is at most the rounding of float32, or
+        if a resting contact presses them together. Particles that pass through each other, sensors
+        among them, touch if they overlap at any time of the call. Two that are not movable touch only
+        if just one is a sensor.
+
+        Raises
+        ------
+        RuntimeError
+            If `track_events` is False.
+
+        See Also
+        --------
+        contacts : The pairs of the last step, with impulses.
+        collisions : The number of collisions.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(
+        ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
+        ... )
+        >>> world.step(2.0)  # 0 hits 1, which flies on
+        >>> world.events.entered, world.events.left
+        (array([[0, 1]]), array([[0, 1]]))
+        >>> world.step(2.0)  # 1 touches 2 after 4 seconds
+        >>> entered, stayed, left = world.events
+        >>> entered, len(stayed), len(left)
+        (array([[1, 2]]), 0, 0)
+        """
+    @property
+    def track_events(self) -> bool:
+        """Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair
+        counts as touching before the next step.
+        """
+    @track_events.setter
+    def track_events(self, value: bool) -> None: ...
+    @property
+    def collisions(self) -> WorldCollisions:
+        """The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those of
+        two particles, and `walls`, those of a particle and a wall or the container.
+
+        All impacts in the order of time count, those of the same pair each. Resting contacts do not.
+
+        See Also
+        --------
+        contacts, wall_contacts : Which particles touched, with impulses.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> box = jostle.Box(-4, -1, 4, 1)
+        >>> world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+        >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
+        >>> world.collisions
+        WorldCollisions(pairs=3, walls=2)
         """
     @property
     def momentum(self) -> tuple[float, float]:

@@ -18,7 +18,9 @@ __all__ = [
     "RayHits",
     "Stats",
     "WallContacts",
+    "WorldCollisions",
     "WorldContacts",
+    "WorldEvents",
 ]
 
 
@@ -255,6 +257,49 @@ class WallContacts(NamedTuple):
     depths: NDArray[np.float32]
     normal_impulses: NDArray[np.float32]
     friction_impulses: NDArray[np.float32]
+
+
+class WorldEvents(NamedTuple):
+    """Pairs that began and ceased to touch in the last call of `World.step`.
+
+    It unpacks as ``entered, stayed, left``. Each array has pairs of ids i < j, sorted.
+
+    Attributes
+    ----------
+    entered : ndarray of int64, shape (m, 2)
+        Pairs that did not touch at the end of the call before, and touched in this one.
+    stayed : ndarray of int64, shape (m, 2)
+        Pairs that touched at the ends of both calls.
+    left : ndarray of int64, shape (m, 2)
+        Pairs that touched at the end of the call before or in this one, and not at its end.
+
+    See Also
+    --------
+    jostle.World.events
+    """
+
+    entered: NDArray[np.int64]
+    stayed: NDArray[np.int64]
+    left: NDArray[np.int64]
+
+
+class WorldCollisions(NamedTuple):
+    """Numbers of collisions in the last call of `World.step`.
+
+    Attributes
+    ----------
+    pairs : int
+        Collisions of two particles.
+    walls : int
+        Collisions of a particle with a wall or the container.
+
+    See Also
+    --------
+    jostle.World.collisions
+    """
+
+    pairs: int
+    walls: int
 
 
 class WorldStats(NamedTuple):

@@ -27,6 +27,7 @@ pub struct Draft {
     pub angular_velocities: Option<Each<f32>>,
     pub categories: Option<Each<u32>>,
     pub masks: Option<Each<u32>>,
+    pub sensors: Option<Each<bool>>,
 }
 
 impl Draft {
@@ -145,6 +146,9 @@ impl Draft {
             let filters = particles.filters_mut();
             put(self.categories, filters, |filter, bits| filter.category = bits);
             put(self.masks, filters, |filter, bits| filter.mask = bits);
+        }
+        if self.sensors.is_some() {
+            put(self.sensors, particles.sensors_mut(), |to, value| *to = value);
         }
     }
 }

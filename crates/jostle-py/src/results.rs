@@ -4,7 +4,7 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{GaltonBoard, Nozzle};
-use jostle::{Id, Scalar, Touch, WallTouch, memory};
+use jostle::{Collisions, Id, Scalar, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -50,6 +50,20 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
         column(py, all.iter().map(|touch| touch.friction_impulse).collect()),
     );
     CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
+}
+
+/// `jostle.WorldEvents`.
+pub fn world_events(py: Python<'_>, all: TouchEvents) -> PyResult<Bound<'_, PyAny>> {
+    static EVENTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (table(py, all.entered)?, table(py, all.stayed)?, table(py, all.left)?);
+    EVENTS.import(py, "jostle.results", "WorldEvents")?.call1(fields)
+}
+
+/// `jostle.WorldCollisions`.
+pub fn world_collisions(py: Python<'_>, all: Collisions) -> PyResult<Bound<'_, PyAny>> {
+    static COLLISIONS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let class = COLLISIONS.import(py, "jostle.results", "WorldCollisions")?;
+    class.call1((all.pairs, all.walls))
 }
 
 /// `jostle.Nodes`.

@@ -43,6 +43,11 @@ pub fn sleeping(given: &Given<'_>) -> PyResult<bool> {
     if given.value().is_none() { Ok(true) } else { truth("sleeping", given) }
 }
 
+/// Whether pairs that touch are recorded; left out, they are not.
+pub fn track_events(given: &Given<'_>) -> PyResult<bool> {
+    if given.value().is_none() { Ok(false) } else { truth("track_events", given) }
+}
+
 /// How `find_pairs` finds them; None stands for the faster way.
 pub fn method_or_auto(given: &Given<'_>) -> PyResult<Option<Method>> {
     let rule = "'auto', 'brute' or 'quadtree'";

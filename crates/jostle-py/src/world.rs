@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use jostle::{Defaults, Each, Error, Filter, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
@@ -82,6 +82,9 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
 ///     categories are 1 and masks have all bits. Walls, the container and forces do not depend on
 ///     them.
+/// sensors : array_like of bool, one or shape (n,), optional
+///     Whether the particle is a sensor: it neither pushes others nor is pushed by them, and `events`
+///     and `contacts` tell what touches it. If omitted, none is. See `World.sensors`.
 /// container : Box, Circle, Torus or None, optional
 ///     The region of the particles. The first step moves particles that are outside to the
 ///     inside.
@@ -132,6 +135,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     Whether islands of touching particles that rest fall asleep under gravity, if the
 ///     coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
 ///     speed below 0.01 √(g r), where r is the radius.
+/// track_events : bool, default False
+///     Whether `events` tells which pairs began and ceased to touch in each call of `step`.
 ///
 /// Raises
 /// ------
@@ -190,19 +195,21 @@ impl PyWorld {
             positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
             gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
             friction=Given::NOTHING, angles=None, angular_velocities=None, categories=None,
-            masks=None, container=None, container_restitution=Given::NOTHING, walls=None,
+            masks=None, sensors=None, container=None, container_restitution=Given::NOTHING, walls=None,
             wall_velocities=None, wall_restitution=Given::NOTHING, wall_friction=None,
             forces=Given::NOTHING, on_touch=Given::NOTHING,
             method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
-            sleeping=Given::NOTHING,
+            sleeping=Given::NOTHING, track_events=Given::NOTHING,
         ),
         text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
                           movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
                           friction=0.0, angles=None, angular_velocities=None, categories=None, \
-                          masks=None, container=None, container_restitution=1.0, walls=None, \
+                          masks=None, sensors=None, container=None, \
+                          container_restitution=1.0, walls=None, \
                           wall_velocities=None, wall_restitution=1.0, \
                           wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
-                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True)"
+                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True, \
+                          track_events=False)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -221,6 +228,7 @@ impl PyWorld {
         angular_velocities: Option<&Bound<'py, PyAny>>,
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
+        sensors: Option<&Bound<'py, PyAny>>,
         container: Option<&Bound<'py, PyAny>>,
         container_restitution: Given<'py>,
         walls: Option<&Bound<'py, PyAny>>,
@@ -235,6 +243,7 @@ impl PyWorld {
         max_depth: Given<'py>,
         substeps: Option<&Bound<'py, PyAny>>,
         sleeping: Given<'py>,
+        track_events: Given<'py>,
     ) -> PyResult<Self> {
         let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
         draft.masses = reals("masses", masses, len)?;
@@ -245,12 +254,14 @@ impl PyWorld {
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         draft.categories = bit_sets("categories", categories, len)?;
         draft.masks = bit_sets("masks", masks, len)?;
+        draft.sensors = truths("sensors", sensors, len)?;
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
             method: settings::method(&method)?,
             substeps: settings::substeps(substeps)?,
             sleeping: settings::sleeping(&sleeping)?,
+            track_events: settings::track_events(&track_events)?,
             tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
             ..WorldSettings::default()
         };
@@ -350,6 +361,7 @@ impl PyWorld {
     /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
     /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     1 and all bits if no number was given for all particles.
+    /// sensors : array_like of bool, one or shape (k,), default False
     ///
     /// Returns
     /// -------
@@ -375,7 +387,7 @@ impl PyWorld {
     #[pyo3(signature = (
         positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None,
-        categories=None, masks=None,
+        categories=None, masks=None, sensors=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -393,6 +405,7 @@ impl PyWorld {
         angular_velocities: Option<&Bound<'py, PyAny>>,
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
+        sensors: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
@@ -405,6 +418,7 @@ impl PyWorld {
         draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
         draft.categories = bit_sets("categories", categories, len)?;
         draft.masks = bit_sets("masks", masks, len)?;
+        draft.sensors = truths("sensors", sensors, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
@@ -459,6 +473,7 @@ impl PyWorld {
     /// movable : array_like of bool, one or shape (k,), optional
     /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
     /// categories, masks : array_like of int, a number or shape (k,), optional
+    /// sensors : array_like of bool, one or shape (k,), optional
     ///     Omitted columns stay the same.
     ///
     /// Raises
@@ -478,7 +493,7 @@ impl PyWorld {
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
-        masks=None,
+        masks=None, sensors=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -496,6 +511,7 @@ impl PyWorld {
         angular_velocities: Option<&Bound<'_, PyAny>>,
         categories: Option<&Bound<'_, PyAny>>,
         masks: Option<&Bound<'_, PyAny>>,
+        sensors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
         let len = ids.all.len();
@@ -512,6 +528,7 @@ impl PyWorld {
             angular_velocities: reals("angular_velocities", angular_velocities, len)?,
             categories: bit_sets("categories", categories, len)?,
             masks: bit_sets("masks", masks, len)?,
+            sensors: truths("sensors", sensors, len)?,
         };
         ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
     }
@@ -916,6 +933,47 @@ impl PyWorld {
         self.write_all(py, |len| {
             let masks = bit_sets("masks", Some(value), len)?;
             Ok(Draft { masks, ..Draft::default() })
+        })
+    }
+
+    /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// A sensor and another particle pass through each other, and `contacts` and `events` tell that
+    /// they touch, without impulses. A disc that passes through a sensor within a step, at any speed,
+    /// is found too: it has entered and left. Walls, the container and forces act on sensors that are
+    /// movable, as on other particles; one with ``movable=False`` stays where it is put or moves with
+    /// its velocity, and reports other particles that are not movable, too. Two sensors report each
+    /// other if one is movable. Categories and masks tell what they report. They never merge.
+    ///
+    /// To change all, assign an array or one bool; to change some, use `set`.
+    ///
+    /// See Also
+    /// --------
+    /// events : The pairs that began and ceased to touch.
+    ///
+    /// Examples
+    /// --------
+    /// A fast disc passes through a sensor within one step:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
+    /// >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
+    /// >>> world.step(1 / 60)
+    /// >>> world.events.entered, world.events.left
+    /// (array([[0, 1]]), array([[0, 1]]))
+    /// >>> world.velocities[0]
+    /// array([900.,   0.], dtype=float32)
+    #[getter]
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let sensors = self.long(py, |state| state.world.sensors())?;
+        Ok(read_only(column(py, sensors)))
+    }
+
+    #[setter]
+    fn set_sensors(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let sensors = truths("sensors", Some(value), len)?;
+            Ok(Draft { sensors, ..Draft::default() })
         })
     }
 
@@ -1360,6 +1418,88 @@ impl PyWorld {
         results::wall_contacts(py, self.long(py, |state| state.world.wall_contacts())?)
     }
 
+    /// The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
+    /// `entered`, `stayed` and `left`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
+    /// sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
+    ///
+    /// All steps and sub-steps of the call count: a pair that began and ceased to touch is in
+    /// `entered` and in `left`. A pair in `entered` did not touch at the end of the call before, and a
+    /// pair in `left` does not touch at the end of this one, also because a particle was removed or
+    /// merged. In the first call all pairs that touch have entered. So a pair
+    /// that has entered does not enter again before it has left.
+    ///
+    /// Particles touch if they collide, if the gap between them is at most the rounding of float32, or
+    /// if a resting contact presses them together. Particles that pass through each other, sensors
+    /// among them, touch if they overlap at any time of the call. Two that are not movable touch only
+    /// if just one is a sensor.
+    ///
+    /// Raises
+    /// ------
+    /// RuntimeError
+    ///     If `track_events` is False.
+    ///
+    /// See Also
+    /// --------
+    /// contacts : The pairs of the last step, with impulses.
+    /// collisions : The number of collisions.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
+    /// ... )
+    /// >>> world.step(2.0)  # 0 hits 1, which flies on
+    /// >>> world.events.entered, world.events.left
+    /// (array([[0, 1]]), array([[0, 1]]))
+    /// >>> world.step(2.0)  # 1 touches 2 after 4 seconds
+    /// >>> entered, stayed, left = world.events
+    /// >>> entered, len(stayed), len(left)
+    /// (array([[1, 2]]), 0, 0)
+    #[getter]
+    fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let events = self.long(py, |state| state.world.events())?;
+        let rule = "events are not tracked; set world.track_events = True before the step, or make \
+                    the world with track_events=True";
+        results::world_events(py, events.ok_or_else(|| PyRuntimeError::new_err(rule))?)
+    }
+
+    /// Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair
+    /// counts as touching before the next step.
+    #[getter]
+    fn track_events(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.rules(py)?.track_events)
+    }
+
+    #[setter]
+    fn set_track_events(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+        let track_events = settings::track_events(&value)?;
+        self.change_rules(py, |rules| rules.track_events = track_events)
+    }
+
+    /// The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those of
+    /// two particles, and `walls`, those of a particle and a wall or the container.
+    ///
+    /// All impacts in the order of time count, those of the same pair each. Resting contacts do not.
+    ///
+    /// See Also
+    /// --------
+    /// contacts, wall_contacts : Which particles touched, with impulses.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> box = jostle.Box(-4, -1, 4, 1)
+    /// >>> world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+    /// >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
+    /// >>> world.collisions
+    /// WorldCollisions(pairs=3, walls=2)
+    #[getter]
+    fn collisions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let collisions = self.state(py)?.world.collisions();
+        results::world_collisions(py, collisions)
+    }
+
     /// Sum of mass times velocity, (x, y).
     #[getter]
     fn momentum(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
@@ -1658,11 +1798,19 @@ impl State {
     fn begin(&mut self, dt: f64) -> jostle::Result<()> {
         self.world.step(dt, 0, &mut |_| ())?;
         self.world.forget_renumbering();
+        self.world.begin_record();
         Ok(())
     }
 
-    /// Does some of the steps, and returns how many are left.
-    fn step(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
+    /// Does some of the steps, and returns how many are left. If one is refused, those before are
+    /// done.
+    fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+        let left = self.step_for_a_while(dt, left);
+        self.world.end_record()?;
+        left
+    }
+
+    fn step_for_a_while(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
         let start = Instant::now();
         while left > 0 {
             let mut profile = <[Duration; Stage::ALL.len()]>::default();

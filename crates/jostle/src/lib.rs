@@ -46,4 +46,7 @@ pub use settings::{Method, Settings};
 pub use shapes::{Each, Filter, Shapes};
 pub use space::{Id, Space};
 pub use walls::Wall;
-pub use world::{Defaults, OnTouch, Stage, Stats, Touch, WallTouch, World, WorldSettings};
+pub use world::{
+    Collisions, Defaults, OnTouch, Stage, Stats, Touch, TouchEvents, WallTouch, World,
+    WorldSettings,
+};

@@ -45,6 +45,9 @@ pub struct Particles {
     pub spins: Vec<Spin>,
     /// Categories and masks; empty if all have the default.
     pub filters: Vec<Filter>,
+    /// Whether the particle is a sensor: it touches others, and neither pushes them nor is pushed.
+    /// Empty if none is.
+    pub sensors: Vec<bool>,
 }
 
 impl Particles {
@@ -86,7 +89,8 @@ impl Particles {
         ];
         let spins = (!self.spins.is_empty()).then_some(("friction", self.spins.len()));
         let filters = (!self.filters.is_empty()).then_some(("categories", self.filters.len()));
-        for (argument, found) in lengths.into_iter().chain(spins).chain(filters) {
+        let sensors = (!self.sensors.is_empty()).then_some(("sensors", self.sensors.len()));
+        for (argument, found) in lengths.into_iter().chain(spins).chain(filters).chain(sensors) {
             if found != expected {
                 return Err(Error::Length { argument, found, expected });
             }
@@ -118,6 +122,18 @@ impl Particles {
         self.filters.get(row).copied().unwrap_or_default()
     }
 
+    /// Whether a disc is a sensor.
+    #[inline(always)]
+    pub fn is_sensor(&self, row: usize) -> bool {
+        self.sensors.get(row).is_some_and(|&is_sensor| is_sensor)
+    }
+
+    /// Whether two discs that overlap touch: one of them must be movable, or just one a sensor.
+    #[inline(always)]
+    pub fn may_touch(&self, a: usize, b: usize) -> bool {
+        self.movable[a] || self.movable[b] || self.is_sensor(a) != self.is_sensor(b)
+    }
+
     /// Coefficient of friction of two discs.
     #[inline(always)]
     pub fn pair_friction(&self, a: usize, b: usize) -> f32 {
@@ -140,8 +156,15 @@ impl Particles {
         &mut self.filters
     }
 
+    /// Which discs are sensors, to be changed.
+    pub fn sensors_mut(&mut self) -> &mut [bool] {
+        self.sensors.resize(self.positions.len(), false);
+        &mut self.sensors
+    }
+
     /// Sets the angular velocities of points to 0. Removes the column of friction and rotation if
-    /// all is 0, and that of categories and masks if all have the default.
+    /// all is 0, that of categories and masks if all have the default, and that of sensors if there
+    /// are none.
     pub fn simplify(&mut self) {
         for (spin, &radius) in self.spins.iter_mut().zip(&self.radii) {
             spin.angle = wrap_angle(spin.angle);
@@ -155,6 +178,9 @@ impl Particles {
         if self.filters.iter().all(|filter| *filter == Filter::default()) {
             self.filters.clear();
         }
+        if !self.sensors.contains(&true) {
+            self.sensors.clear();
+        }
     }
 
     /// Appends the rows of `other`.
@@ -166,6 +192,10 @@ impl Particles {
         if !self.filters.is_empty() || !other.filters.is_empty() {
             self.filters_mut();
             self.filters.extend((0..other.len()).map(|row| other.filter(row)));
+        }
+        if !self.sensors.is_empty() || !other.sensors.is_empty() {
+            self.sensors_mut();
+            self.sensors.extend((0..other.len()).map(|row| other.is_sensor(row)));
         }
         self.positions.extend_from_slice(&other.positions);
         self.residuals.extend_from_slice(&other.residuals);
@@ -185,6 +215,10 @@ impl Particles {
         if !self.filters.is_empty() || !source.filters.is_empty() {
             self.filters_mut();
             self.filters.push(source.filter(from));
+        }
+        if !self.sensors.is_empty() || !source.sensors.is_empty() {
+            self.sensors_mut();
+            self.sensors.push(source.is_sensor(from));
         }
         self.positions.push(source.positions[from]);
         self.residuals.push(source.residuals[from]);
@@ -214,6 +248,11 @@ impl Particles {
         } else {
             parallel::gather(threads, &mut self.filters, &source.filters, order);
         }
+        if source.sensors.is_empty() {
+            self.sensors.clear();
+        } else {
+            parallel::gather(threads, &mut self.sensors, &source.sensors, order);
+        }
     }
 
     /// Writes the row `from` of `source` over `row`.
@@ -230,6 +269,9 @@ impl Particles {
         }
         if !self.filters.is_empty() {
             self.filters[row] = source.filter(from);
+        }
+        if !self.sensors.is_empty() {
+            self.sensors[row] = source.is_sensor(from);
         }
     }
 
@@ -251,6 +293,7 @@ impl Particles {
         filter(&mut self.movable, &keep);
         filter(&mut self.spins, &keep);
         filter(&mut self.filters, &keep);
+        filter(&mut self.sensors, &keep);
     }
 
     /// Whether a row has the same values in `other`.
@@ -270,6 +313,7 @@ impl Particles {
             && self.movable[row] == other.movable[row]
             && spin(self) == spin(other)
             && self.filter(row) == other.filter(row)
+            && self.is_sensor(row) == other.is_sensor(row)
     }
 
     /// Whether nothing can move the particle, and it does not move or turn by itself.

@@ -178,6 +178,21 @@ impl Relative {
         self.acceleration == [0.0; 2] && dot(self.offset, self.velocity) >= 0.0
     }
 
+    /// Whether two discs whose radii have the sum `reach` touch or overlap before `until`.
+    pub fn touches(&self, reach: f64, until: f64) -> bool {
+        let [q, w, a] = [self.offset, self.velocity, self.acceleration];
+        let span = (until - self.start).max(0.0);
+        let (gap, rate) = (dot(q, q) - reach * reach, dot(q, w));
+        if a != [0.0; 2] {
+            let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
+            return first_root([gap, 2.0 * rate, rest[0], rest[1], rest[2]], span).is_some();
+        }
+        // They are nearest at the beginning, at the end or between.
+        let wait = if rate < 0.0 { (-rate / dot(w, w)).min(span) } else { 0.0 };
+        let nearest = vector(|k| q[k] + w[k] * wait);
+        dot(nearest, nearest) <= reach * reach
+    }
+
     /// The first impact of two discs whose radii have the sum `reach`.
     #[inline(always)]
     pub fn impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {

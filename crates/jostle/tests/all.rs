@@ -4,6 +4,7 @@ mod common;
 
 mod allocations;
 mod determinism;
+mod events;
 mod filters;
 mod forces;
 mod friction;

@@ -25,6 +25,7 @@ fn assert_same(a: &World, b: &World, of: &str) {
     assert_eq!(a.wall_contacts(), b.wall_contacts(), "{of}");
     assert_eq!((a.time(), a.stats()), (b.time(), b.stats()), "{of}");
     assert_eq!(a.momentum(), b.momentum(), "{of}: the order within");
+    assert_eq!((a.events(), a.collisions()), (b.events(), b.collisions()), "{of}");
     assert_eq!(a.snapshot(), b.snapshot(), "{of}");
 }
 
@@ -62,6 +63,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
     for spin in all.spins_mut() {
         [spin.friction, spin.velocity] = pair(0.0, 1.0);
     }
+    all.sensors_mut()[7] = true;
     let settings = WorldSettings {
         gravity: [0.5, 9.0],
         drag: 0.01,
@@ -72,6 +74,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
         method: Method::Brute,
         substeps: Some(3),
         sleeping: true,
+        track_events: true,
         tree: Settings { leaf_capacity: 7, max_depth: 30, threads: Some(2) },
     };
     let mut world = World::new(all, settings).expect("valid");
@@ -186,7 +189,8 @@ static SMALL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     all.movable[3] = false;
     let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
     let gravity = [0.0, 5.0];
-    let settings = WorldSettings { container, gravity, ..WorldSettings::default() };
+    let track_events = true;
+    let settings = WorldSettings { container, gravity, track_events, ..WorldSettings::default() };
     let mut world = World::new(all, settings).expect("valid");
     world.set_forces(forces(40)).expect("valid");
     world.remove(&[5, 23]).expect("they are there");

@@ -89,6 +89,10 @@ pub struct Flight<'a> {
     pub pairs: bool,
     /// The candidate pairs, a list for each image.
     pub candidates: &'a [([f32; 2], Vec<[u32; 2]>)],
+    /// The same of pairs that pass through each other, and are listed if they touch.
+    pub sensed: &'a [([f32; 2], Vec<[u32; 2]>)],
+    /// Whether all pairs are of this kind.
+    pub senses_all: bool,
     /// Distances from the positions at the beginning of the step; discs that get further are
     /// listed. Empty if none are to be listed.
     pub limits: &'a [f32],
@@ -366,8 +370,9 @@ impl Window<'_> {
         move |side| if are_equal { first } else { self.wall_limits(position, index, side) }
     }
 
+    /// Sum of the radii of two discs.
     #[inline(always)]
-    fn reach(&self, a: u32, b: u32) -> f64 {
+    pub fn reach(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|index| f64::from(self.starts[index as usize].radius));
         a + b
     }

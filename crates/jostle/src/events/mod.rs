@@ -14,6 +14,7 @@ mod history;
 mod impulses;
 mod neighbors;
 mod queue;
+mod sensed;
 mod simulation;
 mod two;
 
@@ -31,7 +32,7 @@ use first::Batch;
 pub use flight::Flight;
 use flight::{Start, Window};
 pub use history::Bounce;
-use history::{Course, History, NONE, Trajectory};
+use history::{Course, History, NONE, Part, Trajectory};
 use neighbors::Neighbor;
 pub use neighbors::{NearPair, Neighbors};
 use queue::Event;
@@ -100,6 +101,9 @@ pub struct Events {
     pub neighbors: Neighbors,
     /// Bounces during the step, in any order.
     pub bounced: Vec<Bounce>,
+    /// Pairs that touched during the step, of those that pass through each other; some may be listed
+    /// twice.
+    pub sensed: Vec<[u32; 2]>,
     /// Discs that had too many events in a window and stand still for the rest of the step.
     pub exhausted: Vec<u32>,
     /// Discs that got further than their limits, and how far, once for each window. Unlike the
@@ -127,6 +131,8 @@ pub struct Events {
     discs: Vec<u32>,
     /// Pairs that may meet in larger bounds.
     near: Vec<NearPair>,
+    /// Those of them that pass through each other.
+    sensed_near: Vec<NearPair>,
     /// Those that are new.
     new: Vec<(u32, Neighbor)>,
 }
@@ -187,6 +193,7 @@ impl Events {
         self.conflicts.clear();
         bounds.begin_window();
         self.neighbors.begin_window();
+        self.sensed_near.retain(|near| near.lasts);
         if !window.flight.bounded {
             find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
             self.grow(&window, bounds)?;
@@ -232,6 +239,7 @@ impl Events {
             interrupt::check()?;
         }
         self.find_outside_limits(&window);
+        self.find_sensed(&window);
         self.finish(&window);
         Ok(window.end)
     }
@@ -239,6 +247,8 @@ impl Events {
     /// Begins a step: clears its results.
     pub fn begin_step(&mut self) {
         self.bounced.clear();
+        self.sensed.clear();
+        self.sensed_near.clear();
         self.exhausted.clear();
         self.outside_limits.clear();
         self.may_be_outside_limits.clear();
@@ -450,35 +460,45 @@ impl Events {
     /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times
     /// of impact of the first segments are tested only if `first` says so.
     fn meet(&self, window: &Window<'_>, [a, b]: [u32; 2], image: Vector, first: bool) -> bool {
+        self.any_at_once(window, [a, b], |own, other| {
+            let until = own.end.min(other.end);
+            let start = own.segment.time.max(other.segment.time);
+            // Straight segments without duration, between collisions at the same time, only
+            // touch.
+            let is_new = first || !own.is_first || !other.is_first;
+            // A disc that falls may be pressed against one that does not, which is no touch.
+            let is_curved = own.segment.falls != other.segment.falls;
+            let is_tested = is_new && (start < until || is_curved);
+            let both = ((a, &own.segment), (b, &other.segment));
+            if is_tested && window.impact(both.0, both.1, image, until).is_some() {
+                return true;
+            }
+            // Simultaneous contacts are solved together.
+            let [p, q] = [own.segment, other.segment].map(|s| s.moved(until, window.gravity()));
+            until < window.end && window.touch_now((a, &p), (b, &q), image)
+        })
+    }
+
+    /// Whether `test` is true for segments of two discs at the same time.
+    fn any_at_once(
+        &self,
+        window: &Window<'_>,
+        [a, b]: [u32; 2],
+        test: impl Fn(&Part, &Part) -> bool,
+    ) -> bool {
         let mut others = self.trajectory(window, b);
         self.trajectory(window, a).any(|own| {
             // Both are in the order of time, the last segment first.
             others.skip_after(own.end);
             let mut at_the_time = others.clone().take_while(|other| other.end >= own.segment.time);
-            at_the_time.any(|other| {
-                let until = own.end.min(other.end);
-                let start = own.segment.time.max(other.segment.time);
-                // Straight segments without duration, between collisions at the same time, only
-                // touch.
-                let is_new = first || !own.is_first || !other.is_first;
-                // A disc that falls may be pressed against one that does not, which is no touch.
-                let is_curved = own.segment.falls != other.segment.falls;
-                let is_tested = is_new && (start < until || is_curved);
-                let both = ((a, &own.segment), (b, &other.segment));
-                if is_tested && window.impact(both.0, both.1, image, until).is_some() {
-                    return true;
-                }
-                // Simultaneous contacts are solved together.
-                let [p, q] = [own.segment, other.segment].map(|s| s.moved(until, window.gravity()));
-                until < window.end && window.touch_now((a, &p), (b, &q), image)
-            })
+            at_the_time.any(|other| test(&own, &other))
         })
     }
 
     /// Adds the neighbours that the discs outside their bounds have in larger bounds.
     fn grow(&mut self, window: &Window<'_>, bounds: &mut dyn Bounds) -> Result<()> {
         self.new.clear();
-        if self.outside.is_empty() || !window.flight.pairs {
+        if self.outside.is_empty() || !(window.flight.pairs || window.flight.senses_all) {
             return Ok(());
         }
         if !window.flight.limits.is_empty() {
@@ -486,6 +506,7 @@ impl Events {
         }
         self.near.clear();
         bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;
+        self.take_sensed(window);
         self.neighbors.add(&self.near, &mut self.new);
         Ok(())
     }

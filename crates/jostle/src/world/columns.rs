@@ -100,6 +100,11 @@ impl World {
         self.column(|all, at| all.filter(at))
     }
 
+    /// Whether each particle is a sensor, in the order of adding.
+    pub fn sensors(&self) -> Vec<bool> {
+        self.column(|all, at| all.is_sensor(at))
+    }
+
     /// Whether some particles may not touch others.
     fn has_filters(&self) -> bool {
         let sleepers = &self.asleep.sleepers().particles;

@@ -78,13 +78,16 @@ impl World {
         let mut touching: Vec<[u32; 2]> = happened.map(|meeting| meeting.places).collect();
         self.memory.meetings = meetings;
         for _ in 0..ROUNDS {
+            self.record_pairs(&touching);
             if touching.is_empty() || !self.merge_touching(&touching) {
                 return;
             }
             // If there are too many pairs to list, the next step returns the error.
             let Ok((overlaps, tests)) = self.overlapping() else { return };
             self.stats.tests += tests;
+            let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
             touching = overlaps.into_iter().map(|overlap| overlap.places).collect();
+            touching.retain(|&[a, b]| !is_sensor(a) && !is_sensor(b));
         }
     }
 
@@ -206,6 +209,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         movable: vec![anchor.is_none()],
         spins: vec![spin_of(all, places, container, radius)],
         filters: vec![filter_of(all, places)],
+        sensors: vec![],
     })
 }
 

@@ -16,6 +16,7 @@ mod feel;
 mod given;
 mod ids;
 mod merge;
+mod record;
 mod search;
 mod settings;
 mod sleeping;
@@ -24,6 +25,7 @@ mod step;
 mod substeps;
 mod sums;
 mod touches;
+mod touching;
 mod undo;
 mod waking;
 
@@ -47,6 +49,8 @@ use asleep::Asleep;
 pub use defaults::Defaults;
 use feel::ForceMemory;
 use ids::Ids;
+use record::Record;
+pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use sleeping::Drift;
 use step::MAX_CANDIDATES;
@@ -149,6 +153,8 @@ pub struct World {
     stats: Stats,
     /// The old and the new id of each particle that became part of another.
     renumbered: Option<Vec<[Id; 2]>>,
+    /// What happened since the last call of [`World::begin_record`].
+    record: Record,
     memory: Memory,
 }
 
@@ -175,6 +181,9 @@ struct Memory {
     moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
+    /// Those of the step.
+    collisions: Collisions,
+    touching: touching::Scratch,
     events: Events,
     /// Pairs that touched in earlier parts of the step, and their impulses.
     touched_before: Vec<([u32; 2], [f32; 2])>,
@@ -197,6 +206,8 @@ struct Memory {
     listing: search::ListScratch,
     /// The candidate pairs.
     pairs: search::Lists,
+    /// Those of pairs that pass through each other, if it matters whether they touch.
+    sensed: search::Lists,
     /// Those that overlap at the beginning of a step in which nothing can rest.
     overlaps: search::Lists,
     /// The candidate pairs of a world whose particles merge.
@@ -238,8 +249,8 @@ impl World {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
         check_plane(settings.container, self.walls.all().len())?;
-        let WorldSettings { method, tree, .. } = settings;
-        if settings != (WorldSettings { method, tree, ..self.settings }) {
+        let WorldSettings { method, tree, track_events, .. } = settings;
+        if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             self.wake_all();
             self.drifts.clear();
         }
@@ -247,6 +258,9 @@ impl World {
             self.wall_pushes.fill([0.0; MAX_WALLS]);
             self.wall_frictions.clear();
             self.wall_impulses.clear();
+        }
+        if track_events != self.settings.track_events {
+            self.record.forget_pairs();
         }
         self.settings = settings;
         self.walls.set_sides(settings.side_restitutions());
@@ -430,6 +444,9 @@ impl World {
         }
         if !copy.filters.is_empty() {
             self.particles.filters_mut();
+        }
+        if !copy.sensors.is_empty() {
+            self.particles.sensors_mut();
         }
         for (index, &row) in rows.iter().enumerate() {
             let place = places[row as usize] as usize;

@@ -67,7 +67,7 @@ pub(super) fn list(
     Ok(tests)
 }
 
-/// Two particles that overlap, at least one of them movable.
+/// Two particles that overlap and may touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Overlap {
     pub(super) places: [u32; 2],
@@ -99,7 +99,7 @@ impl World {
             for pair in pairs {
                 let places = pair.map(|place| tree.rows()[place as usize]);
                 let [a, b] = places.map(|place| place as usize);
-                if all.movable[a] || all.movable[b] {
+                if all.may_touch(a, b) {
                     let [from, to] = [a, b].map(|place| shapes.centers[place]);
                     let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
                     let reach = all.radii[a] + all.radii[b];

@@ -42,6 +42,9 @@ pub struct WorldSettings {
     /// Whether islands that have been slow for half a second fall asleep under gravity, if
     /// collisions are inelastic.
     pub sleeping: bool,
+    /// Whether the pairs that touch are recorded, see [`World::events`](super::World::events). The
+    /// state does not depend on it.
+    pub track_events: bool,
     /// Leaf capacity, maximum depth and threads.
     pub tree: Settings,
 }
@@ -61,6 +64,7 @@ impl Default for WorldSettings {
             method: Method::Quadtree,
             substeps: None,
             sleeping: true,
+            track_events: false,
             tree: Settings::default(),
         }
     }

@@ -155,6 +155,7 @@ impl World {
         if self.list_sleepers() {
             let sleepers = self.take_sleepers();
             self.asleep.append(&sleepers, self.settings.tree)?;
+            self.record.knows_sleepers = false;
             let island_of = &self.memory.sleeping.island_of;
             let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
             self.drop_wall_impulses(sleepers.rows);
@@ -265,12 +266,13 @@ impl World {
     /// theirs awake.
     fn find_islands(&mut self) {
         let Self { particles, contacts, wall_pushes, wall_impulses, rows, memory, .. } = self;
-        let super::Memory { pairs, sleeping: Scratch { groups, rests, .. }, .. } = memory;
+        let super::Memory { pairs, sensed, sleeping: Scratch { groups, rests, .. }, .. } = memory;
         let movable = &particles.movable;
         groups.reset(movable.len());
         let is_member = |place: u32| !particles.is_static(place as usize);
         let touching = contacts.touching().map(|contact| contact.places);
-        for [a, b] in pairs.iter().flat_map(|(_, pairs)| pairs).copied().chain(touching) {
+        let near = pairs.iter().chain(&*sensed).flat_map(|(_, pairs)| pairs);
+        for [a, b] in near.copied().chain(touching) {
             if is_member(a) && is_member(b) {
                 groups.join(a, b);
             }

@@ -61,6 +61,7 @@ impl World {
                 interrupt::check()?;
                 self.wall_impulses.clear();
                 self.stats = Stats::default();
+                self.record.is_open |= !self.record.knows_sleepers;
             } else {
                 self.step_driven(single, dt, watch)?;
             }
@@ -105,9 +106,11 @@ impl World {
                 self.meet_bath(single);
                 self.keep_wall_pushes();
                 touches::add_up(&mut self.wall_impulses);
+                self.record_touching();
                 done = self.fall_asleep(dt);
                 if done.is_ok() {
                     self.asleep.forget_woken();
+                    self.close_step();
                     return Ok(());
                 }
             }
@@ -312,10 +315,14 @@ impl World {
     fn candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
         let is_sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;
-        let Memory { tree, listing, pairs, .. } = &mut self.memory;
+        let Memory { tree, listing, pairs, sensed, .. } = &mut self.memory;
+        sensed.clear();
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {
                 pairs.clear();
+                if self.settings.track_events {
+                    search::list(tree, &self.settings, true, listing, sensed)?;
+                }
                 0
             }
             OnTouch::Bounce | OnTouch::Merge => {
@@ -444,5 +451,6 @@ fn compare_particles(all: &Particles, a: usize, b: usize) -> Ordering {
     let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
     let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
     let order = order.then_with(|| all.movable[a].cmp(&all.movable[b]));
-    order.then_with(|| all.filter(a).cmp(&all.filter(b)))
+    let order = order.then_with(|| all.filter(a).cmp(&all.filter(b)));
+    order.then_with(|| all.is_sensor(a).cmp(&all.is_sensor(b)))
 }

@@ -3,9 +3,10 @@
 
 use super::feel::{accelerate, springs};
 use super::given::add_given;
+use super::search::Lists;
 use super::settings::DEFAULT_SUBSTEPS;
 use super::touches::WallImpulse;
-use super::{Memory, OnTouch, Stage, World, merge};
+use super::{Collisions, Memory, OnTouch, Stage, World, merge};
 use crate::error::Result;
 use crate::events::{Bounce, Flight, WALL};
 use crate::flow::{Flow, Kick};
@@ -52,8 +53,12 @@ impl World {
     pub(super) fn prepare(&mut self) {
         let threads = self.threads();
         let may_rest = self.may_rest();
-        let Memory { tree, pairs, overlaps, meetings, moving, exhausted, events, .. } =
+        let Memory { tree, pairs, sensed, overlaps, meetings, moving, exhausted, events, .. } =
             &mut self.memory;
+        if !self.particles.sensors.is_empty() {
+            let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
+            take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
+        }
         moving.clone_from(&self.particles.movable);
         meetings.clear();
         if self.settings.on_touch == OnTouch::Merge {
@@ -206,6 +211,8 @@ impl World {
                 thermal: forces::thermal_sides(&self.forces, self.time),
                 pairs: settings.on_touch == OnTouch::Bounce,
                 candidates: &memory.pairs,
+                sensed: &memory.sensed,
+                senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
                 limits: &memory.limits,
                 threads,
             };
@@ -235,6 +242,10 @@ impl World {
             |a: &Bounce, b: &Bounce| pair(a).cmp(&pair(b)).then_with(|| rest(a).cmp(&rest(b)));
         memory.events.bounced.sort_unstable_by(order);
         let bounced = &memory.events.bounced;
+        for of in bounced.iter().filter(|of| of.impulses[0] > 0.0) {
+            let Collisions { pairs, walls } = &mut memory.collisions;
+            *(if of.pair[1] == WALL { walls } else { pairs }) += 1;
+        }
         let off_walls = bounced.iter().filter(|of| of.pair[1] == WALL);
         let off_walls = off_walls.map(|of| (of.pair[0], of.code, of.impulses));
         let off_walls = off_walls.chain(memory.wall_impulses.drain(..));
@@ -245,7 +256,18 @@ impl World {
             pushes: [0.0; 2],
         }));
         let pairs = bounced.iter().filter(|of| of.pair[1] != WALL).map(|of| (of.pair, of.impulses));
-        let touched = pairs.chain(memory.touched_before.iter().copied());
+        let sensed = &mut memory.events.sensed;
+        sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
+        sensed.sort_unstable();
+        sensed.dedup();
+        if settings.on_touch != OnTouch::Bounce {
+            let sensed = std::mem::take(sensed);
+            self.record_pairs(&sensed);
+            self.memory.events.sensed = sensed;
+            return self.store();
+        }
+        let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
+        let touched = pairs.chain(sensed).chain(memory.touched_before.iter().copied());
         let touched = touched.map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
             let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
@@ -257,4 +279,13 @@ impl World {
         self.contacts.each(threads, |contact| contact.measure(motions));
         self.store()
     }
+}
+
+/// Moves some pairs from lists to others, which are empty.
+fn take(from: &mut Lists, to: &mut Lists, is_taken: impl Fn([u32; 2]) -> bool) {
+    to.extend(from.iter_mut().map(|(image, pairs)| {
+        let taken = pairs.iter().copied().filter(|&pair| is_taken(pair)).collect();
+        pairs.retain(|&pair| !is_taken(pair));
+        (*image, taken)
+    }));
 }

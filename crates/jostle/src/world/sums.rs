@@ -114,6 +114,7 @@ impl World {
         for &Filter { category, mask } in &all.filters {
             [category, mask].into_iter().for_each(&mut mix);
         }
+        all.sensors.iter().for_each(|&is_sensor| mix(u32::from(is_sensor)));
         hash
     }
 }

@@ -3,7 +3,7 @@
 use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
-use super::{Stats, World};
+use super::{Collisions, Stats, World};
 use crate::contacts::Contacts;
 use crate::container::MAX_WALLS;
 use crate::forces::Force;
@@ -38,6 +38,8 @@ pub(super) struct Before {
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
     stats: Stats,
+    /// Pairs that had touched since the record began.
+    recorded: usize,
     /// Those before the first merger of the step.
     pub(super) ids: Option<Ids>,
     renumbered: Option<Vec<[Id; 2]>>,
@@ -62,6 +64,8 @@ impl World {
         self.memory.wall_pushes.clear();
         self.memory.wall_pushes.extend(pushes);
         before.stats = self.stats;
+        before.recorded = self.record.during.len();
+        self.memory.collisions = Collisions::default();
         before.ids = None;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
@@ -100,6 +104,7 @@ impl World {
         }
         std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
+        self.record.during.truncate(before.recorded);
         if let Some(ids) = before.ids.take() {
             self.ids = ids;
         }

@@ -7,6 +7,7 @@
 mod defaults;
 mod forces;
 mod ids;
+mod record;
 mod sleepers;
 
 use super::drive::check_walls;
@@ -27,6 +28,7 @@ use crate::walls::{FIRST, Wall};
 use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
 use ids::{get_ids, put_ids};
+use record::{get_record, put_record};
 use sleepers::{get_sleepers, put_sleepers};
 
 /// The first bytes.
@@ -76,6 +78,7 @@ impl World {
         put_ids(&mut to, &self.ids);
         put_defaults(&mut to, &self.defaults);
         put_given(&mut to, &self.given);
+        put_record(&mut to, self);
         to.finish(MAGIC, VERSION)
     }
 
@@ -138,6 +141,7 @@ impl World {
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
         world.given = if version > 6 { get_given(&mut from, world.len())? } else { vec![] };
+        get_record(&mut from, &mut world, version)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
@@ -224,6 +228,7 @@ fn put_particles(to: &mut Writer, all: &Particles) {
         to.put(*angle);
     }
     put_filters(to, &all.filters);
+    put_sensors(to, &all.sensors);
 }
 
 fn put_given(to: &mut Writer, given: &[[f32; 2]]) {
@@ -258,6 +263,7 @@ fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Part
         movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
         spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
         filters: if version > 6 { get_filters(from, len)? } else { vec![] },
+        sensors: if version > 6 { get_sensors(from, len)? } else { vec![] },
     })
 }
 
@@ -268,6 +274,19 @@ fn get_filters(from: &mut Reader<'_>, len: usize) -> Result<Vec<Filter>> {
     }
     let words: Vec<[u32; 2]> = from.get_all(len)?;
     Ok(words.into_iter().map(|[category, mask]| Filter { category, mask }).collect())
+}
+
+fn put_sensors(to: &mut Writer, sensors: &[bool]) {
+    to.put(u8::from(!sensors.is_empty()));
+    to.put_all(&sensors.iter().map(|&is_sensor| u8::from(is_sensor)).collect::<Vec<u8>>());
+}
+
+/// Which of `len` particles are sensors; empty if none is.
+fn get_sensors(from: &mut Reader<'_>, len: usize) -> Result<Vec<bool>> {
+    if from.get::<u8>()? == 0 {
+        return Ok(Vec::new());
+    }
+    Ok(from.get_all::<u8>(len)?.into_iter().map(|is_sensor| is_sensor > 0).collect())
 }
 
 fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {

@@ -1,0 +1,72 @@
+//! Pairs that pass through each other: which of them touch.
+
+use super::flight::Window;
+use super::{Events, Part};
+use crate::interrupt::Stop;
+use crate::parallel;
+use crate::trajectory::{Relative, Vector};
+
+/// Pairs that one thread tests at a time.
+const PAIRS: usize = 4096;
+
+impl Events {
+    /// Appends the pairs that touch along their trajectories in the window, of those that pass
+    /// through each other.
+    pub(super) fn find_sensed(&mut self, window: &Window<'_>) {
+        let is_any = window.flight.sensed.iter().any(|(_, pairs)| !pairs.is_empty());
+        if !is_any && self.sensed_near.is_empty() {
+            return;
+        }
+        let lists = window.flight.sensed.iter();
+        let parts: Vec<_> = lists
+            .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(move |part| (*image, part)))
+            .collect();
+        let mut found = std::mem::take(&mut self.found);
+        found.resize_with(found.len().max(parts.len()), Vec::new);
+        let stop = Stop::current();
+        let tasks = found.iter_mut().zip(&parts);
+        parallel::for_each(window.flight.threads, tasks, |(found, (image, pairs))| {
+            found.clear();
+            if !stop.is_set() {
+                let image = image.map(f64::from);
+                found.extend(pairs.iter().filter(|&&pair| self.pass(window, pair, image)));
+            }
+        });
+        self.sensed.extend(found[..parts.len()].iter().flatten());
+        self.found = found;
+        let near = std::mem::take(&mut self.sensed_near);
+        let touching = near.iter().filter(|near| self.pass(window, near.pair, near.offset));
+        let touching: Vec<[u32; 2]> = touching.map(|near| near.pair).collect();
+        self.sensed.extend(touching);
+        self.sensed_near = near;
+    }
+
+    /// Whether two discs may touch, and their trajectories come so near each other that their surfaces touch.
+    fn pass(&self, window: &Window<'_>, pair: [u32; 2], image: Vector) -> bool {
+        let [a, b] = pair.map(|index| index as usize);
+        if !window.flight.particles.may_touch(a, b) {
+            return false;
+        }
+        let reach = window.reach(pair[0], pair[1]);
+        self.any_at_once(window, pair, |own: &Part, other: &Part| {
+            let both = Relative::of(&own.segment, &other.segment, image, window.gravity());
+            both.touches(reach, own.end.min(other.end))
+        })
+    }
+
+    /// Moves the pairs that pass through each other from those near each other in larger bounds to
+    /// those to be tested for touching.
+    pub(super) fn take_sensed(&mut self, window: &Window<'_>) {
+        let particles = window.flight.particles;
+        let all_pass = !window.flight.pairs;
+        if !all_pass && particles.sensors.is_empty() {
+            return;
+        }
+        let passes = |[a, b]: [u32; 2]| {
+            all_pass || particles.is_sensor(a as usize) || particles.is_sensor(b as usize)
+        };
+        let Self { near, sensed_near, .. } = self;
+        sensed_near.extend(near.iter().filter(|near| passes(near.pair)));
+        near.retain(|near| !passes(near.pair));
+    }
+}

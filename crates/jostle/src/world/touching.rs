@@ -1,0 +1,103 @@
+//! The pairs that touch at the end of a step.
+
+use std::cmp::Ordering;
+
+use super::World;
+use super::bounds::rounding;
+use super::search::{self, ListScratch, Lists};
+use crate::container::{ROUNDING, size};
+use crate::error::Result;
+use crate::motion::exact;
+use crate::parallel;
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::shapes::{Shapes, fill_filters};
+use crate::space::Id;
+
+/// Surfaces touch if their gap is at most the rounding of float32, and at most this share of the sum
+/// of radii.
+const MOST: f64 = 1e-3;
+
+/// Scratch.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    shapes: Shapes<f32>,
+    tree: Quadtree<f32>,
+    listing: ListScratch,
+    lists: Lists,
+}
+
+impl World {
+    /// The pairs of ids that touch now, sorted: those with a small gap, and those that resting
+    /// contacts press together.
+    pub(super) fn touching(&mut self) -> Result<Vec<[Id; 2]>> {
+        let mut scratch = std::mem::take(&mut self.memory.touching);
+        let found = parallel::among(self.threads(), || self.find_touching(&mut scratch));
+        self.memory.touching = scratch;
+        let rows = found?;
+        let pressed = self.contacts.lasting().filter(|contact| contact.impulse > 0.0);
+        let pressed = pressed.map(|contact| contact.places.map(|place| self.rows[place as usize]));
+        let asleep = self.asleep.contacts().filter(|contact| contact.impulse > 0.0);
+        let asleep = asleep.map(|contact| contact.places);
+        let rows = rows.into_iter().chain(pressed).chain(asleep);
+        let mut all: Vec<[Id; 2]> =
+            rows.map(|[i, j]| [i.min(j), i.max(j)].map(|row| self.ids.of(row))).collect();
+        if self.record.knows_sleepers && !self.asleep.is_empty() {
+            let asleep = self.asleep();
+            let sleeps = |&id: &Id| self.ids.row(id).is_some_and(|row| asleep[row as usize]);
+            let known = self.record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
+            all.extend(known.filter(|pair| pair.iter().all(|&id| self.contains(id))));
+        }
+        all.sort_unstable();
+        all.dedup();
+        Ok(all)
+    }
+
+    /// The pairs of rows with a small gap. Sleeping ones are left out if their pairs are known.
+    fn find_touching(&self, scratch: &mut Scratch) -> Result<Vec<[u32; 2]>> {
+        if self.asleep.is_empty() || self.record.knows_sleepers {
+            let pairs = self.find_touching_of(&self.particles, scratch)?;
+            return Ok(pairs.map(|pair| pair.map(|place| self.rows[place as usize])).collect());
+        }
+        Ok(self.find_touching_of(&self.particles(), scratch)?.collect())
+    }
+
+    fn find_touching_of<'a>(
+        &self,
+        all: &'a Particles,
+        scratch: &'a mut Scratch,
+    ) -> Result<impl Iterator<Item = [u32; 2]> + use<'a>> {
+        let container = self.settings.container;
+        let Scratch { shapes, tree, listing, lists } = scratch;
+        shapes.centers.clear();
+        shapes.centers.extend(all.positions.iter().map(|&position| container.wrap(position)));
+        let radii = shapes.radii.rows_mut();
+        radii.clear();
+        radii.extend(all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
+            radius * (1.0 + 2.0 * MOST as f32) + 2.0 * rounding(position, &container)
+        }));
+        fill_filters(all.filters.iter().copied(), &mut shapes.filters);
+        tree.rebuild_unchecked(shapes, self.settings.tree, &|_, _| Ordering::Equal)?;
+        search::list(tree, &self.settings, false, listing, lists)?;
+        let touch = move |[a, b]: [u32; 2]| {
+            let [a, b] = [a, b].map(|place| place as usize);
+            if !all.may_touch(a, b) {
+                return false;
+            }
+            let [p, q] = [a, b].map(|at| exact(all.positions[at], all.residuals[at]));
+            let reach = f64::from(all.radii[a]) + f64::from(all.radii[b]);
+            let [x, y] = container.short_way([q[0] - p[0], q[1] - p[1]]);
+            let near = reach + tolerance(size(p, reach).max(size(q, reach)), reach);
+            x * x + y * y <= near * near
+        };
+        let (tree, lists) = (&*tree, &*lists);
+        let pairs = lists.iter().flat_map(|(_, pairs)| pairs);
+        let pairs = pairs.map(|pair| pair.map(|place| tree.rows()[place as usize]));
+        Ok(pairs.filter(move |&pair| touch(pair)))
+    }
+}
+
+/// The gap below which surfaces touch that are so large and so far from the origin.
+fn tolerance(size: f64, reach: f64) -> f64 {
+    (ROUNDING * size).min(MOST * reach)
+}

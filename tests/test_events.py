@@ -1,0 +1,208 @@
+"""`World.events`, `World.collisions` and sensors, as Python sees them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import jostle
+
+STEP = 1 / 60
+Pairs = set[tuple[int, int]]
+
+
+def as_set(pairs: np.ndarray) -> Pairs:
+    """Check the form of an array of pairs, and return it as a set."""
+    assert pairs.dtype == np.int64 and pairs.shape == (len(pairs), 2)
+    assert (pairs[:, 0] < pairs[:, 1]).all()
+    rows: list[tuple[int, int]] = [tuple(pair) for pair in pairs.tolist()]
+    assert rows == sorted(set(rows))
+    return set(rows)
+
+
+def overlapping(world: jostle.World) -> Pairs:
+    """Return the pairs that overlap, by brute force."""
+    p, r = world.positions.astype(float), world.radii.astype(float)
+    i, j = np.triu_indices(len(world), 1)
+    near = np.hypot(*(p[i] - p[j]).T) < r[i] + r[j]
+    ids = world.ids
+    return set(zip(ids[i[near]].tolist(), ids[j[near]].tolist(), strict=True))
+
+
+def random_walkers(seed: int) -> jostle.World:
+    rng = np.random.default_rng(seed)
+    return jostle.World(
+        rng.uniform(1, 19, (60, 2)),
+        rng.normal(0, 6, (60, 2)),
+        rng.uniform(0.2, 0.9, 60),
+        container=jostle.Box(0, 0, 20, 20),
+        on_touch="ignore",
+        track_events=True,
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_events_are_those_of_brute_force_at_many_short_steps(seed: int) -> None:
+    """The brute force sees the pairs at the ends of 100 parts of each call."""
+    world, fine = random_walkers(seed), random_walkers(seed)
+    before: Pairs = set()
+    missed = 0
+    for _ in range(15):
+        during: Pairs = set()
+        for _ in range(100):
+            fine.step(STEP / 20)
+            during |= overlapping(fine)
+        world.step(STEP, steps=5)
+        entered, stayed, left = map(as_set, world.events)
+        now = overlapping(world)
+        assert stayed == before & now
+        assert during - before <= entered
+        assert left >= (before | during) - now
+        assert left - before <= entered
+        assert entered - left == now - before
+        missed += len(entered - during)  # grazing pairs
+        before = now
+    assert missed < 15
+
+
+def test_each_pair_leaves_as_often_as_it_enters() -> None:
+    world = jostle.scenes.create("gas", n=300)
+    world.track_events = True
+    touching: Pairs = set()
+    for k in range(60):
+        world.step(STEP, steps=3)
+        entered, stayed, left = map(as_set, world.events)
+        assert not entered & touching and left <= touching | entered
+        touching = (touching | entered) - left
+        assert stayed <= touching
+        if k % 10 == 5:
+            world.remove(world.ids[::40])
+            world.add([(5 * k, 9)] * 3, np.ones((3, 2)), radii=0.5)
+    assert all(id in world for pair in touching for id in pair)
+
+
+def test_events_need_to_be_asked_for() -> None:
+    world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, radii=1.0)
+    assert world.track_events is False
+    world.step(STEP)
+    with pytest.raises(RuntimeError, match="track_events=True"):
+        _ = world.events
+    world.track_events = True
+    assert all(len(pairs) == 0 for pairs in world.events)
+    world.step(STEP)
+    assert as_set(world.events.entered) == {(0, 1)}
+    assert jostle.World.restore(world.snapshot()).events.entered.tolist() == [[0, 1]]
+    world.track_events = False
+    with pytest.raises(RuntimeError):
+        _ = world.events
+    with pytest.raises(TypeError, match="track_events"):
+        world.track_events = "yes"  # type: ignore[assignment]
+
+
+def test_a_refused_call_changes_no_events() -> None:
+    world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, radii=1.0, track_events=True)
+    world.step(STEP)
+    with pytest.raises(ValueError, match="dt"):
+        world.step(-1.0)
+    assert as_set(world.events.entered) == {(0, 1)}
+
+
+def test_a_merged_particle_leaves() -> None:
+    world = jostle.World(
+        [(0, 0), (3, 0)], [(9, 0), (0, 0)], radii=1.0, on_touch="merge", track_events=True
+    )
+    world.step(0.2)
+    assert as_set(world.events.entered) == as_set(world.events.left) == {(0, 1)}
+    assert world.ids.tolist() == [0]
+
+
+def goal(**keywords: object) -> jostle.World:
+    """Return a world of a disc in front of a gate of sensors in a row."""
+    gate = [(5.0, y) for y in range(-4, 5, 2)]
+    return jostle.World(
+        [(0, 0), *gate],
+        [(3, 0)] + [(0, 0)] * len(gate),
+        radii=[0.5] + [1.0] * len(gate),
+        movable=[True] + [False] * len(gate),
+        sensors=[False] + [True] * len(gate),
+        track_events=True,
+        **keywords,  # type: ignore[arg-type]
+    )
+
+
+def test_a_sensor_reports_and_pushes_nothing() -> None:
+    world = goal()
+    seen: list[str] = []
+    for _ in range(200):
+        world.step(STEP)
+        entered, _, left = (pairs[pairs[:, 1] == 3] for pairs in world.events)
+        seen += ["entered"] * len(entered) + ["left"] * len(left)
+        contacts = world.contacts
+        if len(contacts.pairs):
+            assert (contacts.normal_impulses == 0).all()
+    assert seen == ["entered", "left"]
+    assert world.velocities[0].tolist() == [3, 0]
+    assert world.positions[0] == pytest.approx([10, 0], abs=1e-4)
+    assert world.collisions.pairs == 0
+
+
+def test_a_sensor_reports_a_disc_that_passes_in_one_step() -> None:
+    for speed in (500, 1e4, 1e6):
+        world = goal()
+        world.set(0, velocities=(speed, 0))
+        world.step(STEP)
+        assert as_set(world.events.entered) == as_set(world.events.left) == {(0, 3)}
+        assert as_set(world.contacts.pairs) == {(0, 3)}
+
+
+def test_a_disc_that_is_stopped_in_front_of_a_sensor_does_not_touch_it() -> None:
+    """The straight line to where it would have been without the wall passes the sensor."""
+    wall = [((3, -9), (3, 9))]
+    world = goal(walls=wall)
+    world.set(0, velocities=(300, 0))
+    world.step(STEP)
+    assert len(world.events.entered) == 0 and world.velocities[0, 0] == -300
+
+
+def test_sensors_can_be_set_added_and_saved() -> None:
+    world = jostle.World([(0, 0), (5, 0)], [(0, 0)] * 2, radii=1.0, sensors=[False, True])
+    world.set(0, sensors=True)
+    world.add((9, 0), (0, 0), sensors=True)
+    world.add((19, 0), (0, 0))
+    assert world.sensors.dtype == bool and world.sensors.tolist() == [True, True, True, False]
+    assert jostle.World.restore(world.snapshot()).sensors.tolist() == world.sensors.tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        world.sensors[0] = False
+    with pytest.raises(ValueError, match="sensors"):
+        world.sensors = [True]
+    with pytest.raises(TypeError, match="sensors"):
+        world.sensors = "no"
+    world.sensors = False
+    assert not world.sensors.any()
+
+
+def test_sensors_obey_categories_and_masks() -> None:
+    world = goal(categories=[1, 2, 2, 2, 2, 2], masks=[-1, 4, 4, 4, 4, 4])
+    world.step(STEP, steps=200)
+    assert len(world.events.entered) == 0
+
+
+def test_a_sensor_reports_discs_that_are_not_movable() -> None:
+    world = goal()
+    world.set(0, movable=False)
+    world.step(STEP, steps=100)
+    assert as_set(world.events.entered) == {(0, 3)}
+    world.set(0, velocities=(0, 0))
+    world.step(STEP)
+    assert as_set(world.events.stayed) == {(0, 3)}
+
+
+def test_collisions_count_the_last_call() -> None:
+    box = jostle.Box(-4, -1, 4, 1)
+    world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+    assert world.collisions == (0, 0)
+    world.step(0.5, steps=20)
+    assert world.collisions == jostle.WorldCollisions(pairs=3, walls=2)
+    assert jostle.World.restore(world.snapshot()).collisions == world.collisions
+    world.step(0.5, steps=0)
+    assert world.collisions == (0, 0)
