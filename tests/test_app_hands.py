@@ -475,6 +475,7 @@ def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused(make) -
 def test_the_app_writes_into_no_column_that_a_world_returns() -> None:
     """They are copies, and may be read-only."""
     world = jostle.scenes.create("gas", n=5)
+    world.track_events = True  # or they cannot be read
     columns = [name for name in dir(type(world)) if isinstance(getattr(world, name), np.ndarray)]
     assert {"positions", "radii"} <= set(columns)
 

@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import jostle
@@ -13,7 +12,7 @@ PINNED = {
     name: int(value.replace("_", ""), 16)
     for name, value in re.findall(r'\("(\w+)", (0x[0-9a-f_]+)\)', SOURCE.read_text())
 }
-STEP = float(np.float32(1) / np.float32(60))
+STEP = 1 / 60
 MOST = 1000
 STEPS = 240
 

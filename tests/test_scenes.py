@@ -14,8 +14,10 @@ from jostle import scenes
 NAMES = [
     *("article", "gas", "pile", "rain", "mixed", "clusters", "shots", "billiards", "orbit"),
     *("springs", "stars", "thermostat", "sand", "galton", "brownian", "emitters", "heap"),
+    *("mill", "conveyor", "piston", "pinball"),
 ]
-WITH_FIXED = {"galton", "emitters", "heap"}  # with immovable discs that do not count
+# With immovable discs that do not count.
+WITH_FIXED = {"galton", "emitters", "heap", "mill", "conveyor", "pinball"}
 
 
 def test_the_names() -> None:
@@ -192,6 +194,34 @@ def test_the_fountains_say_where_drops_come_from() -> None:
     assert len({nozzle.density for nozzle in nozzles}) == 3
 
 
+@pytest.mark.parametrize(
+    ("name", "n", "seconds"), [("mill", 150, 15), ("conveyor", 300, 30), ("pinball", 30, 60)]
+)
+def test_machines_keep_discs_inside_and_moving(name: str, n: int, seconds: int) -> None:
+    world = scenes.create(name, n)
+    view = np.array(scenes.view(name, n))
+    world.step(1 / 60, steps=60 * seconds)
+    before = world.positions[world.movable]
+    assert ((before > view[:2]) & (before < view[2:])).all()
+    world.step(1 / 60, steps=300)
+    moved = np.hypot(*(world.positions[world.movable] - before).T)
+    assert (moved > 1).mean() > 0.8
+
+
+def test_the_piston_heats_the_gas_and_cools_it() -> None:
+    world = scenes.create("piston", 400)
+    length = world.walls[0, 0, 0]
+    energy = world.kinetic_energy
+    world.step(1 / 60, steps=480)
+    assert world.walls[0, 0, 0] == pytest.approx(length / 2, rel=1e-4)
+    assert (world.positions[:, 0] < world.walls[0, 0, 0]).all()
+    # For points an adiabat gives 2; from a fifth to two fifths of covered area it gives more.
+    assert 3 < world.kinetic_energy / energy < 5
+    world.step(1 / 60, steps=480)
+    assert 0.8 < world.kinetic_energy / energy < 1.4
+    assert (world.positions[:, 0] < length).all()
+
+
 def test_a_wall_of_beads() -> None:
     beads = scenes.wall((0, 0), (30, 40), 5)
     assert beads.dtype == np.float32
@@ -203,7 +233,8 @@ def test_a_wall_of_beads() -> None:
 
 NO_SCENE = (
     "name is 'chess'; the scenes are article, gas, pile, rain, mixed, clusters, shots, "
-    "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters, heap"
+    "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters, heap, "
+    "mill, conveyor, piston, pinball"
 )
 
 

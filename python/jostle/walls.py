@@ -41,7 +41,8 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
     >>> jostle.polyline([(0, 0), (4, 0), (4, 3)], closed=True).shape
     (3, 2, 2)
     """
-    rows = np.asarray(points, np.float32)
+    with np.errstate(over="ignore"):  # refused below
+        rows = np.asarray(points, np.float32)
     if rows.size == 0:
         return np.empty((0, 2, 2), np.float32)
     if rows.ndim != 2 or rows.shape[1] != 2:

@@ -13,7 +13,7 @@ use jostle::{
 
 /// State of each scene after 240 steps of 1/60 s, with at most 1,000 particles
 /// and seed 0. A change of the physics changes them: see CONTRIBUTING.
-const PINNED: [(&str, u64); 17] = [
+const PINNED: [(&str, u64); 21] = [
     ("article", 0x18da_3aa6_3bac_fde4),
     ("gas", 0x5dee_8c46_e453_36cc),
     ("pile", 0xec69_1277_c1d1_9cec),
@@ -31,6 +31,10 @@ const PINNED: [(&str, u64); 17] = [
     ("brownian", 0xbcc3_c6cc_cba1_d983),
     ("emitters", 0x9f50_0761_1cb1_aaec),
     ("heap", 0x404a_c78e_8f13_5fc5),
+    ("mill", 0x78dc_0227_2984_60bf),
+    ("conveyor", 0xcf03_b6c4_b9e4_d1fd),
+    ("piston", 0xec36_bf00_0d63_c92c),
+    ("pinball", 0x8ad1_d105_5b1a_b4a2),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.
@@ -130,8 +134,8 @@ fn friction_does_not_show_how_it_is_computed() {
         let mut particles = Particles::default();
         particles.gather(&straight.particles(), &order, None);
         let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
-        mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         mixed_up.set_walls(straight.walls().to_vec()).expect("still valid");
+        mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut mixed_up, 40);
         let mut particles = Particles::default();
         particles.gather(&expected.particles(), &order, None);
@@ -305,8 +309,14 @@ fn renamed(forces: &[Force], order: &[u32]) -> Vec<Force> {
     order.iter().zip(0..).for_each(|(&old, new)| rows[old as usize] = new);
     let mut forces = forces.to_vec();
     for force in &mut forces {
-        if let Force::Springs(springs) = force {
-            springs.0.iter_mut().for_each(|s| s.pair = s.pair.map(|row| rows[row as usize]));
+        match force {
+            Force::Springs(springs) => {
+                springs.0.iter_mut().for_each(|s| s.pair = s.pair.map(|row| rows[row as usize]));
+            }
+            Force::Motor(motor) => {
+                motor.ids.iter_mut().for_each(|row| *row = rows[*row as usize]);
+            }
+            _ => {}
         }
     }
     forces
@@ -320,8 +330,8 @@ fn a_permutation_permutes_and_changes_nothing_else() {
         let mut particles = Particles::default();
         particles.gather(&straight.particles(), &order, None);
         let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
-        mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         mixed_up.set_walls(straight.walls().to_vec()).expect("still valid");
+        mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut straight, 120);
         run(&mut mixed_up, 120);
         if straight.len() == order.len() {

@@ -117,7 +117,7 @@ impl Drive {
 }
 
 /// Cosine minus 1 and sine of an angle, with nothing but sums and products: the same on every machine.
-fn turn(angle: f64) -> [f64; 2] {
+pub fn turn(angle: f64) -> [f64; 2] {
     const HALVINGS: i32 = 4;
     // At most π/16.
     let x = (angle - TAU * (angle / TAU).round()) / f64::from(1 << HALVINGS);

@@ -1,8 +1,10 @@
 //! Machines that drive particles: a piston, a mill and a conveyor. y grows downwards.
 
+use std::f64::consts::TAU;
+
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
-use super::{Start, area_of, boxed, side_for};
+use super::{Start, area_of, boxed, direction, side_for};
 use crate::container::Container;
 use crate::forces::{Force, Motor};
 use crate::particles::Particles;
@@ -85,10 +87,7 @@ pub fn mill_view(n: usize) -> Area {
 
 /// Directions of the arms.
 fn arms() -> impl Iterator<Item = [f32; 2]> {
-    (0..ARMS).map(|arm| {
-        let angle = std::f32::consts::TAU * arm as f32 / ARMS as f32;
-        [angle.cos(), angle.sin()]
-    })
+    (0..ARMS).map(|arm| direction(TAU * arm as f64 / ARMS as f64))
 }
 
 /// `n` grains in a drum, and a wheel before them.
@@ -154,16 +153,19 @@ const BELT_SPEED: f32 = 120.0;
 const CLIMB: f32 = 0.08;
 const CHUTE: f32 = 0.06;
 
-/// Width of the gaps at both ends of the rollers, and of that below the first.
+/// Width of the gaps at both ends of the rollers.
 const GAP: f32 = 60.0;
+
+/// How far the lowest place is below the first roller: grains there soon reach up to it.
+const DEPTH: f32 = 26.0;
 
 /// Length of the machine for each grain.
 const LENGTH_PER_GRAIN: f32 = 1.6;
 
 /// Length of the machine, and its lowest and its highest place.
 fn conveyor_size(n: usize) -> [f32; 3] {
-    let length = (n as f32 * LENGTH_PER_GRAIN).max(480.0);
-    [length, GAP, -CLIMB * length - 2.0 * GAP]
+    let length = (n as f32 * LENGTH_PER_GRAIN).max(240.0);
+    [length, DEPTH, -CLIMB * length - 2.0 * GAP]
 }
 
 pub fn conveyor_view(n: usize) -> Area {

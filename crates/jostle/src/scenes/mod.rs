@@ -23,6 +23,7 @@ mod stars;
 use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::forces::Force;
+use crate::forces::motor::turn;
 use crate::particles::Particles;
 use crate::walls::Wall;
 use crate::world::{Defaults, World, WorldSettings};
@@ -113,6 +114,12 @@ impl Scene {
 fn common_friction(all: &Particles) -> f32 {
     let first = all.spin(0).friction;
     if all.spins.iter().all(|spin| spin.friction == first) { first } else { 0.0 }
+}
+
+/// The unit vector at an angle from +x towards +y, with the same bits on every machine.
+fn direction(angle: f64) -> [f32; 2] {
+    let [less, sine] = turn(angle);
+    [(1.0 + less) as f32, sine as f32]
 }
 
 /// Area of a disc.

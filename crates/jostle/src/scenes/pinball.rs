@@ -3,7 +3,7 @@
 use super::machines::MOTOR;
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
-use super::{Start, boxed};
+use super::{Start, boxed, direction};
 use crate::forces::{Force, Motor};
 use crate::particles::Particles;
 use crate::walls::Wall;
@@ -40,7 +40,7 @@ const FLIPPER_RADII: [f32; 2] = [0.024, 0.012];
 
 /// Discs of a flipper, the angle by which it points down at first, and that by which it turns.
 const FLIPPER_DISCS: usize = 12;
-const REST_ANGLE: f32 = 0.45;
+const REST_ANGLE: f64 = 0.45;
 const SWING: f32 = 0.9;
 
 /// Seconds of a beat of the flippers, and of one of the floor between them, which throws balls back.
@@ -106,7 +106,7 @@ fn mirrored([x, y]: [f32; 2], is_right: bool) -> [f32; 2] {
 /// Adds the discs of a flipper, and returns its motor.
 fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Motor {
     let first = particles.len() as i64;
-    let along = [REST_ANGLE.cos(), REST_ANGLE.sin()];
+    let along = direction(REST_ANGLE);
     for k in 0..FLIPPER_DISCS {
         let share = k as f32 / (FLIPPER_DISCS - 1) as f32;
         let place = [0, 1].map(|axis| PIVOT[axis] + share * FLIPPER * along[axis]);
