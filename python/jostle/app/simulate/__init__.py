@@ -4,8 +4,8 @@
 rules, settings         what to simulate: the command, a file and the sliders have it in common
 simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
 packing, checking       facts and arrays in one piece of bytes; what a saved state may hold
-walls, segments, room   a container of any kind and size; line segments; free places
 motors                  motors whose walls are removed or moved
+walls, segments, room   a container of any kind and size; line segments; free places
 chance, emitters        chance that is the same everywhere; nozzles that add drops
 columns, copies         which row of a world is whom; more of the same where there is room
 attractions             what a person lets attract the rest, as forces
