@@ -7,10 +7,10 @@ import show
 
 SIDE, N, STEPS = 400.0, 400, 400
 rng = np.random.default_rng(11)
-grid = (np.stack(np.mgrid[:20, :20], axis=-1).reshape(-1, 2) + 0.5) / 20
+grid = (np.indices((20, 20)).reshape(2, -1).T + 0.5) / 20
 
 
-def pressures(share):
+def pressures(share: float) -> tuple[float, float]:
     """Pressure of N elastic discs that cover this share of the box: measured, Henderson's."""
     radius = np.sqrt(share * SIDE**2 / (N * np.pi))
     box = jostle.Box(0, 0, SIDE, SIDE)

@@ -68,10 +68,14 @@ def frame_of(positions, radii=5.0, *, time: float = 0.0, **columns) -> Frame:
     return Frame(**frame, **columns)
 
 
-def touching_of(pairs, normals, depths) -> Touching:
-    """Contacts as a frame has them."""
+def touching_of(pairs, normals, depths, impulses=(), walls=()) -> Touching:
+    """Contacts as a frame has them; of each with a wall: row, normal, impulse."""
     return Touching(
         np.array(pairs, np.int64).reshape(-1, 2),
         np.array(normals, np.float32).reshape(-1, 2),
         np.array(depths, np.float32),
+        np.array(impulses, np.float32),
+        np.array([row for row, _, _ in walls], np.int64),
+        np.array([normal for _, normal, _ in walls], np.float32).reshape(-1, 2),
+        np.array([impulse for _, _, impulse in walls], np.float32),
     )

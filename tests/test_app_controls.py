@@ -111,7 +111,9 @@ def test_help_is_not_shrunk_in_the_usual_window() -> None:
     assert width <= 1280 - 16 and height <= 720 - 16
 
 
-@pytest.mark.parametrize("name", ["contacts", "velocities", "trails", "labels", "panels", "help"])
+@pytest.mark.parametrize(
+    "name", ["contacts", "forces", "velocities", "labels", "trails", "panels", "help"]
+)
 def test_the_switches_of_what_is_shown(name: str) -> None:
     hands = Hands(world_of([(100, 100)]))
     (key,) = {

@@ -16,7 +16,7 @@ from app_overlays import (  # noqa: E402
 )
 
 import jostle  # noqa: E402
-from jostle.app.draw import labels, marks, trails  # noqa: E402
+from jostle.app.draw import chains, labels, marks, trails  # noqa: E402
 from jostle.app.draw.choosing import few  # noqa: E402
 from jostle.app.draw.overlays import draw_heat, draw_outline  # noqa: E402
 from jostle.app.draw.palette import FIXED, HEAT, PULL, STAGE  # noqa: E402
@@ -112,6 +112,51 @@ def test_too_many_contacts_are_drawn_in_part_and_it_is_said() -> None:
     said = marks.draw_contacts(notes, frame, camera_of_pixels())
     assert len(notes.lines_drawn()) == marks.MOST_CONTACTS
     assert said is not None and f"{marks.MOST_CONTACTS:,} of" in said
+
+
+def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_widest() -> None:
+    pairs = touching_of(
+        [(0, 1), (1, 2)], [(1, 0), (1, 0)], [0.0, 0.0], [9.0, 1.0], walls=[(2, (-1, 0), 3.0)]
+    )
+    frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, touching=pairs)
+    notes = Notes()
+    assert chains.draw_chains(notes, frame, camera_of_pixels()) is None
+    lines = [(*v[0][k], v[2]) for name, v, _ in notes.strokes if name == "lines"
+             for k in range(len(v[0]))]  # fmt: skip
+    np.testing.assert_allclose(
+        [line[:4] for line in lines],
+        [(120, 100, 140, 100), (140, 100, 150, 100), (100, 100, 120, 100)],
+    )
+    widths = [line[4] for line in lines]
+    assert widths == sorted(widths) and widths[-1] > widths[0]
+    brightness = notes.colours_drawn().astype(int).sum(axis=1)
+    assert (np.diff(brightness) > 0).all()
+
+
+def test_contacts_without_impulses_are_no_force_chains() -> None:
+    for touching in (touching_of([], [], []), touching_of((0, 1), (1, 0), [0.0], [0.0]), None):
+        frame = frame_of([(100, 100), (120, 100)], 10.0, touching=touching)
+        notes = Notes()
+        assert chains.draw_chains(notes, frame, camera_of_pixels()) is None
+        assert len(notes.lines_drawn()) == 0
+
+
+def test_the_smallest_of_too_many_forces_are_left_out() -> None:
+    many = chains.MOST_LINES + 500
+    rng = np.random.default_rng(0)
+    frame = frame_of(
+        rng.uniform(10, 230, (many + 1, 2)),
+        touching=touching_of(
+            np.column_stack([np.arange(many), np.arange(1, many + 1)]),
+            np.tile((1.0, 0.0), (many, 1)),
+            np.zeros(many),
+            rng.uniform(5, 6, many),
+        ),
+    )
+    notes = Notes()
+    said = chains.draw_chains(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == chains.MOST_LINES
+    assert said is not None and f"{chains.MOST_LINES:,} largest of" in said
 
 
 def test_radius_lines_show_the_angles_of_large_discs() -> None:

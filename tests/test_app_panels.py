@@ -315,7 +315,7 @@ def test_sleeping_can_be_turned_off(desk) -> None:
 # ---- looks and statistics ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("switch", ["contacts", "velocities", "trails", "labels"])
+@pytest.mark.parametrize("switch", ["contacts", "forces", "velocities", "trails", "labels"])
 def test_each_switch_of_what_is_shown(desk, switch) -> None:
     here = desk()
     assert not getattr(here.session.shown, switch)

@@ -53,6 +53,7 @@ ACTS: dict[Action, Callable[[Session], None]] = {
     Action.ZERO_GRAVITY: lambda session: session.gravity.zero(),
     Action.TREE: Session.cycle_tree,
     Action.CONTACTS: _switch("contacts"),
+    Action.FORCES: _switch("forces"),
     Action.VELOCITIES: _switch("velocities"),
     Action.TRAILS: _switch("trails"),
     Action.CLEAR_TRAILS: Session.clear_trails,

@@ -37,6 +37,7 @@ class Action(Enum):
     ZERO_GRAVITY = auto()
     TREE = auto()
     CONTACTS = auto()
+    FORCES = auto()
     VELOCITIES = auto()
     TRAILS = auto()
     CLEAR_TRAILS = auto()
@@ -151,6 +152,7 @@ FILES = (
 SHOW = (
     Control("T", "tree: off, outline, filled, heat", {pygame.K_t: Action.TREE}),
     Control("C", "contacts", {pygame.K_c: Action.CONTACTS}),
+    Control("K", "forces between particles", {pygame.K_k: Action.FORCES}),
     Control("V", "velocities", {pygame.K_v: Action.VELOCITIES}),
     Control(
         "L  X",

@@ -10,6 +10,7 @@ renderers               which of the two, and its window
 words, text, legend     words and numbers; small cards that say what colours mean
 choosing                which few of many to draw
 stage, overlays         ground, walls and discs; the boxes of the tree
+chains                  forces between particles as lines
 marks, trails, labels   contacts, velocities, springs, attractors; past ways; words at discs
 extras                  what single scenes show beyond their particles
 shown, colouring        the switches of what is shown; which particle gets which colour

@@ -22,6 +22,7 @@ ACCENT: Colour = (126, 178, 184)
 RECORDING: Colour = (214, 92, 92)
 FIXED: Colour = (104, 113, 126)  # immovable particles
 ARROW: Colour = (232, 238, 246)
+CHAIN_STOPS = ((58, 70, 88), (190, 120, 70), (255, 210, 110), (255, 250, 235))  # ever larger forces
 CONTACT_STOPS = ((238, 243, 249), (255, 214, 120), (255, 96, 84))  # touching, then ever deeper
 SPRING: Colour = (108, 124, 148)
 PULL: Colour = (198, 160, 220)  # attractors

@@ -9,6 +9,7 @@ import pygame
 
 from jostle.app.draw import overlays
 from jostle.app.draw.camera import Camera
+from jostle.app.draw.chains import draw_chains
 from jostle.app.draw.colouring import Colouring
 from jostle.app.draw.extras import Extras
 from jostle.app.draw.labels import draw_labels
@@ -57,7 +58,7 @@ class Picture:
     @staticmethod
     def wants(shown: Shown) -> Wants:
         """Return what a frame must hold for what is shown."""
-        return Wants(tree=shown.tree is not TreeView.OFF, contacts=shown.contacts)
+        return Wants(tree=shown.tree is not TreeView.OFF, contacts=shown.contacts or shown.forces)
 
     def draw(
         self,
@@ -100,6 +101,8 @@ class Picture:
         if shown.tree is TreeView.OUTLINE:
             _draw_tree(overlays.draw_outline, painter, frame, camera, part)
         draw_attractors(painter, frame, camera)
+        if shown.forces:
+            cards.append(draw_chains(painter, frame, camera))
         if shown.contacts:
             cards.append(draw_contacts(painter, frame, camera))
         if shown.velocities:

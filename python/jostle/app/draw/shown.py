@@ -47,6 +47,7 @@ class Shown:
     tree: TreeView = TreeView.OFF
     colour_by: ColourBy = ColourBy.AUTO
     contacts: bool = False
+    forces: bool = False
     velocities: bool = False
     trails: bool = False
     labels: bool = False

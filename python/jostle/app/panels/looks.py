@@ -7,7 +7,7 @@ from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import beside, choice, combo, share_out
 from jostle.app.session import Session
 
-SWITCHES = ("contacts", "velocities", "trails", "labels")
+SWITCHES = ("contacts", "forces", "velocities", "trails", "labels")
 
 
 def build(session: Session, gui: Gui) -> None:
@@ -19,9 +19,9 @@ def build(session: Session, gui: Gui) -> None:
     colour = combo(gui, "colour by", {by.value: by.value for by in ColourBy}, shown.colour_by.value)
     if colour is not None:
         shown.colour_by = ColourBy(colour)
-    across = share_out(2)
+    across = share_out(3)
     for k, name in enumerate(SWITCHES):
-        if k % 2:
+        if k % 3:
             beside()
         if choice(gui, name, name, across, chosen=getattr(shown, name)):
             session.toggle(name)

@@ -397,8 +397,7 @@ def _energies(frame: Frame) -> Energies:
 
 
 def _touching(frame: Frame) -> Touching:
-    contacts = jostle.Quadtree(frame.positions, frame.radii).contacts()
-    return Touching(contacts.pairs, contacts.normals, contacts.depths)
+    return Touching.of_pairs(jostle.Quadtree(frame.positions, frame.radii).contacts())
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:

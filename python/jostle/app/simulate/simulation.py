@@ -44,11 +44,27 @@ class TreeBoxes:
 
 @dataclass(frozen=True)
 class Touching:
-    """The contacts after a step: (m, 2) rows of the frame, unit normals, depths."""
+    """The contacts after a step: (m, 2) rows of the frame, unit normals, depths, impulses.
+
+    Those with walls have a row of the frame, a unit normal towards the particle and an impulse.
+    """
 
     pairs: NDArray[np.int64]
     normals: NDArray[np.float32]
     depths: NDArray[np.float32]
+    impulses: NDArray[np.float32]
+    at_walls: NDArray[np.int64]
+    wall_normals: NDArray[np.float32]
+    wall_impulses: NDArray[np.float32]
+
+    @classmethod
+    def of_pairs(cls, contacts: jostle.Contacts) -> Touching:
+        """Return contacts without impulses and without walls."""
+        nothing = np.empty(0, np.float32)
+        return cls(
+            contacts.pairs, contacts.normals, contacts.depths, np.zeros_like(contacts.depths),
+            np.empty(0, np.int64), nothing.reshape(0, 2), nothing,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

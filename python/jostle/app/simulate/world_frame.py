@@ -63,8 +63,16 @@ def _energies(world: jostle.World) -> Energies:
 
 
 def _touching(world: jostle.World, columns: Columns) -> Touching:
-    contacts = world.contacts
-    return Touching(columns.rows(contacts.pairs), contacts.normals, contacts.depths)
+    contacts, walls = world.contacts, world.wall_contacts
+    return Touching(
+        pairs=columns.rows(contacts.pairs),
+        normals=contacts.normals,
+        depths=contacts.depths,
+        impulses=contacts.normal_impulses,
+        at_walls=columns.rows(walls.ids),
+        wall_normals=walls.normals,
+        wall_impulses=walls.normal_impulses,
+    )
 
 
 def _springs(world: jostle.World, columns: Columns) -> NDArray[np.int64] | None:
