@@ -414,3 +414,19 @@ def test_the_mark_that_some_editors_put_first_is_no_mistake(tmp_path: Path) -> N
     path = tmp_path / "scene.toml"
     path.write_bytes(b'\xef\xbb\xbfscene = "gas"\nn = 5\n')
     assert read_config(path).settings.n == 5
+
+
+def test_a_group_of_sensors_reports_and_does_not_push(tmp_path) -> None:
+    path = tmp_path / "gate.toml"
+    path.write_text(
+        'scene = "gas"\nn = 300\n[[particles]]\nsensor = true\nmovable = false\nradius = 60\n'
+    )
+    simulation = start(read_config(path).settings)
+    assert simulation.world.sensors.sum() == 1
+    simulation.step()
+    frame = simulation.frame()
+    assert frame.sensors is not None
+    assert frame.sensors.tolist() == [0] * 300 + [2]  # gas flows through it
+    with pytest.raises(ValueError, match="cannot be sensors"):
+        path.write_text('method = "article-quadtree"\n[[particles]]\nsensor = true\n')
+        start(read_config(path).settings)

@@ -25,6 +25,8 @@ ARROW: Colour = (232, 238, 246)
 CHAIN_STOPS = ((58, 70, 88), (190, 120, 70), (255, 210, 110), (255, 250, 235))  # ever larger forces
 CONTACT_STOPS = ((238, 243, 249), (255, 214, 120), (255, 96, 84))  # touching, then ever deeper
 SPRING: Colour = (108, 124, 148)
+SENSOR: Colour = (92, 132, 128)
+TOUCHED_SENSOR: Colour = (140, 232, 214)
 PULL: Colour = (198, 160, 220)  # attractors
 
 SHADES = 24

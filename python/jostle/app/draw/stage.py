@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import FIXED, GROUND, STAGE, WALL
+from jostle.app.draw.palette import FIXED, GROUND, SENSOR, STAGE, TOUCHED_SENSOR, WALL
 from jostle.app.simulate.simulation import Container, Frame, Rect
 from jostle.app.simulate.walls import bounds
 
@@ -17,6 +17,7 @@ WALL_WIDTH = 2
 SEGMENT_WIDTH = 3
 NEARLY = 1.05  # diameters, within which immovable discs count as one wall
 STRAIGHT = 0.9999  # cosine between the first step of a run and any other
+MOST_SENSORS = 2_000  # drawn
 FAR = 30_000  # pixels; what lies beyond is clipped to this before it becomes whole pixels
 
 
@@ -42,7 +43,17 @@ def draw_stage(painter: Painter, container: Container, camera: Camera) -> None:
 def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera) -> None:
     """Draw the particles."""
     x, y = camera.to_screen(frame.positions)
-    painter.discs(x, y, frame.radii.astype(np.float64) * camera.scale, shades)
+    radii = frame.radii.astype(np.float64) * camera.scale
+    if frame.sensors is None:
+        painter.discs(x, y, radii, shades)
+        return
+    solid = frame.sensors == 0
+    painter.discs(x[solid], y[solid], radii[solid], shades[solid])
+    inside = (x + radii > 0) & (x - radii < camera.size[0])
+    inside &= (y + radii > 0) & (y - radii < camera.size[1])
+    for row in np.flatnonzero(~solid & inside)[:MOST_SENSORS]:
+        colour = SENSOR if frame.sensors[row] == 1 else TOUCHED_SENSOR
+        painter.circle((float(x[row]), float(y[row])), float(radii[row]), colour, 1.5)
 
 
 def draw_walls(painter: Painter, walls: NDArray[np.floating], camera: Camera) -> None:

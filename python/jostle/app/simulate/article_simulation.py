@@ -240,8 +240,11 @@ class ArticleSimulation:
         radii: ArrayLike,
         densities: ArrayLike = 1.0,
         movable: ArrayLike = True,
+        sensors: ArrayLike = False,
     ) -> Tags:
         """Add particles, on whole numbers as the article has them; all of them can move."""
+        if np.any(sensors):
+            raise ValueError("The article's particles cannot be sensors.")
         places = np.asarray(positions, np.float64).reshape(-1, 2)
         within("positions", places, -FARTHEST, FARTHEST)
         n = len(places)

@@ -26,7 +26,7 @@ class Columns:
         Of the particle that is added next.
     ids
         The ids in the world.
-    radii, movable, densities
+    radii, movable, densities, sensors
         Copies of what only edits change, so a picture of a million need not copy them every time.
     friction
         The largest coefficient of friction.
@@ -54,6 +54,7 @@ class Columns:
         self.ids: NDArray[np.int64] = world.ids
         self.radii: NDArray[np.float32] = world.radii
         self.movable: NDArray[np.bool_] = world.movable
+        self.sensors: NDArray[np.bool_] = world.sensors
         self.friction = float(world.friction.max(initial=0.0))
         self.turns = self.friction > 0 or bool(world.angular_velocities.any())
         self._usual_mass: float | None = None

@@ -51,6 +51,7 @@ class Group:
     velocity: tuple[float, float] = (0.0, 0.0)  # world units per second
     speed: Range = (0.0, 0.0)  # in any direction, added to the velocity
     movable: bool = True
+    sensor: bool = False  # whether they only report what touches them
 
 
 @dataclass(frozen=True)
@@ -130,6 +131,7 @@ GROUP_RULES: dict[str, Rule] = {
     "velocity": each(real(), "x", "y"),
     "speed": range_of(0.0),
     "movable": TRUTH,
+    "sensor": TRUTH,
 }
 
 GROUPS = Many(

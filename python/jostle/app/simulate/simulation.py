@@ -118,6 +118,7 @@ class Frame:
     # (m, 2, 2), line segments: first those of the scene, then those that were drawn
     walls: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2, 2), np.float32))
     own_walls: int = 0  # the number of those of the scene
+    sensors: NDArray[np.int8] | None = None  # (n,): 1 for a sensor, 2 if something touches it
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -195,6 +196,7 @@ class Simulation(Protocol):
         radii: ArrayLike,
         densities: ArrayLike = ...,
         movable: ArrayLike = ...,
+        sensors: ArrayLike = ...,
     ) -> Tags:
         """Add particles; return their tags."""
 

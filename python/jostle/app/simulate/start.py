@@ -82,4 +82,4 @@ def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) 
     spread = chance.uniform(*group.speed, count)[:, None] * directions(chance, count)
     densities = chance.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread
-    simulation.add(places, velocities, radii, densities, group.movable)
+    simulation.add(places, velocities, radii, densities, group.movable, group.sensor)

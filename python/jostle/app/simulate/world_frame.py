@@ -41,7 +41,14 @@ def frame_of(
         begun_with=begun_with,
         walls=world.walls,
         own_walls=segments.own,
+        sensors=_sensors(world, columns) if columns.sensors.any() else None,
     )
+
+
+def _sensors(world: jostle.World, columns: Columns) -> NDArray[np.int8]:
+    touched = np.zeros(len(columns.ids), np.bool_)
+    touched[columns.rows(world.contacts.pairs)] = True
+    return columns.sensors.astype(np.int8) * (1 + touched)
 
 
 def _facts(world: jostle.World) -> Facts:

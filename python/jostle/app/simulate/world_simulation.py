@@ -204,6 +204,7 @@ class WorldSimulation:
         radii: ArrayLike,
         densities: ArrayLike = 1.0,
         movable: ArrayLike = True,
+        sensors: ArrayLike = False,
     ) -> Tags:
         """Add particles; return their tags."""
         with np.errstate(over="ignore"):  # the world refuses infinite values
@@ -214,6 +215,7 @@ class WorldSimulation:
             radii,
             densities=densities,
             movable=np.asarray(movable),
+            sensors=np.asarray(sensors),
             friction=self._columns.friction,
         )
         return self._columns.add(self.world)
