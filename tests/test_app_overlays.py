@@ -23,7 +23,7 @@ from jostle.app.draw.palette import FIXED, HEAT, PULL, STAGE  # noqa: E402
 from jostle.app.draw.picture import Picture  # noqa: E402
 from jostle.app.draw.shown import ColourBy, Shown  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
-from jostle.app.draw.stage import Beads  # noqa: E402
+from jostle.app.draw.stage import Beads, draw_discs  # noqa: E402
 from jostle.app.draw.trails import Trails  # noqa: E402
 from jostle.app.simulate.simulation import Pull, TreeBoxes  # noqa: E402
 
@@ -157,6 +157,19 @@ def test_the_smallest_of_too_many_forces_are_left_out() -> None:
     said = chains.draw_chains(notes, frame, camera_of_pixels())
     assert len(notes.lines_drawn()) == chains.MOST_LINES
     assert said is not None and f"{chains.MOST_LINES:,} largest of" in said
+
+
+def test_sensors_are_rings_and_no_walls() -> None:
+    places = [(60 + 10 * k, 60) for k in range(5)]
+    frame = frame_of(places, 10.0, movable=[False] * 5, sensors=np.array([1, 1, 2, 1, 1], np.int8))
+    notes = Notes()
+    Beads().draw(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == 0
+    draw_discs(notes, frame, np.zeros(5, np.uint8), camera_of_pixels())
+    rings = [values for name, values, _ in notes.strokes if name == "circle"]
+    assert len(rings) == 5 and rings[2][2] != rings[0][2]
+    (discs,) = [values for name, values, _ in notes.strokes if name == "discs"]
+    assert len(discs[0]) == 0
 
 
 def test_radius_lines_show_the_angles_of_large_discs() -> None:

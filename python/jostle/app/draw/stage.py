@@ -93,7 +93,8 @@ class Beads:
         """Draw each straight run of immovable discs as one thick line over them."""
         if frame.movable.all():
             return
-        fixed = np.flatnonzero(~frame.movable)
+        solid = True if frame.sensors is None else frame.sensors == 0
+        fixed = np.flatnonzero(~frame.movable & solid)
         asked = np.column_stack([frame.positions[fixed], frame.radii[fixed]])
         if not np.array_equal(asked, self._asked):
             self._asked, self._runs = asked, _runs(asked)
