@@ -206,3 +206,14 @@ def test_collisions_count_the_last_call() -> None:
     assert jostle.World.restore(world.snapshot()).collisions == world.collisions
     world.step(0.5, steps=0)
     assert world.collisions == (0, 0)
+
+
+def test_a_refused_call_leaves_the_record_of_the_call_before() -> None:
+    world = jostle.World([(0, 0), (3, 0)], [(3, 0), (0, 0)], 1.0, gravity=(0, 1), track_events=True)
+    world.step(1.0)
+    assert world.collisions.pairs == 1
+    before, events = world.snapshot(), world.events.entered.tolist()
+    with pytest.raises(ValueError, match="dt is"):
+        world.step(1e10)
+    assert world.snapshot() == before
+    assert world.collisions.pairs == 1 and world.events.entered.tolist() == events

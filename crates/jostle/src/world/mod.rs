@@ -215,6 +215,8 @@ struct Memory {
     kicks: Vec<Kick>,
     forces: ForceMemory,
     before: Before,
+    /// The record before, until a step of the present one is complete.
+    record_before: Option<Record>,
     /// Columns to reorder into, for all parts of a step but the first.
     spare: Ordered,
 }

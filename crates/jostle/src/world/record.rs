@@ -81,14 +81,19 @@ impl Record {
 
 impl World {
     /// Begins a new record, which contains no collisions. The pairs that touch at its beginning
-    /// are those at the end of the record before.
+    /// are those at the end of the record before. If its first step fails, the record before
+    /// returns.
     pub fn begin_record(&mut self) {
-        self.record.collisions = Collisions::default();
-        let Self { record, ids, .. } = self;
-        record.during.clear();
-        record.distinct = 0;
-        record.before.clone_from(&record.at_end);
-        record.at_end.retain(|pair| pair.iter().all(|&id| ids.row(id).is_some()));
+        let old = std::mem::take(&mut self.record);
+        let is_there = |pair: &[Id; 2]| pair.iter().all(|&id| self.ids.row(id).is_some());
+        self.record = Record {
+            before: old.at_end.clone(),
+            at_end: old.at_end.iter().copied().filter(is_there).collect(),
+            is_open: old.is_open,
+            knows_sleepers: old.knows_sleepers,
+            ..Record::default()
+        };
+        self.memory.record_before = Some(old);
     }
 
     /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be

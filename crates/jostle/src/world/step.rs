@@ -57,16 +57,33 @@ impl World {
         watch: &mut (dyn FnMut(Stage) + Send),
     ) -> Result<()> {
         for _ in 0..steps {
-            if self.is_still() {
-                interrupt::check()?;
-                self.wall_impulses.clear();
-                self.stats = Stats::default();
-                self.record.is_open |= !self.record.knows_sleepers;
-            } else {
-                self.step_driven(single, dt, watch)?;
+            let done = self.step_awake(single, dt, watch);
+            let record_before = self.memory.record_before.take();
+            if done.is_err() {
+                if let Some(record) = record_before {
+                    self.record = record;
+                }
+                return done;
             }
             self.time += dt;
         }
+        Ok(())
+    }
+
+    /// Makes a step, if it changes anything.
+    fn step_awake(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut (dyn FnMut(Stage) + Send),
+    ) -> Result<()> {
+        if !self.is_still() {
+            return self.step_driven(single, dt, watch);
+        }
+        interrupt::check()?;
+        self.wall_impulses.clear();
+        self.stats = Stats::default();
+        self.record.is_open |= !self.record.knows_sleepers;
         Ok(())
     }
 
