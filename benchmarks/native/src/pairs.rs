@@ -18,14 +18,15 @@ const COUNTS: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 pub fn run(options: &Options) {
     let counts = options.counts.clone().unwrap_or(COUNTS.to_vec());
     let mut lines = vec![HEAD.to_owned()];
+    let most = options.threads.iter().copied().max().unwrap_or(1);
+    // Rivals that run on rayon run on this thread, whose memory stays warm, and on its helpers.
+    let pool = ThreadPoolBuilder::new().num_threads(most).use_current_thread().build();
+    let _pool = pool.expect("a thread pool");
     for &threads in &options.threads {
-        // Every rival that runs on rayon runs on a pool of just so many threads.
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+        assert!(threads == 1 || threads == most, "one number of threads above 1 at a time");
         for scene in SCENES.iter().filter(|scene| options.wants_scene(scene.name)) {
             for &count in &counts {
-                // One thread is this one, whose memory stays warm.
-                let time = || time_scene(scene, count, threads, options);
-                let rows = if threads == 1 { time() } else { pool.install(time) };
+                let rows = time_scene(scene, count, threads, options);
                 lines.extend(rows.iter().map(Row::line));
             }
         }

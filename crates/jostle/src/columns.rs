@@ -9,7 +9,10 @@ use crate::parallel;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes, corners};
 use crate::simd::LANES;
 
-/// Shapes in columns of equal length, with [`LANES`] spare rows behind them, so that a
+/// Spare rows behind the last shape.
+pub const SPARE: usize = 2 * LANES;
+
+/// Shapes in columns of equal length, with [`SPARE`] rows behind them, so that a
 /// kernel may read a whole block from any row.
 ///
 /// Columns that would say the same for every row are left empty: half sizes
@@ -41,19 +44,30 @@ pub struct Columns<T> {
 impl<T: Scalar> Columns<T> {
     /// All shapes in the order of their rows.
     pub fn of(shapes: &Shapes<T>) -> Result<Self> {
-        let mut columns = Self::default();
-        columns.fill(shapes, shapes.len(), Some(1), |place| place)?;
+        let mut columns = Self { len: shapes.len(), ..Self::default() };
+        put_pairs([&mut columns.x, &mut columns.y], shapes.len(), Some(1), |row| {
+            shapes.centers[row]
+        })?;
+        columns.fill(shapes, Some(1), |place| place)?;
         Ok(columns)
     }
 
-    /// Replaces the contents by the shapes in `rows`, in that order.
-    pub fn gather(
+    /// Where the centres of `len` shapes go, x and y. [`Columns::fill_rest`] completes them.
+    pub fn places(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
+        self.len = len;
+        memory::resize(&mut self.x, len + SPARE, T::ZERO)?;
+        memory::resize(&mut self.y, len + SPARE, T::ZERO)?;
+        Ok([&mut self.x[..len], &mut self.y[..len]])
+    }
+
+    /// Puts in everything but the centres of the shapes in `rows`, in that order.
+    pub fn fill_rest(
         &mut self,
         shapes: &Shapes<T>,
         rows: &[u32],
         threads: Option<usize>,
     ) -> Result<()> {
-        self.fill(shapes, rows.len(), threads, |place| rows[place] as usize)
+        self.fill(shapes, threads, |place| rows[place] as usize)
     }
 
     /// Removes all shapes and keeps the capacity.
@@ -69,12 +83,11 @@ impl<T: Scalar> Columns<T> {
     fn fill(
         &mut self,
         shapes: &Shapes<T>,
-        len: usize,
         threads: Option<usize>,
         row: impl Fn(usize) -> usize + Sync + Send,
     ) -> Result<()> {
-        self.len = len;
-        let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
+        let len = self.len;
+        let Shapes { radii, half_sizes, boxes, filters, .. } = shapes;
         let pairs = |to: [&mut Vec<T>; 2], from: &[[T; 2]]| {
             put_pairs(to, len, threads, |place| from[row(place)])
         };
@@ -83,7 +96,6 @@ impl<T: Scalar> Columns<T> {
             put_pairs(lower, len, threads, |place| corners(&boxes[row(place)])[0])?;
             put_pairs(upper, len, threads, |place| corners(&boxes[row(place)])[1])?;
         } else {
-            pairs(lower, centers)?;
             upper.into_iter().for_each(Vec::clear);
         }
         put_each(&mut self.radius, radii, len, threads, &row)?;
@@ -185,7 +197,7 @@ fn put_each<V: Copy + Default + Send + Sync>(
     row: impl Fn(usize) -> usize + Sync + Send,
 ) -> Result<()> {
     interrupt::check()?;
-    memory::resize(column, len + LANES, V::default())?;
+    memory::resize(column, len + SPARE, V::default())?;
     match values {
         Each::One(value) => column[..len].fill(*value),
         Each::Rows(values) => parallel::for_chunks(threads, &mut column[..len], |first, chunk| {
@@ -206,8 +218,8 @@ fn put_pairs<T: Scalar>(
     pair: impl Fn(usize) -> [T; 2] + Sync + Send,
 ) -> Result<()> {
     interrupt::check()?;
-    memory::resize(x, len + LANES, T::ZERO)?;
-    memory::resize(y, len + LANES, T::ZERO)?;
+    memory::resize(x, len + SPARE, T::ZERO)?;
+    memory::resize(y, len + SPARE, T::ZERO)?;
     parallel::for_chunks_of_two(threads, &mut x[..len], &mut y[..len], |first, x, y| {
         for (offset, (x, y)) in x.iter_mut().zip(y).enumerate() {
             [*x, *y] = pair(first + offset);

@@ -1,7 +1,7 @@
 //! Two trees walked together, down to leaf against leaf.
 
 use super::kernel::{Kernel, Scratch, Side};
-use super::output::{Budget, Finish, Output};
+use super::output::{Budget, Finish, Memory, Output};
 use super::{Filters, Found};
 use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
@@ -29,7 +29,7 @@ pub(super) struct Join<'a, T> {
 }
 
 /// A node of `a` and a node of `b` whose shapes are to be tested.
-type Task = (u32, u32);
+type Task = [u32; 2];
 
 impl<'a, T: Scalar> Join<'a, T> {
     /// A tree with itself.
@@ -55,33 +55,30 @@ impl<'a, T: Scalar> Join<'a, T> {
         finish: &Finish<'_>,
         memory: &mut JoinScratch,
     ) -> Result<Found> {
-        let JoinScratch { pairs, stack } = memory;
-        stack.clear();
+        let JoinScratch { memory, tasks } = memory;
+        tasks.clear();
         if !self.a.is_empty() && !self.b.is_empty() {
-            self.push((0, 0), &mut |task| stack.push(task));
+            self.push([0, 0], &mut |task| tasks.push(task));
         }
         let shapes = if self.itself { self.a.len() } else { self.a.len() + self.b.len() };
         let threads = parallel::worthwhile(self.a.settings().threads, shapes);
-        let budget = Budget::new(max_pairs);
-        let walk = |stack: &mut Vec<Task>, pairs| {
-            let mut output = Output::new(&budget, finish, pairs);
-            T::with_widest(Walk { join: self, stack, output: &mut output });
-            output.into_found()
-        };
-        if !parallel::is_parallel(threads) {
-            return budget.accept(walk(stack, std::mem::take(pairs)));
+        if parallel::is_parallel(threads) {
+            self.cut(tasks);
         }
-        let tasks = self.cut(std::mem::take(stack));
-        let parts =
-            parallel::map(threads, tasks.len(), |index| walk(&mut vec![tasks[index]], Vec::new()));
-        budget.collect(threads, parts)
+        Budget::new(max_pairs).find(threads, tasks.len(), finish, memory, |task, output| {
+            let mut stack = std::mem::take(output.stack());
+            stack.push(tasks[task]);
+            T::with_widest(Walk { join: self, stack: &mut stack, output });
+            stack.clear();
+            *output.stack() = stack;
+        })
     }
 
     /// Replaces tasks by their parts, in place, until there are enough.
-    fn cut(&self, mut tasks: Vec<Task>) -> Vec<Task> {
+    fn cut(&self, tasks: &mut Vec<Task>) {
         while tasks.len() < TASKS {
             let mut parts = Vec::with_capacity(4 * tasks.len());
-            for &task in &tasks {
+            for &task in &*tasks {
                 if self.is_leaf(task) {
                     parts.push(task);
                 } else {
@@ -91,32 +88,31 @@ impl<'a, T: Scalar> Join<'a, T> {
             if parts.len() == tasks.len() {
                 break;
             }
-            tasks = parts;
+            *tasks = parts;
         }
-        tasks
     }
 
     #[inline(always)]
-    fn is_leaf(&self, (a, b): Task) -> bool {
+    fn is_leaf(&self, [a, b]: Task) -> bool {
         self.a.nodes()[a as usize].is_leaf() && self.b.nodes()[b as usize].is_leaf()
     }
 
     #[inline(always)]
-    fn expand(&self, (a, b): Task, push: &mut impl FnMut(Task)) {
+    fn expand(&self, [a, b]: Task, push: &mut impl FnMut(Task)) {
         let (node_a, node_b) = (&self.a.nodes()[a as usize], &self.b.nodes()[b as usize]);
         if self.itself && a == b {
             for first in node_a.children() {
                 for second in first..node_a.children().end {
-                    self.push((first as u32, second as u32), push);
+                    self.push([first as u32, second as u32], push);
                 }
             }
         } else if node_b.is_leaf() || (!node_a.is_leaf() && self.first_is_larger(a, b)) {
             for child in node_a.children() {
-                self.push((child as u32, b), push);
+                self.push([child as u32, b], push);
             }
         } else {
             for child in node_b.children() {
-                self.push((a, child as u32), push);
+                self.push([a, child as u32], push);
             }
         }
     }
@@ -137,7 +133,7 @@ impl<'a, T: Scalar> Join<'a, T> {
     /// Passes a task on if any two of its shapes could overlap.
     #[inline(always)]
     fn push(&self, task: Task, push: &mut impl FnMut(Task)) {
-        let (a, b) = (&self.a.covers()[task.0 as usize], &self.b.covers()[task.1 as usize]);
+        let (a, b) = (&self.a.covers()[task[0] as usize], &self.b.covers()[task[1] as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
         let meets = match self.filters {
@@ -160,9 +156,15 @@ impl<'a, T: Scalar> Join<'a, T> {
 /// Memory that [`Join::run_in`] keeps between calls.
 #[derive(Clone, Debug, Default)]
 pub struct JoinScratch {
-    /// Memory for the pairs of the next call.
-    pub pairs: Vec<[u32; 2]>,
-    stack: Vec<Task>,
+    memory: Memory,
+    tasks: Vec<Task>,
+}
+
+impl JoinScratch {
+    /// Keeps the memory of some pairs for the result of the next call.
+    pub fn keep(&mut self, pairs: Vec<[u32; 2]>) {
+        self.memory.result = pairs;
+    }
 }
 
 /// Some tasks with all their parts.
@@ -186,17 +188,24 @@ impl<T: Scalar> Work<T> for Walk<'_, '_, T> {
             if output.is_over(TASK_WORK) {
                 return;
             }
-            let (first, second) = (task.0 as usize, task.1 as usize);
+            let [first, second] = task.map(|node| node as usize);
             if !join.is_leaf(task) {
                 let from = stack.len();
                 join.expand(task, &mut |part| stack.push(part));
                 stack[from..].reverse();
             } else if join.itself && first == second {
-                let range = a.nodes()[first].range();
-                kernel.itself(range.clone(), range.end, output);
+                let leaf = &a.nodes()[first];
+                kernel.within_leaf(leaf.range(), a.strips(leaf), output);
             } else {
-                let first = Side { range: a.nodes()[first].range(), cover: &a.covers()[first] };
-                let second = Side { range: b.nodes()[second].range(), cover: &b.covers()[second] };
+                let covers = [&a.covers()[first], &b.covers()[second]];
+                let ranges = if shift == [T::ZERO; 2] {
+                    [a.places_near(first, covers[1]), b.places_near(second, covers[0])]
+                } else {
+                    [a.nodes()[first].range(), b.nodes()[second].range()]
+                };
+                let [range, other] = ranges;
+                let first = Side { range, cover: covers[0] };
+                let second = Side { range: other, cover: covers[1] };
                 kernel.leaves(&first, &second, &mut scratch, output);
             }
         }

@@ -6,14 +6,20 @@
 use std::ops::Range;
 
 use super::Filters;
-use super::output::{NOTES, Output};
-use crate::columns::Columns;
+use super::output::Output;
+use crate::columns::{Columns, SPARE};
 use crate::geometry::{Cover, Scalar, Shape};
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use crate::simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
 
-/// Shapes that are packed at a time, and rows tested against a block at a time.
+/// Shapes that are packed at a time.
 const CHUNK: usize = NOTES;
+
+/// Rows tested against a block at a time.
+const NOTES: usize = 64;
+
+/// Strips that reach farther are tested block by block instead of row by row.
+const NEAR: usize = 2 * LANES;
 
 /// Two sets of shapes to be tested against each other, those of `a` moved by `-shift`.
 pub(super) struct Kernel<'a, T, S> {
@@ -31,7 +37,13 @@ pub(super) struct Side<'a, T> {
 }
 
 /// Memory for the shapes of two leaves that reach each other.
-pub(super) struct Scratch<T>([Packed<T>; 2]);
+pub(super) struct Scratch<T> {
+    packed: [Packed<T>; 2],
+    notes: Notes,
+}
+
+/// Which of some rows overlaps which lanes of a block.
+type Notes = [(u32, u32); NOTES];
 
 /// A few shapes side by side.
 struct Packed<T> {
@@ -48,7 +60,7 @@ struct Packed<T> {
 
 impl<T: Scalar> Default for Scratch<T> {
     fn default() -> Self {
-        Self([Packed::default(), Packed::default()])
+        Self { packed: Default::default(), notes: [(0, 0); NOTES] }
     }
 }
 
@@ -218,9 +230,10 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
-        Scratch([near_a, near_b]): &mut Scratch<T>,
+        scratch: &mut Scratch<T>,
         output: &mut Output<'_>,
     ) {
+        let Scratch { packed: [near_a, near_b], notes } = scratch;
         let shift = self.shift;
         let cover_a = first.cover.moved(shift);
         for start in first.range.clone().step_by(CHUNK) {
@@ -233,7 +246,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 let rows = start..second.range.end.min(start + CHUNK);
                 self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
                 if near_b.len > 0 {
-                    self.packed::<CORE>(near_a, near_b, output);
+                    self.packed::<CORE>(near_a, near_b, notes, output);
                 }
                 if output.is_over(near_a.len * (1 + near_b.len)) {
                     return;
@@ -248,6 +261,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         &self,
         near_a: &Packed<T>,
         near_b: &Packed<T>,
+        notes: &mut Notes,
         output: &mut Output<'_>,
     ) {
         output.tests += (near_a.len * near_b.len) as u64;
@@ -261,9 +275,11 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 allowed(&shape, self.b, |lane| places[lane] as usize, bits)
             };
             let wanted = |_: usize| lanes;
-            let notes = &mut output.notes;
-            let count = self.test::<CORE>(&rows, &others, wanted, allowed, notes);
-            output.settle(count, |row| near_a.place[row as usize], |lane| places[lane % LANES]);
+            let found = self.test::<CORE>(&rows, &others, wanted, allowed, notes);
+            let simd = self.simd;
+            settle(found, output, |row, bits, to| {
+                simd.pair_with(near_a.place[row], places, bits, to);
+            });
         }
     }
 
@@ -414,16 +430,16 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     }
 
     /// Tests at most [`NOTES`] rows against a block and notes what overlaps, as far as
-    /// `wanted` has the lane; returns how many notes there are. Nothing branches on them.
+    /// `wanted` has the lane; returns the notes. Nothing branches on them.
     #[inline(always)]
-    fn test<const CORE: u8>(
+    fn test<'n, const CORE: u8>(
         &self,
         rows: &Rows<'_, T>,
         others: &Loaded<S::Block>,
         wanted: impl Fn(usize) -> u32,
         allowed: impl Fn(usize, u32) -> u32,
-        notes: &mut [(u32, u32); NOTES],
-    ) -> usize {
+        notes: &'n mut Notes,
+    ) -> &'n [(u32, u32)] {
         let mut count = 0;
         let centers = rows.x.iter().zip(rows.y).zip(rows.radius);
         for (row, ((&x, &y), &radius)) in centers.enumerate() {
@@ -438,10 +454,10 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             count += usize::from(bits != 0);
         }
         let has_filters = self.a.has_filters() || self.b.has_filters();
-        if !has_filters || self.filters == Filters::Ignore {
-            return count;
-        }
         let found = count.min(NOTES);
+        if !has_filters || self.filters == Filters::Ignore {
+            return &notes[..found];
+        }
         count = 0;
         for note in 0..found {
             let (row, bits) = notes[note];
@@ -449,13 +465,14 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             notes[count] = (row, bits);
             count += usize::from(bits != 0);
         }
-        count
+        &notes[..count]
     }
 
     /// Every one of `rows` with all behind it up to `last`. Blocks are counted from the
     /// end, so that only the foremost is not full, and that one meets the fewest rows.
     #[inline(always)]
     fn behind<const CORE: u8>(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
+        let mut notes = [(0, 0); NOTES];
         let mut end = last;
         while end > rows.start + 1 {
             let start = rows.start.max(end.saturating_sub(LANES));
@@ -467,7 +484,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 let wanted = |row: usize| {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
-                self.against::<CORE>(first, &some, start, &others, wanted, output);
+                self.against::<CORE>(first, &some, start, &others, wanted, &mut notes, output);
                 if output.is_over(CHUNK * LANES) {
                     return;
                 }
@@ -482,6 +499,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     #[inline(always)]
     fn along<const CORE: u8>(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
         output.tests += others.len() as u64;
+        let mut notes = [(0, 0); NOTES];
         let shape = self.a.shape(row);
         let [x, y] = [0, 1].map(|axis| [shape.min[axis] - self.shift[axis]]);
         let [max_x, max_y] = [0, 1].map(|axis| [shape.max[axis] - self.shift[axis]]);
@@ -499,7 +517,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         for start in others.clone().step_by(LANES) {
             let loaded = self.load::<CORE>(&Rows::all(self.b), start);
             let lanes = first_lanes(others.end - start);
-            self.against::<CORE>(row, &alone, start, &loaded, |_| lanes, output);
+            self.against::<CORE>(row, &alone, start, &loaded, |_| lanes, &mut notes, output);
         }
     }
 
@@ -512,15 +530,96 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         start: usize,
         others: &Loaded<S::Block>,
         wanted: impl Fn(usize) -> u32,
+        notes: &mut Notes,
         output: &mut Output<'_>,
     ) {
         let allowed = |row: usize, bits: u32| {
             allowed(&self.a.shape(first + row), self.b, |lane| start + lane, bits)
         };
-        let notes = &mut output.notes;
-        let count = self.test::<CORE>(rows, others, wanted, allowed, notes);
-        output.settle(count, |row| first as u32 + row, |lane| (start + lane) as u32);
+        let found = self.test::<CORE>(rows, others, wanted, allowed, notes);
+        let simd = self.simd;
+        settle(found, output, |row, bits, to| {
+            simd.pair_with_places((first + row) as u32, start as u32, bits, to);
+        });
     }
+
+    /// Passes on every overlapping pair of a leaf's rows. Those of each of its `strips` are tested
+    /// against those behind them up to the end of the last strip that they can reach.
+    #[inline(always)]
+    pub(super) fn within_leaf(
+        &self,
+        leaf: Range<usize>,
+        strips: impl Iterator<Item = (Range<usize>, usize)>,
+        output: &mut Output<'_>,
+    ) {
+        of_kind!(self.strips(leaf, strips, output))
+    }
+
+    #[inline(always)]
+    fn strips<const CORE: u8>(
+        &self,
+        leaf: Range<usize>,
+        strips: impl Iterator<Item = (Range<usize>, usize)>,
+        output: &mut Output<'_>,
+    ) {
+        let simd = self.simd;
+        let has_filters = self.a.has_filters() && self.filters == Filters::Apply;
+        let window = Rows::of(self.a, leaf.start..leaf.end + SPARE);
+        for (rows, last) in strips {
+            if last - rows.start > NEAR {
+                self.behind::<CORE>(rows, last, output);
+                continue;
+            }
+            // As many for each row, which the processor can predict.
+            let blocks = (last - rows.start - 1).div_ceil(LANES);
+            let Some(room) = output.room(rows.len() * blocks * LANES) else { return };
+            let mut count = 0;
+            let mut tests = 0;
+            for row in rows {
+                let own = row - leaf.start;
+                let [x, y] = [window.x[own], window.y[own]];
+                let max =
+                    if CORE == BOXES { [window.max_x[own], window.max_y[own]] } else { [x, y] };
+                let half = if CORE != POINTS && !window.half_x.is_empty() {
+                    [window.half_x[own], window.half_y[own]]
+                } else {
+                    [T::ZERO; 2]
+                };
+                tests += last - row - 1;
+                for block in 0..blocks {
+                    let start = row + 1 + block * LANES;
+                    let others = self.load::<CORE>(&window, start - leaf.start);
+                    let bits = self.hits::<CORE>([[x, y], max], half, window.radius[own], &others);
+                    let mut bits = bits & first_lanes(last.saturating_sub(start));
+                    if has_filters {
+                        bits = allowed(&self.a.shape(row), self.b, |lane| start + lane, bits);
+                    }
+                    let to = room[count..].first_chunk_mut().expect("there is room");
+                    simd.pair_with_places(row as u32, start as u32, bits, to);
+                    count += bits.count_ones() as usize;
+                }
+            }
+            output.tests += tests as u64;
+            output.accept(count);
+        }
+    }
+}
+
+/// Makes pairs of the notes by `pairs`, from the row and the bits.
+#[inline(always)]
+fn settle(
+    notes: &[(u32, u32)],
+    output: &mut Output<'_>,
+    pairs: impl Fn(usize, u32, &mut [[u32; 2]; LANES]),
+) {
+    let Some(room) = output.room(notes.len() * LANES) else { return };
+    let mut found = 0;
+    for &(row, bits) in notes {
+        let to = room[found..].first_chunk_mut().expect("there is room");
+        pairs(row as usize, bits, to);
+        found += bits.count_ones() as usize;
+    }
+    output.accept(found);
 }
 
 /// Those of the `bits` whose row has a filter that agrees with the shape's.

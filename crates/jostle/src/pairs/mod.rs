@@ -17,7 +17,6 @@ use crate::error::Result;
 use crate::geometry::{self, Scalar};
 use crate::interrupt::Pulse;
 use crate::memory;
-use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::Shapes;
@@ -26,7 +25,7 @@ use crate::sorting;
 use join::Join;
 pub use join::JoinScratch;
 use kernel::Kernel;
-use output::{Budget, Output, keep};
+use output::{Budget, Memory, Output, keep};
 
 /// Up to this many shapes brute force is faster than building a tree.
 const BRUTE_FORCE_LIMIT: usize = 192;
@@ -34,6 +33,9 @@ const BRUTE_FORCE_LIMIT: usize = 192;
 /// As [`BRUTE_FORCE_LIMIT`] for circles, whose test is shorter. Measured with AVX-512 and
 /// AVX2; it is the same for all, or the order of the pairs would depend on the machine.
 const CIRCLES_LIMIT: usize = 384;
+
+/// Shapes that a leaf may hold in a tree that is used once, for pairs alone.
+const LEAF_CAPACITY: usize = 320;
 
 /// Shapes that brute force tests against one shape between two checks for an interruption.
 const ALONG: usize = 1 << 14;
@@ -86,7 +88,7 @@ pub fn find_with<T: Scalar>(
     threads: Option<usize>,
     max_pairs: usize,
 ) -> Result<Found> {
-    let settings = Settings { threads, ..Settings::default() };
+    let settings = Settings { threads, leaf_capacity: LEAF_CAPACITY, ..Settings::default() };
     settings.validate()?;
     let circles = shapes.half_sizes.is_none() && shapes.boxes.is_none();
     let limit = if circles { CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
@@ -94,21 +96,20 @@ pub fn find_with<T: Scalar>(
     if method == Some(Method::Brute) || (method.is_none() && small) {
         return brute(&Columns::of(shapes)?, threads, max_pairs);
     }
-    parallel::among(parallel::worthwhile(threads, shapes.len()), || {
-        tree.fill(shapes, settings)?;
-        within(tree, max_pairs)
-    })
+    tree.fill_unordered(shapes, settings)?;
+    within(tree, max_pairs)
 }
 
 /// All overlapping pairs of rows of one tree, `i < j`, in an order that comes from the tree.
 pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let rows = tree.rows();
     let join = Join::within(tree, None);
-    join.run(max_pairs, &|pairs, new| {
-        for pair in &mut pairs[new] {
+    join.run(max_pairs, &|pairs| {
+        for pair in &mut *pairs {
             let [i, j] = pair.map(|place| rows[place as usize]);
             *pair = [i.min(j), i.max(j)];
         }
+        pairs.len()
     })
 }
 
@@ -116,10 +117,11 @@ pub fn within<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Found> 
 /// that comes from the trees.
 pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) -> Result<Found> {
     let join = Join::between(a, b, None);
-    join.run(max_pairs, &|pairs, new| {
-        for [i, j] in &mut pairs[new] {
+    join.run(max_pairs, &|pairs| {
+        for [i, j] in &mut *pairs {
             (*i, *j) = (a.rows()[*i as usize], b.rows()[*j as usize]);
         }
+        pairs.len()
     })
 }
 
@@ -127,11 +129,11 @@ pub fn between<T: Scalar>(a: &Quadtree<T>, b: &Quadtree<T>, max_pairs: usize) ->
 pub fn within_mask<T: Scalar>(tree: &Quadtree<T>, mask: u32, max_pairs: usize) -> Result<Found> {
     let join = Join::within(tree, Some(mask));
     let (rows, selected) = (tree.rows(), |place| has_category(tree, place, mask));
-    join.run(max_pairs, &|pairs, new| {
-        keep(pairs, new, |[a, b]| {
+    join.run(max_pairs, &|pairs| {
+        keep(pairs, |[a, b]| {
             let (i, j) = (rows[a as usize], rows[b as usize]);
             (selected(a) && selected(b)).then(|| [i.min(j), i.max(j)])
-        });
+        })
     })
 }
 
@@ -143,11 +145,11 @@ pub fn between_mask<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let join = Join::between(a, b, Some(mask));
-    join.run(max_pairs, &|pairs, new| {
-        keep(pairs, new, |[i, j]| {
+    join.run(max_pairs, &|pairs| {
+        keep(pairs, |[i, j]| {
             let both = has_category(a, i, mask) && has_category(b, j, mask);
             both.then(|| [a.rows()[i as usize], b.rows()[j as usize]])
-        });
+        })
     })
 }
 
@@ -221,9 +223,7 @@ pub fn wanted_places_between<T: Scalar>(
     memory: &mut JoinScratch,
 ) -> Result<Found> {
     let join = Join { filters: Filters::Ignore, ..Join::between(a, b, None) };
-    let finish = |pairs: &mut Vec<[u32; 2]>, new| {
-        keep(pairs, new, |pair| is_wanted(pair).then_some(pair));
-    };
+    let finish = |pairs: &mut [[u32; 2]]| keep(pairs, |pair| is_wanted(pair).then_some(pair));
     join.run_in(max_pairs, &finish, memory)
 }
 
@@ -243,21 +243,17 @@ pub fn brute<T: Scalar>(
         if band == bands { len } else { ((1.0 - rest.sqrt()) * len as f64) as usize }
     };
     let budget = Budget::new(max_pairs);
-    let parts = parallel::map(threads, bands, |band| {
-        let mut output = Output::new(&budget, &as_they_are, Vec::new());
-        let rows = edge(band)..edge(band + 1);
+    budget.find(threads, bands, &as_they_are, &mut Memory::default(), |band, output| {
         T::with_widest(Brute {
             a: columns,
             b: columns,
             shift: [T::ZERO; 2],
             filters: Filters::Apply,
-            rows,
+            rows: edge(band)..edge(band + 1),
             itself: true,
-            output: &mut output,
-        });
-        output.into_found()
-    });
-    budget.collect(threads, parts)
+            output,
+        })
+    })
 }
 
 /// As [`places_between`] for two sets without trees, by brute force.
@@ -269,14 +265,16 @@ pub fn brute_between<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
-    let mut output = Output::new(&budget, &as_they_are, Vec::new());
-    let (rows, itself) = (0..a.len(), false);
-    T::with_widest(Brute { a, b, shift, filters, rows, itself, output: &mut output });
-    budget.accept(output.into_found())
+    let rows = 0..a.len();
+    budget.find(Some(1), 1, &as_they_are, &mut Memory::default(), |_, output| {
+        T::with_widest(Brute { a, b, shift, filters, rows: rows.clone(), itself: false, output });
+    })
 }
 
 /// For pairs of places, which are returned unchanged.
-fn as_they_are(_: &mut Vec<[u32; 2]>, _: Range<usize>) {}
+fn as_they_are(pairs: &mut [[u32; 2]]) -> usize {
+    pairs.len()
+}
 
 /// Every one of `rows` against all others, or all behind it where both sides are the same.
 struct Brute<'a, 'b, T> {

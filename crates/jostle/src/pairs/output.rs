@@ -2,19 +2,20 @@
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use super::Found;
 use crate::error::{Error, Result};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
-use crate::parallel;
-use crate::simd::{LANES, for_each_lane};
+use crate::parallel::{self, locked};
+use crate::simd::LANES;
 
 /// New pairs are reported to the common count in portions of this size.
 const PORTION: usize = 1 << 16;
 
-/// Two places.
-type Pair = [u32; 2];
+/// Two places or two rows.
+pub(super) type Pair = [u32; 2];
 
 /// Pairs per copy.
 const COPIED: usize = 1 << 18;
@@ -22,27 +23,23 @@ const COPIED: usize = 1 << 18;
 /// Pairs are converted in portions of this size, which fit into the first-level cache.
 const UNFINISHED: usize = 1 << 10;
 
-/// Converts new pairs of places, the last ones of a vector, into results; may remove some
-/// with [`keep`].
+/// Converts pairs of places into results, which come to stand at the beginning; returns how many
+/// there are, as [`keep`] does.
 ///
 /// It is called for many pairs at a time, so the kernels do not depend on its type and are
 /// compiled once.
-pub(super) type Finish<'a> = dyn Fn(&mut Vec<[u32; 2]>, Range<usize>) + Sync + 'a;
+pub(super) type Finish<'a> = dyn Fn(&mut [Pair]) -> usize + Sync + 'a;
 
-/// Replaces the pairs of `range`, the last ones of a vector, by the results of `map`.
-pub(super) fn keep(
-    pairs: &mut Vec<[u32; 2]>,
-    range: Range<usize>,
-    map: impl Fn([u32; 2]) -> Option<[u32; 2]>,
-) {
-    let mut end = range.start;
-    for index in range {
+/// Replaces pairs by the results of `map`; returns how many there are.
+pub(super) fn keep(pairs: &mut [Pair], map: impl Fn(Pair) -> Option<Pair>) -> usize {
+    let mut kept = 0;
+    for index in 0..pairs.len() {
         if let Some(pair) = map(pairs[index]) {
-            pairs[end] = pair;
-            end += 1;
+            pairs[kept] = pair;
+            kept += 1;
         }
     }
-    pairs.truncate(end);
+    kept
 }
 
 /// The number of pairs that all tasks together may still find, and whether to stop.
@@ -69,28 +66,76 @@ impl Budget {
         Ok(())
     }
 
-    /// The pairs of the only task.
-    pub(super) fn accept(&self, found: Result<Found>) -> Result<Found> {
-        self.check(found.as_ref().map_or(0, |found| found.pairs.len()))?;
-        found
+    /// Runs `work` for each of so many tasks. Each thread collects the pairs of its tasks in one
+    /// vector; in the end all are put together in the order of the tasks.
+    pub(super) fn find<'a>(
+        &'a self,
+        threads: Option<usize>,
+        tasks: usize,
+        finish: &'a Finish<'a>,
+        memory: &mut Memory,
+        work: impl Fn(usize, &mut Output<'a>) + Sync + Send,
+    ) -> Result<Found> {
+        let Memory { result, parts } = memory;
+        if !parallel::is_parallel(threads) {
+            let part = Part { pairs: std::mem::take(result), ..parts.pop().unwrap_or_default() };
+            let mut output = Output::new(self, finish, part);
+            (0..tasks).for_each(|task| work(task, &mut output));
+            output.finish();
+            return self.accept(output, parts);
+        }
+        let unused = Mutex::new(std::mem::take(parts));
+        let make = || Output::new(self, finish, locked(&unused).pop().unwrap_or_default());
+        let mut outputs = parallel::for_tasks_with(threads, tasks, make, |task, output| {
+            if !self.failed.load(Ordering::Relaxed) {
+                work(task, output);
+                output.end_task(task);
+            }
+        });
+        *parts = unused.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if let Some(only) = (outputs.len() == 1).then(|| outputs.pop()).flatten() {
+            return self.accept(only, parts);
+        }
+        let tests = outputs.iter().map(|output| output.tests).sum();
+        let count = outputs.iter().map(|output| output.count).sum();
+        self.check(count)?;
+        let used = outputs.into_iter().map(Output::into_part).collect::<Result<Vec<Part>>>()?;
+        let pairs = self.in_order(threads, &used, count, std::mem::take(result))?;
+        parts.extend(used);
+        Ok(Found { pairs, tests })
     }
 
-    /// Puts the parts together, in their order.
-    pub(super) fn collect(
+    /// The pairs of the only thread.
+    fn accept(&self, output: Output<'_>, parts: &mut Vec<Part>) -> Result<Found> {
+        self.check(output.count)?;
+        let tests = output.tests;
+        let mut part = output.into_part()?;
+        let pairs = std::mem::take(&mut part.pairs);
+        parts.push(part);
+        Ok(Found { pairs, tests })
+    }
+
+    /// The pairs of all parts in the order of their tasks.
+    fn in_order(
         &self,
         threads: Option<usize>,
-        parts: Vec<Result<Found>>,
-    ) -> Result<Found> {
-        let parts = parts.into_iter().collect::<Result<Vec<Found>>>();
-        let count = parts.iter().flatten().map(|part| part.pairs.len()).sum();
-        self.check(count)?;
-        let parts = parts?;
-        let tests = parts.iter().map(|part| part.tests).sum();
-        let mut pairs = memory::zeroed(count)?;
+        parts: &[Part],
+        count: usize,
+        mut pairs: Vec<Pair>,
+    ) -> Result<Vec<Pair>> {
+        let pieces = parts.iter().flat_map(|Part { pairs, tasks, .. }| {
+            tasks.iter().map(|(task, range)| (*task, &pairs[range.clone()]))
+        });
+        let mut pieces: Vec<(usize, &[Pair])> = pieces.collect();
+        pieces.sort_unstable_by_key(|piece| piece.0);
+        if pairs.capacity() < count {
+            pairs = memory::zeroed(count)?;
+        }
+        pairs.resize(count, [0; 2]);
         let mut rest = pairs.as_mut_slice();
-        let targets = parts.iter().flat_map(|part| {
-            let target = rest.split_off_mut(..part.pairs.len()).expect("the sizes add up");
-            target.chunks_mut(COPIED).zip(part.pairs.chunks(COPIED))
+        let targets = pieces.into_iter().flat_map(|(_, piece)| {
+            let target = rest.split_off_mut(..piece.len()).expect("the sizes add up");
+            target.chunks_mut(COPIED).zip(piece.chunks(COPIED))
         });
         parallel::for_each(threads, targets, |(target, source)| {
             if !self.stop.is_set() {
@@ -98,19 +143,34 @@ impl Budget {
             }
         });
         self.stop.check()?;
-        Ok(Found { pairs, tests })
+        Ok(pairs)
     }
 }
 
-/// Rows that a kernel may test against a block before it settles what it found.
-pub(super) const NOTES: usize = 64;
+/// Memory that is kept between calls.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Memory {
+    /// For the pairs of all threads.
+    pub(super) result: Vec<Pair>,
+    /// One for each thread.
+    parts: Vec<Part>,
+}
 
-/// What one task has found so far.
+/// What one thread has found, and its memory.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    pairs: Vec<Pair>,
+    /// The tasks that it did, and which of its pairs are theirs.
+    tasks: Vec<(usize, Range<usize>)>,
+    stack: Vec<Pair>,
+}
+
+/// What one thread has found so far.
 pub(super) struct Output<'a> {
-    pairs: Vec<[u32; 2]>,
+    part: Part,
+    /// Pairs found; the vector is longer.
+    count: usize,
     pub(super) tests: u64,
-    /// Which of some rows overlaps which lanes of a block.
-    pub(super) notes: [(u32, u32); NOTES],
     finish: &'a Finish<'a>,
     finished: usize,
     budget: &'a Budget,
@@ -128,13 +188,13 @@ enum Over {
 }
 
 impl<'a> Output<'a> {
-    /// Collects pairs in the memory of `pairs`.
-    pub(super) fn new(budget: &'a Budget, finish: &'a Finish<'a>, mut pairs: Vec<Pair>) -> Self {
-        pairs.clear();
+    /// Collects pairs in the memory of `part`.
+    fn new(budget: &'a Budget, finish: &'a Finish<'a>, mut part: Part) -> Self {
+        part.tasks.clear();
         Self {
-            pairs,
+            part,
+            count: 0,
             tests: 0,
-            notes: [(0, 0); NOTES],
             finish,
             finished: 0,
             budget,
@@ -144,24 +204,27 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Makes pairs of the first `count` notes; `first` and `second` tell the places of
-    /// a row and of a lane.
+    /// Memory for the pairs of nodes that a task has not visited yet; empty between tasks.
+    pub(super) fn stack(&mut self) -> &mut Vec<Pair> {
+        &mut self.part.stack
+    }
+
+    /// Memory for `more` pairs behind those there are, and [`LANES`] spare ones; none if there is
+    /// no memory.
     #[inline(always)]
-    pub(super) fn settle(
-        &mut self,
-        count: usize,
-        first: impl Fn(u32) -> u32,
-        second: impl Fn(usize) -> u32,
-    ) {
-        let count = count.min(NOTES);
-        if self.pairs.capacity() - self.pairs.len() < count * LANES && !self.grow(count * LANES) {
-            return;
+    pub(super) fn room(&mut self, more: usize) -> Option<&mut [Pair]> {
+        let end = self.count + more + LANES;
+        if end > self.part.pairs.len() && !self.grow(end) {
+            return None;
         }
-        for &(row, bits) in &self.notes[..count] {
-            let first = first(row);
-            for_each_lane(bits, |lane| self.pairs.push([first, second(lane)]));
-        }
-        if self.pairs.len() - self.finished >= UNFINISHED.min(self.budget.max_pairs) {
+        Some(&mut self.part.pairs[self.count..])
+    }
+
+    /// Adds the first `count` pairs of the room, and converts the new pairs if there are enough.
+    #[inline(always)]
+    pub(super) fn accept(&mut self, count: usize) {
+        self.count += count;
+        if self.count - self.finished >= UNFINISHED.min(self.budget.max_pairs) {
             self.finish();
         }
     }
@@ -169,31 +232,33 @@ impl<'a> Output<'a> {
     /// Converts the new pairs, and counts them if there are many.
     #[cold]
     fn finish(&mut self) {
-        let new = self.finished..self.pairs.len();
-        (self.finish)(&mut self.pairs, new);
-        self.finished = self.pairs.len();
+        let kept = (self.finish)(&mut self.part.pairs[self.finished..self.count]);
+        self.count = self.finished + kept;
+        self.finished = self.count;
         if self.finished - self.reported >= PORTION.min(self.budget.max_pairs) {
             self.report();
         }
     }
 
-    /// Reserves memory for more pairs; returns whether that succeeded.
+    /// Makes room for at least `end` pairs; returns whether that succeeded.
     #[cold]
-    fn grow(&mut self, more: usize) -> bool {
-        let reserved = memory::reserve(&mut self.pairs, more);
-        reserved.map_err(|error| self.fail(error.in_all(self.bytes_of_all(more)))).is_ok()
+    fn grow(&mut self, end: usize) -> bool {
+        let pairs = &mut self.part.pairs;
+        let len = end.max(pairs.capacity()).max(2 * pairs.len()).max(UNFINISHED);
+        let grown = memory::resize(pairs, len, [0; 2]);
+        grown.map_err(|error| self.fail(error.in_all(self.bytes_of_all()))).is_ok()
     }
 
-    /// Bytes of `more` pairs and of those that all tasks have found so far.
-    fn bytes_of_all(&self, more: usize) -> usize {
-        let new = self.pairs.len() - self.reported;
-        (self.budget.count.load(Ordering::Relaxed) + new + more) * size_of::<Pair>()
+    /// Bytes of the pairs that all tasks have found so far, with room for more here.
+    fn bytes_of_all(&self) -> usize {
+        let new = 2 * self.count - self.reported;
+        (self.budget.count.load(Ordering::Relaxed) + new) * size_of::<Pair>()
     }
 
     fn report(&mut self) {
-        let new = self.pairs.len() - self.reported;
+        let new = self.finished - self.reported;
         let before = self.budget.count.fetch_add(new, Ordering::Relaxed);
-        self.reported = self.pairs.len();
+        self.reported = self.finished;
         if before + new > self.budget.max_pairs {
             self.over = Some(Over::Enough);
         }
@@ -214,11 +279,19 @@ impl<'a> Output<'a> {
         self.over.is_some()
     }
 
-    pub(super) fn into_found(mut self) -> Result<Found> {
+    /// Marks the new pairs as those of a task that has ended.
+    fn end_task(&mut self, task: usize) {
         self.finish();
+        let start = self.part.tasks.last().map_or(0, |(_, range)| range.end);
+        self.part.tasks.push((task, start..self.count));
+    }
+
+    /// What was found, unless it failed.
+    fn into_part(mut self) -> Result<Part> {
+        self.part.pairs.truncate(self.count);
         match self.over {
             Some(Over::Failed(error)) => Err(error),
-            _ => Ok(Found { pairs: self.pairs, tests: self.tests }),
+            _ => Ok(self.part),
         }
     }
 }

@@ -1,21 +1,23 @@
-//! From the order of the shapes to the nodes of the tree and their covers.
+//! From the order of the shapes to the nodes of the tree, their strips and their covers.
 //!
 //! The upper nodes are made one after the other; what hangs below them is made by all
 //! threads. Which nodes are upper ones follows from the number of shapes alone.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use super::Node;
 use super::grid::GRID_LEVELS;
 use super::order::{Keyed, Order};
-use super::sort::key_of;
+use super::strips::{self, Places, Strips};
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{Cover, Scalar};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
-use crate::parallel;
+use crate::parallel::{self, locked};
 use crate::settings::Settings;
+use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work, block};
 
 /// A tree of more shapes than this has upper nodes.
@@ -27,82 +29,227 @@ const FEW: usize = 256;
 /// Upper nodes hold at least this share of all shapes.
 const SHARE: usize = 64;
 
-/// Makes the nodes, parents before children, siblings adjacent, and the covers. Not inlined,
-/// so that a profile can name it.
-#[inline(never)]
-pub fn nodes<T: Scalar>(
-    order: &Order,
-    columns: &Columns<T>,
-    settings: &Settings,
-    nodes: &mut Vec<Node>,
-    covers: &mut Vec<Cover<T>>,
-) -> Result<()> {
-    nodes.clear();
-    covers.clear();
-    if columns.is_empty() {
-        return Ok(());
-    }
-    let builder = Builder { order, columns, settings, stop: Stop::current() };
-    nodes.push(Node { end: columns.len() as u32, ..Node::default() });
-    if columns.len() <= LARGE {
-        builder.grow(nodes, 0)?;
-        memory::resize(covers, nodes.len(), builder.nothing())?;
-        return builder.cover(nodes, covers);
-    }
-    builder.grow(nodes, columns.len() / SHARE)?;
-    let upper = nodes.len();
-    let open: Vec<usize> = (0..upper).filter(|&node| nodes[node].is_leaf()).collect();
-    let parts =
-        parallel::map(settings.threads, open.len(), |index| builder.below(nodes[open[index]]));
-    let parts = parts.into_iter().collect::<Result<Vec<_>>>()?;
-    memory::reserve(nodes, parts.iter().map(|part| part.0.len()).sum())?;
-    for (&node, part) in open.iter().zip(&parts) {
-        adopt(nodes, node, &part.0);
-    }
-    memory::resize(covers, nodes.len(), builder.nothing())?;
-    let mut end = upper;
-    for (&node, (_, part)) in open.iter().zip(&parts) {
-        covers[node] = part[0];
-        covers[end..end + part.len() - 1].copy_from_slice(&part[1..]);
-        end += part.len() - 1;
-    }
-    builder.cover(&nodes[..upper], covers)
+/// What a tree consists of, besides the order of its shapes.
+#[derive(Clone, Debug, Default)]
+pub struct Nodes<T> {
+    /// Parents before children, siblings adjacent.
+    pub nodes: Vec<Node>,
+    /// One for each node.
+    pub covers: Vec<Cover<T>>,
+    /// One for each leaf.
+    pub strips: Vec<Strips<T>>,
+    /// Where each strip ends.
+    pub ends: Vec<u32>,
+    scratch: strips::Scratch,
 }
 
-/// Appends the nodes below a part's root, which stands at `root` already.
-fn adopt(nodes: &mut Vec<Node>, root: usize, part: &[Node]) {
-    // The part's node 1 comes to stand at the end.
-    let moved = nodes.len() as u32 - 1;
-    let (first, rest) = part.split_first().expect("a part has a root");
-    nodes[root] = Node { children: first.children + moved, ..*first };
-    nodes.extend(rest.iter().map(|node| Node { children: node.children + moved, ..*node }));
+impl<T: Scalar> Nodes<T> {
+    /// Forgets everything and keeps the memory.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.covers.clear();
+        self.strips.clear();
+        self.ends.clear();
+    }
+
+    /// Bytes of memory that they keep, used or not.
+    pub fn kept_bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>()
+            + self.covers.capacity() * size_of::<Cover<T>>()
+            + self.strips.capacity() * size_of::<Strips<T>>()
+            + self.ends.capacity() * size_of::<u32>()
+    }
+
+    /// Makes the nodes and the strips of their leaves, which sorts the `rows` of each leaf. Not
+    /// inlined, so that a profile can name it.
+    #[inline(never)]
+    pub fn grow(
+        &mut self,
+        order: &Order<T>,
+        shapes: &Shapes<T>,
+        mut places: Places<'_, T>,
+        settings: &Settings,
+        in_strips: bool,
+    ) -> Result<()> {
+        self.clear();
+        let len = shapes.len();
+        if len == 0 {
+            return Ok(());
+        }
+        let builder = Builder { order, shapes, settings, in_strips, stop: Stop::current() };
+        let root = Node { end: len as u32, ..Node::default() };
+        if len <= LARGE {
+            let Self { nodes, strips, ends, scratch, .. } = self;
+            nodes.push(root);
+            builder.split_all(nodes, 0)?;
+            return builder.put(nodes, places, strips, ends, scratch);
+        }
+        self.nodes.push(root);
+        builder.split_all(&mut self.nodes, len / SHARE)?;
+        let mut open: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        open.retain(|&node| self.nodes[node as usize].is_leaf());
+        open.sort_unstable_by_key(|&node| self.nodes[node as usize].start);
+        let failed = Mutex::new(Ok(()));
+        let tasks = open.iter().map(|&node| {
+            let node = self.nodes[node as usize];
+            (node, places.split_off(node.len()))
+        });
+        let tasks: Vec<_> = tasks.collect();
+        let mut parts = Vec::new();
+        parallel::for_each_with(
+            settings.threads,
+            tasks.into_iter().enumerate(),
+            Part::default,
+            |(task, (root, places)), part| {
+                if let Err(error) = builder.add(part, task, root, places) {
+                    *locked(&failed) = Err(error);
+                }
+            },
+            |part| parts.push(part),
+        );
+        failed.into_inner().unwrap_or_else(PoisonError::into_inner)?;
+        self.adopt(&open, &parts)
+    }
+
+    /// Appends what hangs below the `open` nodes.
+    fn adopt(&mut self, open: &[u32], parts: &[Part<T>]) -> Result<()> {
+        memory::reserve(&mut self.nodes, parts.iter().map(|part| part.nodes.len()).sum())?;
+        memory::reserve(&mut self.strips, parts.iter().map(|part| part.strips.len()).sum())?;
+        memory::reserve(&mut self.ends, parts.iter().map(|part| part.ends.len()).sum())?;
+        let mut pieces: Vec<(&Piece, &Part<T>)> = parts
+            .iter()
+            .flat_map(|part| part.pieces.iter().map(move |piece| (piece, part)))
+            .collect();
+        pieces.sort_unstable_by_key(|(piece, _)| piece.task);
+        for (&root, (piece, part)) in open.iter().zip(pieces) {
+            // The piece's root stands above already, its next node comes to stand at the end.
+            let node_shift = (self.nodes.len() as u32).wrapping_sub(piece.nodes.start as u32 + 1);
+            let strip_shift = (self.strips.len() as u32).wrapping_sub(piece.strips.start as u32);
+            let end_shift = (self.ends.len() as u32).wrapping_sub(piece.ends.start as u32);
+            let moved = |node: &Node| {
+                let shift = if node.is_leaf() { strip_shift } else { node_shift };
+                Node { children: node.children.wrapping_add(shift), ..*node }
+            };
+            let (first, rest) = part.nodes[piece.nodes.clone()].split_first().expect("a root");
+            self.nodes[root as usize] = moved(first);
+            self.nodes.extend(rest.iter().map(moved));
+            let strips = &part.strips[piece.strips.clone()];
+            self.strips.extend(strips.iter().map(|leaf| leaf.moved(end_shift)));
+            self.ends.extend_from_slice(&part.ends[piece.ends.clone()]);
+        }
+        Ok(())
+    }
+
+    /// Computes the covers of all nodes.
+    pub fn cover(&mut self, columns: &Columns<T>, settings: &Settings) -> Result<()> {
+        if columns.is_empty() {
+            return Ok(());
+        }
+        let nothing = Cover::of(&columns.shape(0));
+        memory::resize(&mut self.covers, self.nodes.len(), nothing)?;
+        let Self { nodes, covers, .. } = self;
+        let stop = Stop::current();
+        let leaves = |first: usize, covers: &mut [Cover<T>]| {
+            let pulse = Pulse::of(&stop);
+            T::with_widest(CoverLeaves { columns, nodes: &nodes[first..], covers, pulse });
+        };
+        parallel::for_chunks(settings.threads, covers, leaves);
+        stop.check()?;
+        for (index, node) in nodes.iter().enumerate().rev() {
+            if !node.is_leaf() {
+                let children = covers[node.children()].iter().copied();
+                covers[index] = children.reduce(Cover::join).unwrap_or(nothing);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What one thread has made.
+#[derive(Default)]
+struct Part<T> {
+    nodes: Vec<Node>,
+    strips: Vec<Strips<T>>,
+    ends: Vec<u32>,
+    pieces: Vec<Piece>,
+    scratch: strips::Scratch,
+}
+
+/// What hangs below one node: ranges of what a thread has made.
+struct Piece {
+    task: usize,
+    nodes: Range<usize>,
+    strips: Range<usize>,
+    ends: Range<usize>,
 }
 
 struct Builder<'a, T> {
-    order: &'a Order,
-    columns: &'a Columns<T>,
+    order: &'a Order<T>,
+    shapes: &'a Shapes<T>,
     settings: &'a Settings,
+    in_strips: bool,
     stop: Stop,
 }
 
 impl<T: Scalar> Builder<'_, T> {
-    /// The nodes from `root` down, counted from there, and their covers.
-    fn below(&self, root: Node) -> Result<(Vec<Node>, Vec<Cover<T>>)> {
-        let mut nodes = vec![root];
-        self.grow(&mut nodes, 0)?;
-        let mut covers = memory::filled(nodes.len(), self.nothing())?;
-        self.cover(&nodes, &mut covers)?;
-        Ok((nodes, covers))
+    /// Adds a root with everything below it.
+    fn add(
+        &self,
+        part: &mut Part<T>,
+        task: usize,
+        root: Node,
+        places: Places<'_, T>,
+    ) -> Result<()> {
+        let [first, strip, end] = [part.nodes.len(), part.strips.len(), part.ends.len()];
+        memory::push(&mut part.nodes, root)?;
+        self.split_all(&mut part.nodes, 0)?;
+        let Part { nodes, strips, ends, scratch, .. } = part;
+        self.put(&mut nodes[first..], places, strips, ends, scratch)?;
+        part.pieces.push(Piece {
+            task,
+            nodes: first..part.nodes.len(),
+            strips: strip..part.strips.len(),
+            ends: end..part.ends.len(),
+        });
+        Ok(())
+    }
+
+    /// Puts the shapes of the leaves at their places, those of the first node.
+    fn put(
+        &self,
+        nodes: &mut [Node],
+        mut places: Places<'_, T>,
+        strips: &mut Vec<Strips<T>>,
+        ends: &mut Vec<u32>,
+        scratch: &mut strips::Scratch,
+    ) -> Result<()> {
+        let mut pulse = Pulse::of(&self.stop);
+        let before = nodes[0].start;
+        for node in nodes.iter_mut().filter(|node| node.is_leaf()) {
+            pulse.check(node.len())?;
+            node.children = strips.len() as u32;
+            let items = self.order.keyed[0].items(node.range());
+            let from = (node.start - before) as usize;
+            let to = places.some(from..from + node.len());
+            let start = node.start as usize;
+            let leaf = if self.in_strips {
+                strips::arrange(self.shapes, items, start, to, ends, scratch)
+            } else {
+                strips::as_one(items, start, to, ends)
+            };
+            memory::push(strips, leaf)?;
+        }
+        Ok(())
     }
 
     /// Splits the nodes from the last one on until each holds `enough` shapes, or no
     /// more than a leaf may.
-    fn grow(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
+    fn split_all(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
         T::with_widest(Grow { builder: self, nodes, enough })
     }
 
     #[inline(always)]
-    fn grow_here(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
+    fn split_here(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
         let mut pulse = Pulse::of(&self.stop);
         let enough = enough.max(self.settings.leaf_capacity);
         let mut next = nodes.len() - 1;
@@ -142,17 +289,6 @@ impl<T: Scalar> Builder<'_, T> {
         let sizes = quarters(keyed, start, end, shift);
         append(index, nodes, sizes, level);
     }
-
-    /// Fills in the covers, children before parents. Where a leaf's `covers` entry
-    /// stands for nodes below it, it has been filled in already.
-    fn cover(&self, nodes: &[Node], covers: &mut [Cover<T>]) -> Result<()> {
-        let pulse = Pulse::of(&self.stop);
-        T::with_widest(CoverAll { columns: self.columns, nodes, covers, pulse })
-    }
-
-    fn nothing(&self) -> Cover<T> {
-        Cover::of(&self.columns.shape(0))
-    }
 }
 
 /// Splits a node into quarters by place, for shapes that no grid can tell apart.
@@ -165,16 +301,16 @@ fn by_rank(index: usize, nodes: &mut Vec<Node>) {
 /// How many of the shapes from `start` to `end` lie in each quarter, named by the two
 /// bits of their keys from `shift`; all bits above agree.
 #[inline(always)]
-fn quarters(keyed: &Keyed, start: usize, end: usize, shift: u32) -> [usize; 4] {
+fn quarters<T>(keyed: &Keyed<T>, start: usize, end: usize, shift: u32) -> [usize; 4] {
     let before = if end - start > FEW {
         let first = keyed.key(start) >> shift & !3;
         [1, 2, 3].map(|q| keyed.first_at_least((first | q) << shift) - start)
     } else {
         // Counting all is faster than searching: no step waits for the one before it.
         let mut before = [0u32; 3];
-        for &item in keyed.items(start..end) {
+        for item in keyed.items(start..end) {
             for q in 0..3 {
-                before[q as usize] += u32::from(key_of(item) >> shift & 3 <= q);
+                before[q as usize] += u32::from(item.key >> shift & 3 <= q);
             }
         }
         before.map(|count| count as usize)
@@ -208,33 +344,31 @@ impl<T: Scalar> Work<T> for Grow<'_, T> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, _: S) -> Result<()> {
-        self.builder.grow_here(self.nodes, self.enough)
+        self.builder.split_here(self.nodes, self.enough)
     }
 }
 
-/// The covers of nodes whose covers are still open.
-struct CoverAll<'a, T> {
+/// The covers of some nodes, as far as they are leaves.
+struct CoverLeaves<'a, T> {
     columns: &'a Columns<T>,
     nodes: &'a [Node],
     covers: &'a mut [Cover<T>],
     pulse: Pulse,
 }
 
-impl<T: Scalar> Work<T> for CoverAll<'_, T> {
-    type Out = Result<()>;
+impl<T: Scalar> Work<T> for CoverLeaves<'_, T> {
+    type Out = ();
 
     #[inline(always)]
-    fn run<S: Simd<T>>(mut self, simd: S) -> Result<()> {
-        for (index, node) in self.nodes.iter().enumerate().rev() {
+    fn run<S: Simd<T>>(mut self, simd: S) {
+        for (node, cover) in self.nodes.iter().zip(self.covers) {
             if node.is_leaf() {
-                self.pulse.check(node.len())?;
-                self.covers[index] = cover_of_leaf(simd, self.columns, node);
-            } else if node.children().end <= self.nodes.len() {
-                let children = self.covers[node.children()].iter().copied();
-                self.covers[index] = children.reduce(Cover::join).unwrap_or(self.covers[index]);
+                if self.pulse.stops(node.len()) {
+                    return;
+                }
+                *cover = cover_of_leaf(simd, self.columns, node);
             }
         }
-        Ok(())
     }
 }
 

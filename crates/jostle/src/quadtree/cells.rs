@@ -32,11 +32,11 @@ impl<T: Scalar> Quadtree<T> {
         let cells = self.cells()?;
         let hidden = self.hidden_nodes()?;
         let seen = self.seen_nodes(&hidden).map(|(index, is_leaf)| {
-            let node = &self.nodes[index];
+            let node = &self.nodes()[index];
             let (depth, count) = (usize::from(node.depth), node.len());
             TreeBox { bounds: cells[index], depth, count, is_leaf }
         });
-        let mut boxes = memory::with_room(self.nodes.len())?;
+        let mut boxes = memory::with_room(self.nodes().len())?;
         boxes.extend(seen);
         Ok(boxes)
     }
@@ -45,15 +45,15 @@ impl<T: Scalar> Quadtree<T> {
     pub fn count_boxes(&self) -> Result<[usize; 3]> {
         let hidden = self.hidden_nodes()?;
         Ok(self.seen_nodes(&hidden).fold([0; 3], |[boxes, leaves, depth], (index, is_leaf)| {
-            let here = usize::from(self.nodes[index].depth);
+            let here = usize::from(self.nodes()[index].depth);
             [boxes + 1, leaves + usize::from(is_leaf), depth.max(here)]
         }))
     }
 
     /// Whether each node has the box of its parent.
     fn hidden_nodes(&self) -> Result<Vec<bool>> {
-        let mut hidden = memory::filled(self.nodes.len(), false)?;
-        for node in self.nodes.iter().filter(|node| self.is_one_place(node)) {
+        let mut hidden = memory::filled(self.nodes().len(), false)?;
+        for node in self.nodes().iter().filter(|node| self.is_one_place(node)) {
             hidden[node.children()].fill(true);
         }
         Ok(hidden)
@@ -61,9 +61,9 @@ impl<T: Scalar> Quadtree<T> {
 
     /// The nodes whose boxes are listed, and whether each is listed as a leaf.
     fn seen_nodes(&self, hidden: &[bool]) -> impl Iterator<Item = (usize, bool)> {
-        let seen = (0..self.nodes.len()).filter(|&index| !hidden[index]);
+        let seen = (0..self.nodes().len()).filter(|&index| !hidden[index]);
         seen.map(|index| {
-            let node = &self.nodes[index];
+            let node = &self.nodes()[index];
             (index, node.is_leaf() || self.is_one_place(node))
         })
     }
@@ -71,7 +71,7 @@ impl<T: Scalar> Quadtree<T> {
     /// Whether a node split although its shapes have the same key: its children have its
     /// cell.
     fn is_one_place(&self, node: &Node) -> bool {
-        let child = self.nodes[node.children()].first();
+        let child = self.nodes()[node.children()].first();
         child.is_some_and(|child| (child.grid, child.level) == (node.grid, node.level))
     }
 
@@ -82,19 +82,19 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     pub(super) fn cells_unless_stopped(&self, pulse: &mut Pulse) -> Result<Vec<Cell>> {
-        let mut cells = memory::with_room(self.nodes.len())?;
-        for node in &self.nodes {
+        let mut cells = memory::with_room(self.nodes().len())?;
+        for node in self.nodes() {
             pulse.check(CELL_WORK)?;
             cells.push(self.own_cell(node));
         }
-        for (index, node) in self.nodes.iter().enumerate() {
+        for (index, node) in self.nodes().iter().enumerate() {
             pulse.check(CELL_WORK)?;
             for child in node.children() {
                 cells[child] = common(cells[child], cells[index]);
             }
         }
         // In a world 1e30 wide, keys round a centre across its cell's border.
-        for (index, node) in self.nodes.iter().enumerate().rev() {
+        for (index, node) in self.nodes().iter().enumerate().rev() {
             pulse.check(CELL_WORK)?;
             cells[index] = union(cells[index], self.centers_within(index));
             for child in node.children() {
@@ -107,10 +107,10 @@ impl<T: Scalar> Quadtree<T> {
     /// The box around the centres of a node's shapes.
     pub(super) fn centers_within(&self, node: usize) -> Cell {
         if !self.columns.has_boxes() {
-            let Cover { min, max, .. } = self.covers[node];
+            let Cover { min, max, .. } = self.covers()[node];
             return [min[0], min[1], max[0], max[1]].map(T::to_f64);
         }
-        let centers = self.nodes[node].range().map(|place| {
+        let centers = self.nodes()[node].range().map(|place| {
             let [x, y] = self.columns.shape(place).center().map(T::to_f64);
             [x, y, x, y]
         });

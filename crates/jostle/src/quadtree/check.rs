@@ -17,7 +17,7 @@ impl<T: Scalar> Quadtree<T> {
     ///   parent's; a cell holds the centres of its shapes.
     pub fn check(&self) -> Result<(), String> {
         self.check_rows()?;
-        match self.nodes.first() {
+        match self.nodes().first() {
             None if self.is_empty() => return Ok(()),
             None => return Err("shapes without a root".into()),
             Some(root) if root.range() != (0..self.len()) || root.depth != 0 => {
@@ -29,13 +29,13 @@ impl<T: Scalar> Quadtree<T> {
         let cells = self
             .cells_unless_stopped(&mut Pulse::of(&Stop::default()))
             .map_err(|error| error.to_string())?;
-        for index in 0..self.nodes.len() {
+        for index in 0..self.nodes().len() {
             self.check_size(index)?;
             self.check_children(index, &mut seen)?;
             self.check_cover(index)?;
             self.check_cell(index, &cells)?;
         }
-        if seen == self.nodes.len() { Ok(()) } else { Err("some nodes have no parent".into()) }
+        if seen == self.nodes().len() { Ok(()) } else { Err("some nodes have no parent".into()) }
     }
 
     fn check_rows(&self) -> Result<(), String> {
@@ -49,7 +49,7 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     fn check_size(&self, index: usize) -> Result<(), String> {
-        let node = &self.nodes[index];
+        let node = &self.nodes()[index];
         let depth = usize::from(node.depth);
         if node.len() == 0 {
             return Err(format!("node {index} is empty"));
@@ -65,11 +65,11 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     fn check_children(&self, index: usize, seen: &mut usize) -> Result<(), String> {
-        let node = &self.nodes[index];
+        let node = &self.nodes()[index];
         if node.is_leaf() {
             return Ok(());
         }
-        let children = &self.nodes[node.children()];
+        let children = &self.nodes()[node.children()];
         *seen += children.len();
         let mut from = node.range().start;
         for child in children {
@@ -86,8 +86,8 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     fn check_cover(&self, index: usize) -> Result<(), String> {
-        let shapes = self.nodes[index].range().map(|place| Cover::of(&self.columns.shape(place)));
-        if shapes.reduce(Cover::join) == Some(self.covers[index]) {
+        let shapes = self.nodes()[index].range().map(|place| Cover::of(&self.columns.shape(place)));
+        if shapes.reduce(Cover::join) == Some(self.covers()[index]) {
             Ok(())
         } else {
             Err(format!("the cover of node {index} is not tight"))
@@ -95,7 +95,7 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     fn check_cell(&self, index: usize, cells: &[[f64; 4]]) -> Result<(), String> {
-        let node = &self.nodes[index];
+        let node = &self.nodes()[index];
         let [min_x, min_y, max_x, max_y] = cells[index];
         let [left, top, right, bottom] = self.centers_within(index);
         if left < min_x || top < min_y || right > max_x || bottom > max_y {

@@ -42,13 +42,29 @@ impl Grid {
         self.side.is_finite() && self.origin.iter().all(|v| v.is_finite())
     }
 
+    /// The distance between two coordinates as a part of the side.
+    pub fn part(&self, high: f64, low: f64) -> f64 {
+        (high * self.prescale - low * self.prescale) / self.side
+    }
+
     /// The Z-order key of a centre: bits of x and y in turn, coarsest first.
     #[inline(always)]
-    pub fn key(&self, center: [f64; 2]) -> u32 {
+    pub fn key(&self, [x, y]: [f64; 2]) -> u32 {
+        self.keys(&[x], &[y])[0]
+    }
+
+    /// The keys of some centres, x and y by themselves, which the compiler can compute together.
+    #[inline(always)]
+    pub fn keys<const COUNT: usize>(&self, x: &[f64; COUNT], y: &[f64; COUNT]) -> [u32; COUNT] {
         let cells = f64::from(1u32 << GRID_LEVELS) / self.side;
-        let index =
-            |axis: usize| cell_index((center[axis] * self.prescale - self.origin[axis]) * cells);
-        spread(index(0)) | spread(index(1)) << 1
+        let index = |along: f64, axis: usize| {
+            spread(cell_index((along * self.prescale - self.origin[axis]) * cells))
+        };
+        let mut keys = [0; COUNT];
+        for lane in 0..COUNT {
+            keys[lane] = index(x[lane], 0) | index(y[lane], 1) << 1;
+        }
+        keys
     }
 
     /// The cell of `key` after `level` subdivisions: min x, min y, max x, max y.

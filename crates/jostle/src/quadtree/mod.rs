@@ -13,6 +13,7 @@ mod check;
 mod grid;
 mod order;
 mod sort;
+mod strips;
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -22,6 +23,7 @@ pub use cells::TreeBox;
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{Cover, Scalar, Shape};
+use crate::memory;
 use crate::parallel;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
@@ -31,6 +33,7 @@ use crate::shapes::Shapes;
 pub struct Node {
     start: u32,
     end: u32,
+    /// The first child; the strips of a leaf.
     children: u32,
     child_count: u8,
     /// Subdivisions of its grid above it.
@@ -47,7 +50,7 @@ impl Node {
         self.start as usize..self.end as usize
     }
 
-    /// Indices of its children.
+    /// Indices of its children; empty for a leaf.
     pub fn children(&self) -> Range<usize> {
         let first = self.children as usize;
         first..first + self.child_count as usize
@@ -78,9 +81,8 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub struct Quadtree<T> {
     columns: Columns<T>,
-    nodes: Vec<Node>,
-    covers: Vec<Cover<T>>,
-    order: order::Order,
+    built: build::Nodes<T>,
+    order: order::Order<T>,
     settings: Settings,
 }
 
@@ -96,10 +98,14 @@ impl<T: Scalar> Quadtree<T> {
     /// Builds the tree of `shapes` in the memory of this one.
     pub fn fill(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
         settings.validate()?;
-        let threads = parallel::worthwhile(settings.threads, shapes.len());
-        parallel::among(threads, || {
-            self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b))
-        })
+        self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b))
+    }
+
+    /// As [`Quadtree::fill`], in less time: the order of the shapes in a leaf depends on their rows
+    /// too.
+    pub fn fill_unordered(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
+        settings.validate()?;
+        self.build(shapes, settings, settings.leaf_capacity, &|_, _| Ordering::Equal)
     }
 
     /// Builds the tree anew in its old memory. `tie` orders rows whose centres
@@ -122,35 +128,57 @@ impl<T: Scalar> Quadtree<T> {
         settings: Settings,
         tie: &order::Tie<'_>,
     ) -> Result<()> {
+        self.build(shapes, settings, 0, tie)
+    }
+
+    /// Groups of at most `unsorted` shapes in a leaf may stay in the order of their rows.
+    fn build(
+        &mut self,
+        shapes: &Shapes<T>,
+        settings: Settings,
+        unsorted: usize,
+        tie: &order::Tie<'_>,
+    ) -> Result<()> {
         self.settings = settings;
-        let built = self.build(shapes, tie);
+        let threads = parallel::worthwhile(settings.threads, shapes.len());
+        parallel::wake(threads);
+        let built = self.build_here(shapes, unsorted, tie, threads);
         if built.is_err() {
             self.clear();
         }
         built
     }
 
-    fn build(&mut self, shapes: &Shapes<T>, tie: &order::Tie<'_>) -> Result<()> {
-        let threads = parallel::worthwhile(self.settings.threads, shapes.len());
-        self.order.sort(shapes, tie, threads)?;
-        self.columns.gather(shapes, &self.order.rows, threads)?;
-        let (nodes, covers) = (&mut self.nodes, &mut self.covers);
-        build::nodes(&self.order, &self.columns, &self.settings, nodes, covers)
+    fn build_here(
+        &mut self,
+        shapes: &Shapes<T>,
+        unsorted: usize,
+        tie: &order::Tie<'_>,
+        threads: Option<usize>,
+    ) -> Result<()> {
+        let settings = Settings { threads, ..self.settings };
+        self.order.sort(shapes, tie, unsorted, threads)?;
+        let mut rows = std::mem::take(&mut self.order.rows);
+        memory::resize(&mut rows, shapes.len(), 0)?;
+        let [x, y] = self.columns.places(shapes.len())?;
+        let places = strips::Places { rows: &mut rows, x, y };
+        let grown = self.built.grow(&self.order, shapes, places, &settings, unsorted > 0);
+        self.order.rows = rows;
+        grown?;
+        self.columns.fill_rest(shapes, &self.order.rows, threads)?;
+        self.built.cover(&self.columns, &settings)
     }
 
     /// Forgets all shapes and keeps their memory.
     fn clear(&mut self) {
         self.columns.clear();
         self.order.clear();
-        self.nodes.clear();
-        self.covers.clear();
+        self.built.clear();
     }
 
     /// Bytes of memory that it keeps, used or not.
     pub fn kept_bytes(&self) -> usize {
-        let nodes = self.nodes.capacity() * size_of::<Node>();
-        let covers = self.covers.capacity() * size_of::<Cover<T>>();
-        nodes + covers + self.columns.kept_bytes() + self.order.kept_bytes()
+        self.built.kept_bytes() + self.columns.kept_bytes() + self.order.kept_bytes()
     }
 
     /// Number of shapes.
@@ -175,12 +203,33 @@ impl<T: Scalar> Quadtree<T> {
 
     /// The nodes, parents before children. Empty where there is no shape.
     pub fn nodes(&self) -> &[Node] {
-        &self.nodes
+        &self.built.nodes
     }
 
     /// The covers, one for each node.
     pub fn covers(&self) -> &[Cover<T>] {
-        &self.covers
+        &self.built.covers
+    }
+
+    /// For each strip of a leaf: its places, and where the last strip ends that it can reach.
+    #[inline(always)]
+    pub fn strips(&self, leaf: &Node) -> impl Iterator<Item = (Range<usize>, usize)> {
+        let strips = &self.built.strips[leaf.children as usize];
+        let ends = &self.built.ends[strips.ends()];
+        let mut start = leaf.start as usize;
+        ends.iter().enumerate().map(move |(strip, &end)| {
+            let places = start..end as usize;
+            start = end as usize;
+            (places, ends[strips.last_reached(strip)] as usize)
+        })
+    }
+
+    /// Places of the shapes of a leaf, at least of those that could overlap a shape under `cover`.
+    #[inline(always)]
+    pub fn places_near(&self, leaf: usize, cover: &Cover<T>) -> Range<usize> {
+        let (node, own) = (&self.nodes()[leaf], &self.covers()[leaf]);
+        let strips = &self.built.strips[node.children as usize];
+        strips.places(&self.built.ends, node.range(), own, cover)
     }
 
     /// The settings it was built with.
@@ -190,12 +239,12 @@ impl<T: Scalar> Quadtree<T> {
 
     /// Number of leaves.
     pub fn leaf_count(&self) -> usize {
-        self.nodes.iter().filter(|node| node.is_leaf()).count()
+        self.nodes().iter().filter(|node| node.is_leaf()).count()
     }
 
     /// Subdivisions above the deepest node.
     pub fn depth(&self) -> usize {
-        self.nodes.iter().map(|node| usize::from(node.depth)).max().unwrap_or(0)
+        self.nodes().iter().map(|node| usize::from(node.depth)).max().unwrap_or(0)
     }
 }
 

@@ -13,7 +13,7 @@ use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 
 use super::grid::Grid;
-use super::sort::{FillKeys, Item, Parts, Sorter, key_of};
+use super::sort::{Item, Parts, Precision, Sorter, Source};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::interrupt::{self, Pulse};
@@ -32,22 +32,22 @@ pub type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
 
 /// Keys of the places `start..end` of the order, in one grid.
 #[derive(Clone, Debug, Default)]
-pub struct Keyed {
+pub struct Keyed<T> {
     /// First place.
     pub start: usize,
     /// Behind the last place.
     pub end: usize,
     /// The grid of the keys.
     pub grid: Grid,
-    /// The key of each place above its row when it was sorted, ascending.
-    pub items: Vec<Item>,
+    /// The shapes with their keys, in ascending order as far as the tree needs it.
+    pub items: Vec<Item<T>>,
     parts: Parts,
 }
 
-impl Keyed {
+impl<T> Keyed<T> {
     /// The key of the shape at a place.
     pub fn key(&self, place: usize) -> u32 {
-        key_of(self.items[place - self.start])
+        self.items[place - self.start].key
     }
 
     /// The first place whose key is at least `bound`.
@@ -56,40 +56,39 @@ impl Keyed {
     }
 
     /// The items of some places.
-    pub fn items(&self, places: Range<usize>) -> &[Item] {
+    pub fn items(&self, places: Range<usize>) -> &[Item<T>] {
         &self.items[places.start - self.start..places.end - self.start]
     }
 }
 
 /// The shapes' rows in canonical order, and the keys that led there.
 #[derive(Clone, Debug, Default)]
-pub struct Order {
+pub struct Order<T> {
     /// `rows[place]` is the shape's row in the caller's columns.
     pub rows: Vec<u32>,
     /// The first entry keys all places; each further one the places that shared
     /// one finest cell of an earlier entry.
-    pub keyed: Vec<Keyed>,
+    pub keyed: Vec<Keyed<T>>,
     finer: HashMap<(usize, usize), usize>,
-    sorter: Sorter,
+    sorter: Sorter<T>,
     /// Ranges of places that share a key.
     equal: Vec<Range<usize>>,
     /// Those that are not in order yet.
     open: VecDeque<Range<usize>>,
 }
 
-impl Order {
-    /// Orders the shapes. `tie` compares two rows whose centres coincide.
-    pub fn sort<T: Scalar>(
+impl<T: Scalar> Order<T> {
+    /// Orders the shapes. `tie` compares two rows whose centres coincide. If `unsorted` is not 0,
+    /// groups of at most so many, which a leaf can hold, may stay in the order of their rows.
+    pub fn sort(
         &mut self,
         shapes: &Shapes<T>,
         tie: &Tie<'_>,
+        unsorted: usize,
         threads: Option<usize>,
     ) -> Result<()> {
         let len = shapes.len();
         interrupt::check()?;
-        self.rows.clear();
-        memory::reserve(&mut self.rows, len)?;
-        self.rows.extend(0..len as u32);
         let mut root = self.keyed.drain(..).next().unwrap_or_default();
         (root.start, root.end) = (0, len);
         self.finer.clear();
@@ -98,25 +97,20 @@ impl Order {
         }
         let mut open = std::mem::take(&mut self.open);
         open.clear();
-        if let Some(grid) = grid_of_all(&shapes.centers) {
-            root.grid = grid;
-            self.sort_by_key(&mut root, threads, &mut open, &|range, items| {
-                let centers = &shapes.centers[range.clone()];
-                T::with_widest(KeyRows { grid: &grid, centers, first: range.start, items });
-            })?;
-        } else {
-            root.grid = Grid::at(shapes.centers[0].map(T::to_f64));
-            root.items.clear();
-            root.parts.clear();
-            memory::reserve(&mut root.items, len)?;
-            root.items.extend(0..len as Item);
-            open.extend((len > 1).then_some(0..len));
-        }
+        let centers = &shapes.centers;
+        let extent = T::with_widest(Extent(centers));
+        let known = grid_around(extent);
+        let grid = known.unwrap_or(Grid::at(centers[0].map(T::to_f64)));
+        let precision = match unsorted {
+            0 => Precision::Full,
+            most => Precision::Groups { most, occupied: occupied(&grid, extent) },
+        };
+        self.sort_by_key(&mut root, threads, precision, &Centers { grid, centers }, &mut open)?;
         self.keyed.push(root);
         let mut pulse = Pulse::current();
         while let Some(range) = open.pop_front() {
             pulse.check(range.len())?;
-            self.resolve(range, shapes, tie, threads, &mut open)?;
+            self.resolve(range, tie, threads, &mut open)?;
         }
         self.open = open;
         Ok(())
@@ -136,9 +130,9 @@ impl Order {
     /// Bytes of memory that it keeps, used or not.
     pub fn kept_bytes(&self) -> usize {
         let items: usize = self.keyed.iter().map(|keyed| keyed.items.capacity()).sum();
-        let grids = self.keyed.capacity() * (size_of::<Keyed>() + size_of::<[usize; 4]>());
+        let grids = self.keyed.capacity() * (size_of::<Keyed<T>>() + size_of::<[usize; 4]>());
         grids
-            + items * size_of::<Item>()
+            + items * size_of::<Item<T>>()
             + self.rows.capacity() * size_of::<u32>()
             + (self.equal.capacity() + self.open.capacity()) * size_of::<Range<usize>>()
             + self.sorter.kept_bytes()
@@ -158,90 +152,151 @@ impl Order {
 
     /// Orders a range of places that share a key: few by comparing, many by the keys of
     /// a finer grid, which may leave ranges `open` in their turn.
-    fn resolve<T: Scalar>(
+    fn resolve(
         &mut self,
         range: Range<usize>,
-        shapes: &Shapes<T>,
         tie: &Tie<'_>,
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
     ) -> Result<()> {
-        let rows = &mut self.rows[range.clone()];
-        let finer = if rows.len() > SHORT_RUN { grid_of(shapes, rows) } else { None };
+        let items = &mut self.keyed[0].items[range.clone()];
+        let finer = if items.len() > SHORT_RUN { grid_of(items) } else { None };
         let Some(grid) = finer.filter(Grid::is_finite) else {
-            rows.sort_unstable_by(|&a, &b| {
-                let (i, j) = (a as usize, b as usize);
-                let [[a_x, a_y], [b_x, b_y]] = [shapes.centers[i], shapes.centers[j]];
+            items.sort_unstable_by(|a, b| {
+                let ([a_x, a_y], [b_x, b_y]) = (a.center, b.center);
                 let by_place = a_x.total_order(&b_x).then_with(|| a_y.total_order(&b_y));
-                by_place.then_with(|| tie(i, j)).then(a.cmp(&b))
+                let by_tie = by_place.then_with(|| tie(a.row as usize, b.row as usize));
+                by_tie.then(a.row.cmp(&b.row))
             });
             return Ok(());
         };
         let Range { start, end } = range;
-        let mut keyed = Keyed { start, end, grid, ..Keyed::default() };
-        let rows = memory::collect(rows.iter().copied())?;
-        self.sort_by_key(&mut keyed, threads, open, &|range, items| {
-            for (&row, item) in rows[range].iter().zip(items) {
-                let center = shapes.centers[row as usize].map(T::to_f64);
-                *item = u64::from(grid.key(center)) << 32 | u64::from(row);
-            }
-        })?;
+        let mut keyed = Keyed { start, end, ..Keyed::default() };
+        let items = memory::collect(items.iter().copied())?;
+        let source = Items { grid, items: &items };
+        self.sort_by_key(&mut keyed, threads, Precision::Full, &source, open)?;
+        for (item, finer) in self.keyed[0].items[start..end].iter_mut().zip(&keyed.items) {
+            *item = Item { key: item.key, ..*finer };
+        }
         let entries = self.finer.len() + 1;
         self.finer.try_reserve(1).map_err(|e| memory::no_memory::<[usize; 4]>(&e, entries))?;
         self.finer.insert((start, end), self.keyed.len());
         memory::push(&mut self.keyed, keyed)
     }
 
-    /// Sorts the shapes at `keyed`'s places by their keys, then by row. Ranges that share
-    /// a key are left `open`. `key` fills in the items of some of the rows.
+    /// Sorts the shapes of a source, those at `keyed`'s places, by their keys, then by row. Ranges
+    /// that share a key are left `open`.
     fn sort_by_key(
         &mut self,
-        keyed: &mut Keyed,
+        keyed: &mut Keyed<T>,
         threads: Option<usize>,
+        precision: Precision,
+        source: &impl GridSource<T>,
         open: &mut VecDeque<Range<usize>>,
-        key: &FillKeys<'_>,
     ) -> Result<()> {
-        let rows = &mut self.rows[keyed.start..keyed.end];
-        let threads = parallel::worthwhile(threads, rows.len());
-        memory::resize(&mut keyed.items, rows.len(), 0)?;
+        keyed.grid = source.grid();
+        let threads = parallel::worthwhile(threads, source.len());
         let (Keyed { items, parts, .. }, equal) = (&mut *keyed, &mut self.equal);
-        self.sorter.sort(threads, items, parts, key, equal)?;
+        self.sorter.sort(threads, precision, source, items, parts, equal)?;
         let ranges = open.len() + equal.len();
         open.try_reserve(equal.len()).map_err(|e| memory::no_memory::<Range<usize>>(&e, ranges))?;
         open.extend(equal.iter().map(|range| keyed.start + range.start..keyed.start + range.end));
-        parallel::for_chunks(threads, rows, |first, rows| {
-            for (row, &item) in rows.iter_mut().zip(&keyed.items[first..]) {
-                *row = item as u32;
-            }
-        });
         Ok(())
     }
 }
 
-/// The keys of adjacent rows.
-struct KeyRows<'a, T> {
-    grid: &'a Grid,
-    centers: &'a [[T; 2]],
-    first: usize,
-    items: &'a mut [Item],
+/// Shapes and the grid that gives their keys.
+trait GridSource<T>: Source<T> {
+    fn grid(&self) -> Grid;
 }
 
-impl<T: Scalar> Work<T> for KeyRows<'_, T> {
+/// All shapes.
+struct Centers<'a, T> {
+    grid: Grid,
+    centers: &'a [[T; 2]],
+}
+
+/// Some shapes that were sorted before.
+struct Items<'a, T> {
+    grid: Grid,
+    items: &'a [Item<T>],
+}
+
+impl<T: Scalar> GridSource<T> for Centers<'_, T> {
+    fn grid(&self) -> Grid {
+        self.grid
+    }
+}
+
+impl<T: Scalar> GridSource<T> for Items<'_, T> {
+    fn grid(&self) -> Grid {
+        self.grid
+    }
+}
+
+impl<T: Scalar> Source<T> for Centers<'_, T> {
+    fn len(&self) -> usize {
+        self.centers.len()
+    }
+
+    fn keys(&self, range: Range<usize>, keys: &mut [u32]) {
+        T::with_widest(Keys { grid: &self.grid, centers: &self.centers[range], keys });
+    }
+
+    #[inline(always)]
+    fn item(&self, index: usize, key: u32) -> Item<T> {
+        Item { key, row: index as u32, center: self.centers[index] }
+    }
+}
+
+impl<T: Scalar> Source<T> for Items<'_, T> {
+    fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    fn keys(&self, range: Range<usize>, keys: &mut [u32]) {
+        for (item, key) in self.items[range].iter().zip(keys) {
+            *key = self.grid.key(item.center.map(T::to_f64));
+        }
+    }
+
+    #[inline(always)]
+    fn item(&self, index: usize, key: u32) -> Item<T> {
+        Item { key, ..self.items[index] }
+    }
+}
+
+/// The keys of some centres.
+struct Keys<'a, T> {
+    grid: &'a Grid,
+    centers: &'a [[T; 2]],
+    keys: &'a mut [u32],
+}
+
+impl<T: Scalar> Work<T> for Keys<'_, T> {
     type Out = ();
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, _: S) {
-        for ((row, center), item) in (self.first..).zip(self.centers).zip(self.items) {
-            let key = self.grid.key(center.map(T::to_f64));
-            *item = u64::from(key) << 32 | row as u64;
+        let (blocks, rest) = self.centers.as_chunks::<LANES>();
+        let (key_blocks, rest_keys) = self.keys.as_chunks_mut::<LANES>();
+        for (block, keys) in blocks.iter().zip(key_blocks) {
+            let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
+            for lane in 0..LANES {
+                (x[lane], y[lane]) = (block[lane][0].to_f64(), block[lane][1].to_f64());
+            }
+            *keys = self.grid.keys(&x, &y);
+        }
+        for (center, key) in rest.iter().zip(rest_keys) {
+            *key = self.grid.key(center.map(T::to_f64));
         }
     }
 }
 
-/// The grid around all centres; none where they all coincide.
-fn grid_of_all<T: Scalar>(centers: &[[T; 2]]) -> Option<Grid> {
-    let [min, max] = T::with_widest(Extent(centers));
-    grid_around(min, max)
+/// The fraction of a grid that the box around the centres fills, at least a little.
+fn occupied<T: Scalar>(grid: &Grid, [min, max]: [[T; 2]; 2]) -> f64 {
+    let [width, height] = [0, 1].map(|axis| grid.part(max[axis].to_f64(), min[axis].to_f64()));
+    (width * height).clamp(1e-3, 1.0)
 }
 
 /// The corners of the box around some centres.
@@ -273,19 +328,19 @@ impl<T: Scalar> Work<T> for Extent<'_, T> {
     }
 }
 
-/// The grid around the centres of `rows`; none where they all coincide.
-fn grid_of<T: Scalar>(shapes: &Shapes<T>, rows: &[u32]) -> Option<Grid> {
-    let center = |row: u32| shapes.centers[row as usize];
-    let (mut min, mut max) = (center(rows[0]), center(rows[0]));
-    for &row in rows {
+/// The grid around some shapes; none where they all coincide.
+fn grid_of<T: Scalar>(items: &[Item<T>]) -> Option<Grid> {
+    let (mut min, mut max) = (items[0].center, items[0].center);
+    for item in items {
         for axis in 0..2 {
-            min[axis] = min[axis].least(center(row)[axis]);
-            max[axis] = max[axis].most(center(row)[axis]);
+            min[axis] = min[axis].least(item.center[axis]);
+            max[axis] = max[axis].most(item.center[axis]);
         }
     }
-    grid_around(min, max)
+    grid_around([min, max])
 }
 
-fn grid_around<T: Scalar>(min: [T; 2], max: [T; 2]) -> Option<Grid> {
+/// The grid around some centres; none where they all coincide.
+fn grid_around<T: Scalar>([min, max]: [[T; 2]; 2]) -> Option<Grid> {
     (min != max).then(|| Grid::around(min.map(Scalar::to_f64), max.map(Scalar::to_f64)))
 }

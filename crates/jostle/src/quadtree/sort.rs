@@ -1,8 +1,8 @@
-//! Sorting rows by their keys.
+//! Sorting shapes by the keys of their centres.
 //!
-//! First every chunk of the rows is parted by the leading bits of the keys, which
-//! stays inside the processor's caches; then each part is collected from all chunks
-//! and sorted by the bits that follow. Chunks and parts are worked on by all threads.
+//! First every chunk of the shapes is parted into blocks by the leading bits of the keys; then
+//! each block, which fits into the second-level cache, is collected from all chunks and sorted by
+//! the bits that follow. The centres move along, so that nothing has to be looked up afterwards.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -12,55 +12,123 @@ use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel::{self, locked};
 
-/// Below this many keys a comparison sort is faster.
-const SMALL: usize = 1024;
+/// Below this many shapes a comparison sort is faster.
+const SMALL: usize = 256;
 
-/// Rows of a chunk: what is parted at once fits into a second-level cache.
-const CHUNK: usize = 1 << 15;
+/// There are at most so many chunks.
+const CHUNKS: usize = 8;
 
-/// Rows of a part, about; what is sorted at once fits into a first-level cache.
-const PART: usize = 512;
+/// Shapes of a chunk, at least.
+const LEAST_CHUNK: usize = 1 << 13;
 
-/// Leading bits that parts differ in, at most.
-const MOST_BITS: u32 = 12;
+/// Shapes of a block, about.
+const BLOCK: usize = 1 << 12;
+
+/// Leading bits that blocks differ in, at most.
+const MOST_BLOCK_BITS: u32 = 10;
+
+/// Blocks of more shapes than this are sorted in several passes.
+const LARGE_BLOCK: usize = 1 << 15;
 
 /// Bits of a key.
 const KEY_BITS: u32 = u32::BITS;
 
-/// Tasks that the parts are divided into.
+/// Tasks that the blocks are divided into, at most.
 const TASKS: usize = 64;
 
-/// A key above its row: sorted by key, then by row.
-pub type Item = u64;
+/// A shape on its way: its key, its row and its centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Item<T> {
+    /// The key of its centre.
+    pub key: u32,
+    /// Its row.
+    pub row: u32,
+    /// Its centre.
+    pub center: [T; 2],
+}
 
-/// The key of an item.
-#[inline(always)]
-pub fn key_of(item: Item) -> u32 {
-    (item >> 32) as u32
+impl<T> Item<T> {
+    /// What items are sorted by: key, then row.
+    #[inline(always)]
+    fn rank(&self) -> u64 {
+        u64::from(self.key) << 32 | u64::from(self.row)
+    }
+}
+
+/// Where items come from.
+pub trait Source<T>: Sync {
+    /// Number of items.
+    fn len(&self) -> usize;
+    /// Computes the keys of some items.
+    fn keys(&self, range: Range<usize>, keys: &mut [u32]);
+    /// The row and the centre of an item.
+    fn item(&self, index: usize, key: u32) -> Item<T>;
+}
+
+/// How far to sort.
+#[derive(Clone, Copy, Debug)]
+pub enum Precision {
+    /// By key, then by row.
+    Full,
+    /// Items that share leading bits may stay in the order of their rows if there are at most
+    /// `most` of them. The items share out among a fraction `occupied` of all values that the
+    /// leading bits can have.
+    Groups {
+        /// Largest number of items that may stay unsorted.
+        most: usize,
+        /// Fraction of the values of the leading bits.
+        occupied: f64,
+    },
+}
+
+/// Mean size of a group, at most, as a fraction of the largest that is allowed.
+const FULL: f64 = 0.8;
+
+impl Precision {
+    /// Leading bits that groups differ in.
+    fn bits(self, len: usize) -> u32 {
+        match self {
+            Self::Full => KEY_BITS,
+            Self::Groups { most, occupied } => {
+                let groups = len as f64 / (FULL * most as f64 * occupied);
+                // Two bits for each subdivision.
+                let enough = |bits: &u32| f64::from(1 << bits) >= groups;
+                (0..KEY_BITS - 2).step_by(2).find(enough).unwrap_or(KEY_BITS)
+            }
+        }
+    }
+
+    /// Whether so many items that share the leading bits are sorted enough.
+    fn accepts(self, len: usize) -> bool {
+        match self {
+            Self::Full => len < 2,
+            Self::Groups { most, .. } => len <= most,
+        }
+    }
 }
 
 /// Where items with certain leading bits begin.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     bits: u32,
-    /// One more than there are parts.
+    /// One more than there are blocks.
     starts: Vec<u32>,
 }
 
 impl Parts {
     /// Index of the first of the sorted `items` whose key is at least `bound`.
-    pub fn first_at_least(&self, items: &[Item], bound: u32) -> usize {
+    pub fn first_at_least<T>(&self, items: &[Item<T>], bound: u32) -> usize {
         let known = match self.bits {
             0 => 0..items.len(),
             bits => {
-                let part = (bound >> (KEY_BITS - bits)) as usize;
-                self.starts[part] as usize..self.starts[part + 1] as usize
+                let block = (bound >> (KEY_BITS - bits)) as usize;
+                self.starts[block] as usize..self.starts[block + 1] as usize
             }
         };
-        known.start + items[known].partition_point(|&item| key_of(item) < bound)
+        known.start + items[known].partition_point(|item| item.key < bound)
     }
 
-    /// Forgets all parts.
+    /// Forgets all blocks.
     pub fn clear(&mut self) {
         self.bits = 0;
         self.starts.clear();
@@ -69,170 +137,269 @@ impl Parts {
 
 /// Memory for sorting.
 #[derive(Debug, Default)]
-pub struct Sorter {
-    parted: Vec<Item>,
-    /// For each chunk the end of each part in it.
+pub struct Sorter<T> {
+    keys: Vec<u32>,
+    parted: Vec<Item<T>>,
+    /// For each chunk the end of each block in it.
     ends: Vec<u32>,
-    scratch: Mutex<Vec<Scratch>>,
+    scratch: Mutex<Vec<Scratch<T>>>,
 }
 
-/// Makes the items of a range of rows. It is called for many at a time, so the sorting does
-/// not depend on its type and is compiled once.
-pub type FillKeys<'a> = dyn Fn(Range<usize>, &mut [Item]) + Sync + 'a;
-
-/// Some adjacent parts and where their rows go.
-struct Task<'a> {
-    parts: Range<usize>,
-    items: &'a mut [Item],
+/// Some adjacent blocks and where their items go.
+struct Task<'a, T> {
+    blocks: Range<usize>,
+    items: &'a mut [Item<T>],
     /// Where they stand among all.
     start: usize,
 }
 
-impl Clone for Sorter {
+impl<T> Clone for Sorter<T> {
     /// A sorter without memory: it has no other state.
     fn clone(&self) -> Self {
-        Self::default()
+        Self { keys: Vec::new(), parted: Vec::new(), ends: Vec::new(), scratch: Mutex::default() }
     }
 }
 
-impl Sorter {
+impl<T: Copy + Default + Send + Sync> Sorter<T> {
     /// Bytes of memory that it keeps, used or not.
     pub fn kept_bytes(&self) -> usize {
-        let of_scratch = |scratch: &Scratch| {
-            (scratch.collected.capacity() + scratch.spare.capacity()) * size_of::<Item>()
-                + scratch.counts.capacity() * size_of::<u32>()
-                + scratch.equal.capacity() * size_of::<Range<usize>>()
-        };
-        let scratch: usize = locked(&self.scratch).iter().map(of_scratch).sum();
+        let scratch: usize = locked(&self.scratch).iter().map(Scratch::kept_bytes).sum();
         scratch
-            + self.parted.capacity() * size_of::<Item>()
-            + self.ends.capacity() * size_of::<u32>()
+            + self.parted.capacity() * size_of::<Item<T>>()
+            + (self.ends.capacity() + self.keys.capacity()) * size_of::<u32>()
     }
 
-    /// Fills `items` and sorts them; lists the ranges that share a key in `equal`. `key` makes
-    /// the items of a range.
+    /// Fills `items` from `source` and sorts them as far as `precision` says; lists the ranges
+    /// of sorted items that share a key in `equal`.
     pub fn sort(
         &mut self,
         threads: Option<usize>,
-        items: &mut [Item],
+        precision: Precision,
+        source: &impl Source<T>,
+        items: &mut Vec<Item<T>>,
         parts: &mut Parts,
-        key: &FillKeys<'_>,
         equal: &mut Vec<Range<usize>>,
     ) -> Result<()> {
         parts.clear();
         equal.clear();
-        if items.len() <= SMALL {
-            key(0..items.len(), items);
-            items.sort_unstable();
+        let len = source.len();
+        memory::resize(items, len, Item::default())?;
+        memory::resize(&mut self.keys, len, 0)?;
+        if len <= SMALL {
+            let keys = &mut self.keys[..len];
+            source.keys(0..len, keys);
+            for (index, (item, &key)) in items.iter_mut().zip(&*keys).enumerate() {
+                *item = source.item(index, key);
+            }
+            if precision.accepts(len) {
+                return Ok(());
+            }
+            items.sort_unstable_by_key(Item::rank);
             return equal_keys(items, 0, equal);
         }
-        let bits = (items.len() / PART).next_power_of_two().trailing_zeros().min(MOST_BITS);
-        self.part_chunks(threads, items, key, bits)?;
-        self.sort_parts(threads, items, bits, parts, equal)
+        let bits = (len / BLOCK).next_power_of_two().trailing_zeros().min(MOST_BLOCK_BITS);
+        self.part_chunks(threads, source, bits)?;
+        self.sort_blocks(threads, precision, items, bits, parts, equal)
     }
 
     /// Makes the items of every chunk and parts them by their leading bits.
     fn part_chunks(
         &mut self,
         threads: Option<usize>,
-        items: &mut [Item],
-        key: &FillKeys<'_>,
+        source: &impl Source<T>,
         bits: u32,
     ) -> Result<()> {
         let stop = Stop::current();
-        let Self { parted, ends, .. } = self;
-        let parts = 1 << bits;
-        memory::resize(parted, items.len(), 0)?;
+        let Self { keys, parted, ends, .. } = self;
+        let (len, blocks) = (source.len(), 1 << bits);
+        let chunk = chunk_of(len);
+        memory::resize(parted, len, Item::default())?;
         ends.clear();
-        memory::resize(ends, items.len().div_ceil(CHUNK) * parts, 0)?;
-        let chunks = items.chunks_mut(CHUNK).zip(parted.chunks_mut(CHUNK));
-        let tasks = chunks.zip(ends.chunks_mut(parts)).enumerate();
-        parallel::for_each(threads, tasks, |(chunk, ((given, parted), ends))| {
+        memory::resize(ends, len.div_ceil(chunk) * blocks, 0)?;
+        let chunks = keys[..len].chunks_mut(chunk).zip(parted[..len].chunks_mut(chunk));
+        let tasks = chunks.zip(ends.chunks_mut(blocks)).enumerate();
+        parallel::for_each(threads, tasks, |(index, ((keys, parted), ends))| {
             if stop.is_set() {
                 return;
             }
-            let start = chunk * CHUNK;
-            key(start..start + given.len(), given);
-            counting_sort(given, parted, ends, |item| (item >> (Item::BITS - bits)) as usize);
+            let start = index * chunk;
+            source.keys(start..start + keys.len(), keys);
+            let block = |key: u32| leading(key, 0, bits);
+            keys.iter().for_each(|&key| ends[block(key)] += 1);
+            sum_before(ends);
+            for (offset, &key) in keys.iter().enumerate() {
+                let place = &mut ends[block(key)];
+                parted[*place as usize] = source.item(start + offset, key);
+                *place += 1;
+            }
         });
         stop.check()
     }
 
-    /// Collects every part from all chunks and sorts it.
-    fn sort_parts(
+    /// Collects every block from all chunks and sorts it.
+    fn sort_blocks(
         &self,
         threads: Option<usize>,
-        items: &mut [Item],
+        precision: Precision,
+        items: &mut [Item<T>],
         bits: u32,
         parts: &mut Parts,
         equal: &mut Vec<Range<usize>>,
     ) -> Result<()> {
         let stop = Stop::current();
-        let source = Parted { items: &self.parted, ends: &self.ends, parts: 1 << bits };
+        let len = items.len();
+        let (parted, ends) = (&self.parted[..len], &self.ends[..]);
+        let source = Parted { items: parted, ends, blocks: 1 << bits, chunk: chunk_of(len) };
         parts.bits = bits;
         source.find_starts(&mut parts.starts)?;
-        let all = Mutex::new((&mut *equal, Ok(())));
-        parallel::for_each(threads, source.tasks(items, &parts.starts), |task| {
-            let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
-            let sorted = source.sort(task, bits, &stop, &mut scratch);
-            let (equal, result) = &mut *locked(&all);
-            let kept = sorted.and_then(|()| memory::reserve(equal, scratch.equal.len()));
-            match kept {
+        let tasks = source.tasks(items, &parts.starts);
+        let failed = Mutex::new(Ok(()));
+        let make = || locked(&self.scratch).pop().unwrap_or_default();
+        let group_bits = precision.bits(len).max(bits + bits % 2);
+        let known = Known { bits, group_bits, precision };
+        let sort = |task, scratch: &mut Scratch<T>| {
+            if let Err(error) = source.sort(task, known, &stop, scratch) {
+                *locked(&failed) = Err(error);
+            }
+        };
+        let mut result = Ok(());
+        parallel::for_each_with(threads, tasks, make, sort, |mut scratch| {
+            match memory::reserve(equal, scratch.equal.len()) {
                 Ok(()) => equal.append(&mut scratch.equal),
-                Err(error) => *result = Err(error),
+                Err(error) => result = Err(error),
             }
             locked(&self.scratch).push(scratch);
         });
         stop.check()?;
-        all.into_inner().unwrap_or_else(PoisonError::into_inner).1?;
+        failed.into_inner().unwrap_or_else(PoisonError::into_inner).and(result)?;
         // Threads end in any order.
         equal.sort_unstable_by_key(|range| range.start);
         Ok(())
     }
 }
 
-/// Chunks that are parted.
-struct Parted<'a> {
-    items: &'a [Item],
-    ends: &'a [u32],
-    parts: usize,
+/// Items of a chunk. It follows from the number of items alone.
+fn chunk_of(len: usize) -> usize {
+    len.div_ceil(CHUNKS).max(LEAST_CHUNK)
 }
 
-impl Parted<'_> {
-    /// Collects and sorts the parts of a task; lists the ranges that share a key in `scratch`.
-    fn sort(&self, task: Task<'_>, bits: u32, stop: &Stop, scratch: &mut Scratch) -> Result<()> {
+/// The `bits` bits of a key behind the first `known` ones.
+#[inline(always)]
+fn leading(key: u32, known: u32, bits: u32) -> usize {
+    if bits == 0 { 0 } else { (key << known >> (KEY_BITS - bits)) as usize }
+}
+
+/// Replaces every count by the sum of those before it.
+fn sum_before(counts: &mut [u32]) {
+    let mut sum = 0;
+    for count in counts {
+        sum += std::mem::replace(count, sum);
+    }
+}
+
+/// What the items of a block have in common, and how far to sort them.
+#[derive(Clone, Copy)]
+struct Known {
+    bits: u32,
+    /// Leading bits that groups differ in, at least as many.
+    group_bits: u32,
+    precision: Precision,
+}
+
+/// Chunks that are parted.
+struct Parted<'a, T> {
+    items: &'a [Item<T>],
+    ends: &'a [u32],
+    blocks: usize,
+    chunk: usize,
+}
+
+impl<T: Copy + Default> Parted<'_, T> {
+    /// Collects and sorts the blocks of a task; lists the ranges that share a key in `scratch`.
+    fn sort(
+        &self,
+        task: Task<'_, T>,
+        known: Known,
+        stop: &Stop,
+        scratch: &mut Scratch<T>,
+    ) -> Result<()> {
         let mut from = 0;
         let mut pulse = Pulse::of(stop);
-        for part in task.parts {
-            scratch.collected.clear();
-            for piece in self.pieces(part) {
-                memory::reserve(&mut scratch.collected, piece.len())?;
-                scratch.collected.extend_from_slice(piece);
-            }
-            let to = from + scratch.collected.len();
-            pulse.check(to - from)?;
-            scratch.sort_into(&mut task.items[from..to], bits)?;
-            from = to;
+        for block in task.blocks {
+            let len = self.pieces(block).map(<[Item<T>]>::len).sum::<usize>();
+            pulse.check(len)?;
+            let sorted = &mut task.items[from..from + len];
+            self.sort_block(block, sorted, task.start + from, known, scratch)?;
+            from += len;
         }
-        scratch.equal.clear();
-        equal_keys(task.items, task.start, &mut scratch.equal)
+        Ok(())
     }
 
-    /// What each chunk has of a part.
-    fn pieces(&self, part: usize) -> impl Iterator<Item = &[Item]> {
-        let chunks = self.items.chunks(CHUNK).zip(self.ends.chunks(self.parts));
+    fn sort_block(
+        &self,
+        block: usize,
+        sorted: &mut [Item<T>],
+        start: usize,
+        known: Known,
+        scratch: &mut Scratch<T>,
+    ) -> Result<()> {
+        let Known { bits, group_bits, precision } = known;
+        if sorted.len() > LARGE_BLOCK {
+            scratch.collected.clear();
+            memory::reserve(&mut scratch.collected, sorted.len())?;
+            self.pieces(block).for_each(|piece| scratch.collected.extend_from_slice(piece));
+            radix_sort(&mut scratch.collected, &mut scratch.spare)?;
+            sorted.copy_from_slice(&scratch.collected);
+            return equal_keys(sorted, start, &mut scratch.equal);
+        }
+        let most = (2 * sorted.len()).next_power_of_two().trailing_zeros();
+        let next = (group_bits - bits).min(most);
+        let precision = if bits + next < group_bits { Precision::Full } else { precision };
+        let ends = &mut scratch.counts;
+        ends.clear();
+        ends.resize(1 << next, 0);
+        let items = || self.pieces(block).flatten();
+        items().for_each(|item| ends[leading(item.key, bits, next)] += 1);
+        sum_before(ends);
+        for &item in items() {
+            let place = &mut ends[leading(item.key, bits, next)];
+            sorted[*place as usize] = item;
+            *place += 1;
+        }
+        let mut from = 0;
+        for &end in &*ends {
+            let end = end as usize;
+            if !precision.accepts(end - from) {
+                let group = &mut sorted[from..end];
+                if let [a, b] = group {
+                    if a.rank() > b.rank() {
+                        std::mem::swap(a, b);
+                    }
+                } else {
+                    group.sort_unstable_by_key(Item::rank);
+                }
+                equal_keys(group, start + from, &mut scratch.equal)?;
+            }
+            from = end;
+        }
+        Ok(())
+    }
+
+    /// What each chunk has of a block.
+    fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T>]> {
+        let chunks = self.items.chunks(self.chunk).zip(self.ends.chunks(self.blocks));
         chunks.map(move |(items, ends)| {
-            let start = if part == 0 { 0 } else { ends[part - 1] };
-            &items[start as usize..ends[part] as usize]
+            let start = if block == 0 { 0 } else { ends[block - 1] };
+            &items[start as usize..ends[block] as usize]
         })
     }
 
-    /// Where each part begins once all are sorted, and where the last one ends.
+    /// Where each block begins once all are sorted, and where the last one ends.
     fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
         starts.clear();
-        memory::resize(starts, self.parts + 1, 0)?;
-        // A chunk's end of a part counts everything before it too.
-        for ends in self.ends.chunks(self.parts) {
+        memory::resize(starts, self.blocks + 1, 0)?;
+        // A chunk's end of a block counts everything before it too.
+        for ends in self.ends.chunks(self.blocks) {
             for (start, &end) in starts[1..].iter_mut().zip(ends) {
                 *start += end;
             }
@@ -240,106 +407,69 @@ impl Parted<'_> {
         Ok(())
     }
 
-    /// All parts, divided into tasks of about equal size.
+    /// All blocks, divided into tasks of about equal size.
     fn tasks<'a>(
         &self,
-        mut items: &'a mut [Item],
+        mut items: &'a mut [Item<T>],
         starts: &'a [u32],
-    ) -> impl Iterator<Item = Task<'a>> + use<'a> {
+    ) -> impl Iterator<Item = Task<'a, T>> + use<'a, T> {
         let enough = items.len().div_ceil(TASKS);
         let (mut first, mut start) = (0, 0);
-        (1..=self.parts).filter_map(move |end| {
+        (1..=self.blocks).filter_map(move |end| {
             let size = starts[end] as usize - start;
             if size < enough && end + 1 < starts.len() {
                 return None;
             }
             let items = items.split_off_mut(..size).expect("the sizes add up");
-            let task = Task { parts: first..end, items, start };
+            let task = Task { blocks: first..end, items, start };
             (first, start) = (end, start + size);
             Some(task)
         })
     }
 }
 
-/// Memory for the sorting of one part after the other.
+/// Memory for the sorting of one block after the other.
 #[derive(Debug, Default)]
-struct Scratch {
-    collected: Vec<Item>,
-    spare: Vec<Item>,
+struct Scratch<T> {
+    collected: Vec<Item<T>>,
+    spare: Vec<Item<T>>,
     counts: Vec<u32>,
     equal: Vec<Range<usize>>,
 }
 
-impl Scratch {
-    /// Sorts what was collected; all of it agrees in the `known` leading bits.
-    fn sort_into(&mut self, sorted: &mut [Item], known: u32) -> Result<()> {
-        if sorted.len() > 16 * PART {
-            radix_sort(&mut self.collected, &mut self.spare)?;
-            sorted.copy_from_slice(&self.collected);
-            return Ok(());
-        }
-        let bits = (2 * sorted.len()).next_power_of_two().trailing_zeros().min(KEY_BITS - known);
-        self.counts.clear();
-        self.counts.resize(1 << bits, 0);
-        let shift = Item::BITS - known - bits;
-        let mask = (1 << bits) - 1;
-        counting_sort(&self.collected, sorted, &mut self.counts, |item| {
-            (item >> shift) as usize & mask
-        });
-        let mut start = 0;
-        for &end in &self.counts {
-            let end = end as usize;
-            match end - start {
-                0 | 1 => {}
-                2 => {
-                    let (a, b) = (sorted[start], sorted[start + 1]);
-                    (sorted[start], sorted[start + 1]) = (a.min(b), a.max(b));
-                }
-                _ => sorted[start..end].sort_unstable(),
-            }
-            start = end;
-        }
-        Ok(())
+impl<T> Scratch<T> {
+    fn kept_bytes(&self) -> usize {
+        (self.collected.capacity() + self.spare.capacity()) * size_of::<Item<T>>()
+            + self.counts.capacity() * size_of::<u32>()
+            + self.equal.capacity() * size_of::<Range<usize>>()
     }
 }
 
-/// Sorts by `digit`, keeping the order of equals. `ends` comes in as zeros, one for each
-/// digit, and leaves with the place behind each digit's items.
-#[inline(always)]
-fn counting_sort(from: &[Item], to: &mut [Item], ends: &mut [u32], digit: impl Fn(Item) -> usize) {
-    for &item in from {
-        ends[digit(item)] += 1;
-    }
-    let mut sum = 0;
-    for end in ends.iter_mut() {
-        sum += std::mem::replace(end, sum);
-    }
-    for &item in from {
-        let place = &mut ends[digit(item)];
-        to[*place as usize] = item;
-        *place += 1;
-    }
-}
-
-/// Sorts by key in three passes of 11 bits, for parts in which many share leading bits.
-/// The rows must ascend to begin with where ties matter.
-fn radix_sort(items: &mut Vec<Item>, spare: &mut Vec<Item>) -> Result<()> {
+/// Sorts by key in three passes of 11 bits, for blocks in which many share leading bits.
+/// The rows must ascend to begin with.
+fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<T>>) -> Result<()> {
     const BITS: u32 = 11;
     spare.clear();
-    memory::resize(spare, items.len(), 0)?;
+    memory::resize(spare, items.len(), Item::default())?;
     for pass in 0..3 {
-        let mut counts = [0; 1 << BITS];
-        let digit = |item: Item| (item >> (32 + pass * BITS)) as usize & ((1 << BITS) - 1);
-        counting_sort(items, spare, &mut counts, digit);
+        let digit = |item: &Item<T>| (item.key >> (pass * BITS)) as usize & ((1 << BITS) - 1);
+        let mut ends = [0; 1 << BITS];
+        items.iter().for_each(|item| ends[digit(item)] += 1);
+        sum_before(&mut ends);
+        for &item in &*items {
+            let place = &mut ends[digit(&item)];
+            spare[*place as usize] = item;
+            *place += 1;
+        }
         std::mem::swap(items, spare);
     }
     Ok(())
 }
 
 /// Appends the ranges of sorted items that share a key; the first item stands at `start`.
-fn equal_keys(items: &[Item], start: usize, equal: &mut Vec<Range<usize>>) -> Result<()> {
+fn equal_keys<T>(items: &[Item<T>], start: usize, equal: &mut Vec<Range<usize>>) -> Result<()> {
     for (index, pair) in items.windows(2).enumerate() {
-        if key_of(pair[0]) == key_of(pair[1]) {
+        if pair[0].key == pair[1].key {
             let at = start + index;
             match equal.last_mut() {
                 Some(last) if last.end == at + 1 => last.end += 1,
@@ -368,7 +498,9 @@ mod tests {
 
     #[test]
     fn every_size_and_kind_of_keys_is_sorted_by_key_then_row() {
-        for len in [0, 1, 2, SMALL, SMALL + 1, CHUNK - 1, CHUNK + 1, 5 * CHUNK + 3] {
+        for len in
+            [0, 1, 2, SMALL, SMALL + 1, LEAST_CHUNK - 1, LEAST_CHUNK + 1, 9 * LEAST_CHUNK + 3]
+        {
             for kind in 0..5 {
                 for threads in [1, 2] {
                     check(len as u32, kind, threads);
@@ -377,35 +509,64 @@ mod tests {
         }
     }
 
+    /// Items with keys of one kind; the centre holds the row.
+    struct Rows {
+        len: usize,
+        kind: u32,
+    }
+
+    impl Source<f64> for Rows {
+        fn len(&self) -> usize {
+            self.len
+        }
+        fn keys(&self, range: Range<usize>, keys: &mut [u32]) {
+            for (row, to) in range.zip(keys) {
+                *to = key(self.kind, row as u32);
+            }
+        }
+        fn item(&self, index: usize, key: u32) -> Item<f64> {
+            Item { key, row: index as u32, center: [index as f64; 2] }
+        }
+    }
+
     fn check(len: u32, kind: u32, threads: usize) {
-        let item = |row: u32| Item::from(key(kind, row)) << 32 | Item::from(row);
-        let mut expected: Vec<Item> = (0..len).map(item).collect();
+        let mut expected: Vec<u64> =
+            (0..len).map(|row| u64::from(key(kind, row)) << 32 | u64::from(row)).collect();
         expected.sort_unstable();
-        let mut items = vec![0; expected.len()];
         let (mut sorter, mut parts) = (Sorter::default(), Parts::default());
-        let mut equal = Vec::new();
-        let sorted = sorter.sort(
-            Some(threads),
-            &mut items,
-            &mut parts,
-            &|range: Range<usize>, items: &mut [Item]| {
-                for (row, to) in range.zip(items) {
-                    *to = item(row as u32);
-                }
-            },
-            &mut equal,
-        );
-        sorted.unwrap();
-        assert_eq!(items, expected);
+        let (mut items, mut equal) = (Vec::new(), Vec::new());
+        let source = Rows { len: len as usize, kind };
+        let threads = Some(threads);
+        sorter.sort(threads, Precision::Full, &source, &mut items, &mut parts, &mut equal).unwrap();
+        assert!(items.iter().map(Item::rank).eq(expected));
+        assert!(items.iter().all(|item| item.center[0] == f64::from(item.row)));
         let mut together = vec![false; items.len()];
         equal.iter().for_each(|range| together[range.start + 1..range.end].fill(true));
         for at in 1..items.len() {
-            let same = key_of(items[at]) == key_of(items[at - 1]);
+            let same = items[at].key == items[at - 1].key;
             assert_eq!(together[at], same, "{len} {kind} {at}");
         }
         for bound in [0, 1, 3, 7, 8, 1 << 11, 1 << 20, 1 << 31, u32::MAX] {
-            let first = items.partition_point(|&item| key_of(item) < bound);
+            let first = items.partition_point(|item| item.key < bound);
             assert_eq!(parts.first_at_least(&items, bound), first, "{len} {kind} {bound}");
+        }
+        let precision = Precision::Groups { most: 50, occupied: 0.7 };
+        sorter.sort(threads, precision, &source, &mut items, &mut parts, &mut equal).unwrap();
+        check_groups(&items, &parts, precision.bits(items.len()));
+    }
+
+    /// Groups are in order; those of more than 50 are sorted, and the others by row.
+    fn check_groups(items: &[Item<f64>], parts: &Parts, bits: u32) {
+        let group = |item: &Item<f64>| leading(item.key, 0, bits);
+        for group in items.chunk_by(|a, b| group(a) == group(b)) {
+            let by_row = group.is_sorted_by_key(|item| item.row);
+            assert!(group.is_sorted_by_key(Item::rank) || by_row && group.len() <= 50);
+        }
+        assert!(items.is_sorted_by_key(group));
+        for index in (0..items.len()).step_by(7) {
+            let bound = items[index].key >> (KEY_BITS - bits.max(1)) << (KEY_BITS - bits.max(1));
+            let first = items.partition_point(|item| item.key < bound);
+            assert_eq!(parts.first_at_least(items, bound), first);
         }
     }
 }

@@ -73,6 +73,10 @@ pub trait Simd<T>: Copy {
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]);
     /// Says that items of `column` will be read soon. Nothing but time depends on it.
     fn expect<V>(self, column: &[V]);
+    /// The pairs of `first` with the integers whose bit is set; what lies behind them is unspecified.
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
+    /// The pairs of `first` with `start` + lane for every bit that is set, likewise.
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
     /// `first` + lane for every bit that is set, side by side, as in [`Simd::pack`].
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]);
 }

@@ -26,6 +26,16 @@ pub fn pack_places(first: u32, bits: u32, to: &mut [u32; LANES]) {
     });
 }
 
+/// Pairs of `first` with some others by walking along the bits.
+#[inline(always)]
+pub fn pair_with(first: u32, other: impl Fn(usize) -> u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    let mut count = 0;
+    for_each_lane(bits, |lane| {
+        to[count % LANES] = [first, other(lane)];
+        count += 1;
+    });
+}
+
 #[inline(always)]
 fn both<T: Number>(a: [T; LANES], b: [T; LANES], f: impl Fn(T, T) -> T) -> [T; LANES] {
     let mut out = a;
@@ -89,6 +99,14 @@ impl<T: Number> Simd<T> for Portable {
     #[inline(always)]
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]) {
         pack(&from, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pair_with(first, |lane| others[lane % LANES], bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pair_with(first, |lane| start + lane as u32, bits, to);
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {

@@ -293,6 +293,16 @@ impl Simd<f32> for Avx512 {
         }
     }
     #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        // SAFETY: the token proves the instruction; the array is one register long.
+        let others = unsafe { _mm512_loadu_epi32(others.as_ptr().cast()) };
+        pairs_512(self, first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_512(self, first, counted_512(self, start), bits, to);
+    }
+    #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         pack_places_512(self, first, bits, to);
     }
@@ -328,6 +338,16 @@ impl Simd<f64> for Avx512 {
         }
     }
     #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        // SAFETY: the token proves the instruction; the array is one register long.
+        let others = unsafe { _mm512_loadu_epi32(others.as_ptr().cast()) };
+        pairs_512(self, first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_512(self, first, counted_512(self, start), bits, to);
+    }
+    #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         pack_places_512(self, first, bits, to);
     }
@@ -336,13 +356,45 @@ impl Simd<f64> for Avx512 {
 // Compressing into a register and storing that is many times faster on some
 // processors than compressing into memory.
 
+/// Sixteen numbers from `first` on.
 #[inline(always)]
-fn pack_places_512(_: Avx512, first: u32, bits: u32, to: &mut [u32; LANES]) {
-    // SAFETY: the token proves the instructions; the array is one register long.
+fn counted_512(_: Avx512, first: u32) -> __m512i {
+    // SAFETY: the token proves the instructions.
     unsafe {
         let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-        let places = _mm512_add_epi32(_mm512_set1_epi32(first as i32), lanes);
-        let packed = _mm512_maskz_compress_epi32(bits as u16, places);
+        _mm512_add_epi32(_mm512_set1_epi32(first as i32), lanes)
+    }
+}
+
+/// Pairs of `first` with the numbers whose bit is set. More than four at once are rare, and a
+/// store of four crosses fewer cache lines.
+#[inline(always)]
+fn pairs_512(_: Avx512, first: u32, others: __m512i, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    // SAFETY: the token proves the instructions; all stores end within the sixteen pairs.
+    unsafe {
+        let to = to.as_mut_ptr();
+        let others = _mm512_maskz_compress_epi32(bits as u16, others);
+        let (own, low) = (_mm_set1_epi32(first as i32), _mm512_castsi512_si128(others));
+        _mm_storeu_si128(to.cast(), _mm_unpacklo_epi32(own, low));
+        _mm_storeu_si128(to.add(2).cast(), _mm_unpackhi_epi32(own, low));
+        if bits.count_ones() > 4 {
+            let halves = [
+                _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23),
+                _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31),
+            ];
+            let own = _mm512_set1_epi32(first as i32);
+            let pairs = halves.map(|half| _mm512_permutex2var_epi32(own, half, others));
+            _mm512_storeu_si512(to.cast(), pairs[0]);
+            _mm512_storeu_si512(to.add(8).cast(), pairs[1]);
+        }
+    }
+}
+
+#[inline(always)]
+fn pack_places_512(token: Avx512, first: u32, bits: u32, to: &mut [u32; LANES]) {
+    // SAFETY: the token proves the instructions; the array is one register long.
+    unsafe {
+        let packed = _mm512_maskz_compress_epi32(bits as u16, counted_512(token, first));
         _mm512_storeu_epi32(to.as_mut_ptr().cast(), packed);
     }
 }
@@ -378,6 +430,25 @@ impl Simd<f32> for Avx2 {
         }
     }
     #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        // SAFETY: the token proves the instruction; the array is two registers long.
+        let others = unsafe {
+            let others = others.as_ptr();
+            [_mm256_loadu_si256(others.cast()), _mm256_loadu_si256(others.add(8).cast())]
+        };
+        pairs_256(self, first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_256(
+            self,
+            first,
+            [counted_256(self, start), counted_256(self, start.wrapping_add(8))],
+            bits,
+            to,
+        );
+    }
+    #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         pack_places_256(self, first, bits, to);
     }
@@ -402,6 +473,25 @@ impl Simd<f64> for Avx2 {
 
     pack_one_by_one!(f64);
     #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        // SAFETY: the token proves the instruction; the array is two registers long.
+        let others = unsafe {
+            let others = others.as_ptr();
+            [_mm256_loadu_si256(others.cast()), _mm256_loadu_si256(others.add(8).cast())]
+        };
+        pairs_256(self, first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_256(
+            self,
+            first,
+            [counted_256(self, start), counted_256(self, start.wrapping_add(8))],
+            bits,
+            to,
+        );
+    }
+    #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         pack_places_256(self, first, bits, to);
     }
@@ -425,6 +515,14 @@ impl Simd<f32> for Sse2 {
     );
     pack_one_by_one!(f32);
     #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        portable::pair_with(first, |lane| others[lane % LANES], bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        portable::pair_with(first, |lane| start + lane as u32, bits, to);
+    }
+    #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         portable::pack_places(first, bits, to);
     }
@@ -447,6 +545,14 @@ impl Simd<f64> for Sse2 {
         negative_128d
     );
     pack_one_by_one!(f64);
+    #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        portable::pair_with(first, |lane| others[lane % LANES], bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        portable::pair_with(first, |lane| start + lane as u32, bits, to);
+    }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
         portable::pack_places(first, bits, to);
@@ -489,6 +595,33 @@ fn counted_256(_: Avx2, first: u32) -> __m256i {
     unsafe {
         let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
         _mm256_add_epi32(_mm256_set1_epi32(first as i32), lanes)
+    }
+}
+
+/// As [`pairs_512`], with two registers.
+#[inline(always)]
+fn pairs_256(
+    token: Avx2,
+    first: u32,
+    [low, high]: [__m256i; 2],
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
+    let behind = (bits & 0xff).count_ones() as usize;
+    eight_pairs(token, first, packed_256(token, low, bits), to, 0);
+    eight_pairs(token, first, packed_256(token, high, bits >> 8), to, behind);
+}
+
+/// Pairs of `first` with eight others, from `start` on, at most the eighth.
+#[inline(always)]
+fn eight_pairs(_: Avx2, first: u32, others: __m256i, to: &mut [[u32; 2]; LANES], start: usize) {
+    // SAFETY: the token proves the instructions; both stores end within the sixteen pairs.
+    unsafe {
+        let own = _mm256_set1_epi32(first as i32);
+        let (even, odd) = (_mm256_unpacklo_epi32(own, others), _mm256_unpackhi_epi32(own, others));
+        let to = to.as_mut_ptr().add(start);
+        _mm256_storeu_si256(to.cast(), _mm256_permute2x128_si256::<0x20>(even, odd));
+        _mm256_storeu_si256(to.add(4).cast(), _mm256_permute2x128_si256::<0x31>(even, odd));
     }
 }
 

@@ -15,7 +15,6 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::pairs;
-use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
@@ -389,6 +388,5 @@ fn rebuild<T: Scalar>(
     shapes: &Shapes<T>,
     settings: Settings,
 ) -> Result<()> {
-    let threads = parallel::worthwhile(settings.threads, shapes.len());
-    parallel::among(threads, || tree.rebuild(shapes, settings, &|_, _| Ordering::Equal))
+    tree.rebuild(shapes, settings, &|_, _| Ordering::Equal)
 }

@@ -70,7 +70,7 @@ impl Near {
             distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.travel
         };
         let Self { join, found, .. } = self;
-        join.pairs = std::mem::take(found);
+        join.keep(std::mem::take(found));
         let pairs = match method {
             Method::Quadtree => {
                 pairs::wanted_places_between(&walls.tree, bounds, is_near, most, join)

@@ -225,7 +225,7 @@ impl Asleep {
                 let new =
                     new.map(|pair| self.island_of[first + tree.rows()[pair[1] as usize] as usize]);
                 islands.extend(new.filter(|&island| !self.is_awake[island as usize]));
-                join.pairs = found.pairs;
+                join.keep(found.pairs);
             }
         }
         islands.sort_unstable();

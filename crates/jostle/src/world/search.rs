@@ -43,7 +43,7 @@ pub(super) fn list(
         }
         let (image_of_list, list) = &mut lists[count];
         let (is_within, columns) = (count == 0, tree.columns());
-        join.pairs = std::mem::take(list);
+        join.keep(std::mem::take(list));
         let found = match (is_within, is_brute) {
             (true, true) => pairs::brute(columns, threads, max),
             (true, false) => pairs::places_within(tree, max, join),
@@ -81,10 +81,7 @@ impl World {
     /// The pairs that overlap where they are now, in the order of a tree, and how many
     /// were tested.
     pub(super) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
-        parallel::among(self.threads(), || self.overlapping_here())
-    }
-
-    fn overlapping_here(&self) -> Result<(Vec<Overlap>, u64)> {
+        parallel::wake(self.threads());
         let (all, settings) = (&self.particles, &self.settings);
         let centers: Vec<_> = all.positions.iter().map(|&p| settings.container.wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());

@@ -40,8 +40,8 @@ impl World {
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0 in float32"));
         }
-        let threads = self.threads();
-        parallel::among(threads, || self.step_often(single, dt, steps, watch))
+        parallel::wake(self.threads());
+        self.step_often(single, dt, steps, watch)
     }
 
     /// The threads to use: one for a small world.

@@ -3,7 +3,6 @@
 use super::World;
 use super::feel::{bodies, find_places};
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
-use crate::parallel;
 use crate::particles::{Particles, Spin};
 use crate::shapes::Filter;
 
@@ -66,7 +65,7 @@ impl World {
             Force::Springs(springs) => springs.energy(&bodies),
             _ => 0.0,
         };
-        parallel::among(self.threads(), || self.forces.iter().map(energy).sum())
+        self.forces.iter().map(energy).sum()
     }
 
     /// Energy of all movable particles in the field of an attractor, which does not act on its

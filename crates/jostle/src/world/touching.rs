@@ -32,7 +32,8 @@ impl World {
     /// contacts press together.
     pub(super) fn touching(&mut self) -> Result<Vec<[Id; 2]>> {
         let mut scratch = std::mem::take(&mut self.memory.touching);
-        let found = parallel::among(self.threads(), || self.find_touching(&mut scratch));
+        parallel::wake(self.threads());
+        let found = self.find_touching(&mut scratch);
         self.memory.touching = scratch;
         let rows = found?;
         let pressed = self.contacts.lasting().filter(|contact| contact.impulse > 0.0);

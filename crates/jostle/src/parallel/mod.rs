@@ -1,0 +1,239 @@
+//! Threads: how many work on a call, and nothing else.
+//!
+//! Work is cut into tasks by the data alone and results are put together in
+//! the order of the tasks, so the number of threads never shows in an answer.
+
+#[cfg(feature = "parallel")]
+mod crew;
+#[cfg(feature = "parallel")]
+mod team;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use sync::{AtomicUsize, Ordering};
+#[cfg(feature = "parallel")]
+use team::Team;
+
+/// The atomics of [`crew`], which a model checker replaces by its own.
+mod sync {
+    pub use std::sync::atomic::{AtomicUsize, Ordering};
+}
+
+/// Runs `task(0)`, …, `task(count - 1)` on `threads` threads (`None`: one for each core).
+pub fn for_tasks(threads: Option<usize>, count: usize, task: impl Fn(usize) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    if count > 1
+        && let Some(team) = Team::of(threads)
+    {
+        return team.share(count, &task);
+    }
+    let _ = threads;
+    (0..count).for_each(task);
+}
+
+/// As [`for_tasks`], with a state for each thread that works, made by `make`; returns the states,
+/// in no particular order.
+pub fn for_tasks_with<S: Send>(
+    threads: Option<usize>,
+    count: usize,
+    make: impl Fn() -> S + Sync + Send,
+    task: impl Fn(usize, &mut S) + Sync + Send,
+) -> Vec<S> {
+    let idle = Mutex::new(Vec::new());
+    for_tasks(threads, count, |index| {
+        let known = locked(&idle).pop();
+        let mut state = known.unwrap_or_else(&make);
+        task(index, &mut state);
+        locked(&idle).push(state);
+    });
+    idle.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// As [`for_tasks`]; returns the results in the order of the tasks.
+pub fn map<R: Send>(
+    threads: Option<usize>,
+    count: usize,
+    task: impl Fn(usize) -> R + Sync + Send,
+) -> Vec<R> {
+    if !is_parallel(threads) {
+        return (0..count).map(task).collect();
+    }
+    let results: Vec<Mutex<Option<R>>> = (0..count).map(|_| Mutex::default()).collect();
+    for_tasks(threads, count, |index| *locked(&results[index]) = Some(task(index)));
+    let result = |slot: Mutex<Option<R>>| slot.into_inner().ok().flatten();
+    results.into_iter().map(|slot| result(slot).expect("every task has run")).collect()
+}
+
+/// Calls `act` with every item, on `threads` threads. One thread needs no memory for it.
+pub fn for_each<T: Send>(
+    threads: Option<usize>,
+    items: impl Iterator<Item = T>,
+    act: impl Fn(T) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    if items.size_hint().1 != Some(1)
+        && let Some(team) = Team::of(threads)
+    {
+        let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
+        let act = |index: usize| locked(&items[index]).take().into_iter().for_each(&act);
+        return team.share(items.len(), &act);
+    }
+    let _ = threads;
+    items.for_each(act);
+}
+
+/// As [`for_each`], with a state for each thread that works, made by `make` and given to `end`. One
+/// thread needs no memory for it.
+pub fn for_each_with<T: Send, S: Send>(
+    threads: Option<usize>,
+    items: impl Iterator<Item = T>,
+    make: impl Fn() -> S + Sync + Send,
+    act: impl Fn(T, &mut S) + Sync + Send,
+    end: impl FnMut(S),
+) {
+    if !is_parallel(threads) {
+        let mut state = make();
+        items.for_each(|item| act(item, &mut state));
+        return Some(state).into_iter().for_each(end);
+    }
+    let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
+    let act = |index: usize, state: &mut S| {
+        locked(&items[index]).take().into_iter().for_each(|item| act(item, state));
+    };
+    for_tasks_with(threads, items.len(), make, act).into_iter().for_each(end);
+}
+
+/// Rows that one thread takes at a time in [`for_chunks`].
+pub const CHUNK: usize = 1024;
+
+/// Fewer items than this are not worth a word to other threads, even if they are awake.
+#[cfg(feature = "parallel")]
+const WORTHWHILE: usize = 4 * CHUNK;
+
+/// Fewer shapes than this are not worth waking other threads for.
+const WORTH_WAKING: usize = 16 * CHUNK;
+
+/// The threads to use on `len` shapes: one where another would cost more than it saves.
+pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
+    if len < WORTH_WAKING { Some(1) } else { threads }
+}
+
+/// Wakes the threads, so that they are ready for the parallel parts of the work that follows.
+pub fn wake(threads: Option<usize>) {
+    #[cfg(feature = "parallel")]
+    if let Some(team) = Team::of(threads) {
+        team.wake();
+    }
+    let _ = threads;
+}
+
+/// Calls `act` with the index of the first item and the items of each chunk of
+/// [`CHUNK`] items, on `threads` threads. What one call writes no other may read.
+pub fn for_chunks<T: Send>(
+    threads: Option<usize>,
+    items: &mut [T],
+    act: impl Fn(usize, &mut [T]) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    if items.len() > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
+        let chunks: Vec<_> = items.chunks_mut(CHUNK).map(Mutex::new).collect();
+        let act = |index: usize| act(index * CHUNK, &mut locked(&chunks[index]));
+        return team.share(chunks.len(), &act);
+    }
+    let _ = threads;
+    act(0, items);
+}
+
+/// As [`for_chunks`] with items that are only read.
+pub fn for_slices<T: Sync>(threads: Option<usize>, items: &[T], act: impl Fn(&[T]) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    if items.len() > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
+        let chunk = |index: usize| index * CHUNK..items.len().min((index + 1) * CHUNK);
+        let act = |index: usize| act(&items[chunk(index)]);
+        return team.share(items.len().div_ceil(CHUNK), &act);
+    }
+    let _ = threads;
+    act(items);
+}
+
+/// As [`for_chunks`] with two slices of equal length.
+pub fn for_chunks_of_two<A: Send, B: Send>(
+    threads: Option<usize>,
+    a: &mut [A],
+    b: &mut [B],
+    act: impl Fn(usize, &mut [A], &mut [B]) + Sync + Send,
+) {
+    debug_assert_eq!(a.len(), b.len());
+    #[cfg(feature = "parallel")]
+    if a.len() > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
+        let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
+        let chunks: Vec<_> = chunks.map(Mutex::new).collect();
+        return team.share(chunks.len(), &|index| {
+            let (a, b) = &mut *locked(&chunks[index]);
+            act(index * CHUNK, a, b);
+        });
+    }
+    let _ = threads;
+    act(0, a, b);
+}
+
+/// Replaces the contents of `to` by the items of `from` named by `order`, in that order.
+pub fn gather<V: Copy + Default + Send + Sync>(
+    threads: Option<usize>,
+    to: &mut Vec<V>,
+    from: &[V],
+    order: &[u32],
+) {
+    to.resize(order.len(), V::default());
+    for_chunks(threads, to, |first, chunk| {
+        for (value, &row) in chunk.iter_mut().zip(&order[first..]) {
+            *value = from[row as usize];
+        }
+    });
+}
+
+/// Calls `act` with every number below `len`.
+pub fn for_rows(threads: Option<usize>, len: usize, act: impl Fn(usize) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    if len > WORTHWHILE
+        && let Some(team) = Team::of(threads)
+    {
+        let chunk = |index: usize| index * CHUNK..len.min((index + 1) * CHUNK);
+        let act = |index: usize| chunk(index).for_each(&act);
+        return team.share(len.div_ceil(CHUNK), &act);
+    }
+    let _ = threads;
+    (0..len).for_each(act);
+}
+
+/// Whether more than one thread will work.
+pub fn is_parallel(threads: Option<usize>) -> bool {
+    cfg!(feature = "parallel") && threads != Some(1)
+}
+
+/// The contents of a lock without contention.
+pub fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Number of forks since this library was loaded.
+static FORKS: AtomicUsize = AtomicUsize::new(0);
+
+/// Number of forks between the process that loaded this library and the current one.
+pub fn forks() -> usize {
+    FORKS.load(Ordering::Relaxed)
+}
+
+/// Forgets all threads. To be called in a process that was forked from one in which
+/// they ran, before it starts any: they do not exist in it.
+pub fn abandon_threads() {
+    FORKS.fetch_add(1, Ordering::Relaxed);
+    #[cfg(feature = "parallel")]
+    team::Era::present();
+}

@@ -1,0 +1,227 @@
+//! Threads that work on a call together: the caller, and helpers that wait for work in a loop.
+//!
+//! To wake a sleeping thread takes between a few microseconds and a millisecond, longer than most
+//! stages of a call. So the caller begins alone, helpers join when they are awake, and after the
+//! last work they look for more for [`PATIENCE`] before they sleep.
+
+use core::time::Duration;
+use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
+use std::time::Instant;
+
+use super::crew::Crew;
+use super::forks;
+use crate::interrupt::Stop;
+
+/// Time for which a helper looks for work before it sleeps: about what it takes to wake it.
+const PATIENCE: Duration = Duration::from_millis(1);
+
+/// Attempts between two looks at the clock, and between two offers of the core to other programs.
+const ATTEMPTS: usize = 64;
+
+/// Time between two polls of a caller that waits.
+const POLL_EVERY: Duration = Duration::from_millis(20);
+
+/// A caller's helpers.
+pub struct Team(Arc<Helpers>);
+
+/// Threads that help callers.
+struct Helpers {
+    pool: rayon::ThreadPool,
+    crew: Crew,
+    /// They have been called and have not come yet.
+    called: AtomicBool,
+}
+
+thread_local! {
+    static IS_HELPER: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Team {
+    /// `threads` threads with the current one, at most one for each core. None if the current
+    /// thread works alone: because one is enough, because it is a helper itself, or because the
+    /// system cannot start others.
+    pub fn of(threads: Option<usize>) -> Option<Self> {
+        if threads == Some(1) || IS_HELPER.get() {
+            return None;
+        }
+        Era::present().pools().helpers(threads).map(Self)
+    }
+
+    /// Wakes the helpers, so that they are ready for the work that follows.
+    pub fn wake(&self) {
+        let Helpers { pool, crew, called } = &*self.0;
+        if crew.has(pool.current_num_threads()) || called.swap(true, Ordering::Relaxed) {
+            return;
+        }
+        let helpers = self.0.clone();
+        pool.spawn_broadcast(move |_| helpers.attend());
+    }
+
+    /// Runs `task(0)`, …, `task(count - 1)`. The caller takes one after the other, and helpers
+    /// join while some are left.
+    pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        self.wake();
+        let Helpers { pool, crew, .. } = &*self.0;
+        let (next, working) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let take = || {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index < count {
+                task(index);
+            }
+            index < count
+        };
+        let mut idle = pool.current_num_threads();
+        pool.in_place_scope(|scope| {
+            loop {
+                let left = count.saturating_sub(next.load(Ordering::Relaxed));
+                let joining = if left > 1 { crew.reserve(idle.min(left - 1)) } else { 0 };
+                idle -= joining;
+                working.fetch_add(joining, Ordering::Relaxed);
+                for _ in 0..joining {
+                    scope.spawn(|_| {
+                        let _end = AtEnd { crew, working: &working };
+                        while take() {}
+                    });
+                }
+                if !take() {
+                    break;
+                }
+            }
+            wait_for(&working);
+        });
+    }
+}
+
+/// Waits until no helper works, and polls at the same time. The wait is shorter than a task
+/// unless another program has the helper's core.
+fn wait_for(working: &AtomicUsize) {
+    let stop = Stop::current();
+    let mut polled = None;
+    let mut attempts = 0;
+    while working.load(Ordering::Acquire) > 0 {
+        attempts += 1;
+        if attempts % ATTEMPTS != 0 {
+            std::hint::spin_loop();
+            continue;
+        }
+        thread::yield_now();
+        if polled.get_or_insert_with(Instant::now).elapsed() > POLL_EVERY {
+            polled = None;
+            stop.is_set();
+        }
+    }
+}
+
+/// Marks the end of a helper's work, also after a panic.
+struct AtEnd<'a> {
+    crew: &'a Crew,
+    working: &'a AtomicUsize,
+}
+
+impl Drop for AtEnd<'_> {
+    fn drop(&mut self) {
+        self.crew.enter();
+        self.working.fetch_sub(1, Ordering::Release);
+    }
+}
+
+impl Helpers {
+    /// Makes the current thread a helper until there has been no work for a while.
+    fn attend(&self) {
+        self.called.store(false, Ordering::Relaxed);
+        if IS_HELPER.replace(true) {
+            return;
+        }
+        self.crew.enter();
+        let mut since = Instant::now();
+        let mut attempts = 0;
+        loop {
+            if rayon::yield_now() == Some(rayon::Yield::Executed) {
+                (since, attempts) = (Instant::now(), 0);
+                continue;
+            }
+            attempts += 1;
+            if attempts % ATTEMPTS != 0 {
+                std::hint::spin_loop();
+                continue;
+            }
+            if since.elapsed() > PATIENCE && self.crew.leave() {
+                break;
+            }
+            thread::yield_now();
+        }
+        IS_HELPER.set(false);
+    }
+}
+
+/// Maximum number of pools that are kept, for different numbers of threads.
+const MOST_POOLS: usize = 3;
+
+/// Number of calls on one thread after the system failed to start others.
+const CALLS_ALONE: usize = 1000;
+
+/// The most recently used pools, the latest first. They are kept because starting threads costs
+/// more than a small call.
+struct Pools {
+    kept: Vec<Arc<Helpers>>,
+    /// Cores that this process may use; 0 if not known yet.
+    cores: usize,
+    /// Calls until the next attempt to start threads.
+    refused: usize,
+}
+
+impl Pools {
+    fn helpers(&mut self, threads: Option<usize>) -> Option<Arc<Helpers>> {
+        if self.cores == 0 {
+            self.cores = thread::available_parallelism().map_or(1, usize::from);
+        }
+        let count = threads.unwrap_or(self.cores).min(self.cores) - 1;
+        if count == 0 {
+            return None;
+        }
+        let known = self.kept.iter().position(|kept| kept.pool.current_num_threads() == count);
+        if let Some(place) = known {
+            self.kept[..=place].rotate_right(1);
+            return Some(self.kept[0].clone());
+        }
+        if self.refused > 0 {
+            self.refused -= 1;
+            return None;
+        }
+        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(count).build() else {
+            self.refused = CALLS_ALONE;
+            return None;
+        };
+        let helpers = Helpers { pool, crew: Crew::default(), called: AtomicBool::new(false) };
+        self.kept.truncate(MOST_POOLS - 1);
+        self.kept.insert(0, Arc::new(helpers));
+        Some(self.kept[0].clone())
+    }
+}
+
+/// The pools of one process. A forked process begins with new pools: the threads of its parent
+/// do not exist in it, and one of them may have held the lock.
+pub struct Era {
+    pools: Mutex<Pools>,
+    next: OnceLock<Box<Era>>,
+}
+
+impl Era {
+    const fn new() -> Self {
+        let pools = Mutex::new(Pools { kept: Vec::new(), cores: 0, refused: 0 });
+        Self { pools, next: OnceLock::new() }
+    }
+
+    pub fn present() -> &'static Self {
+        static FIRST: Era = Era::new();
+        let next = |era: &'static Self| era.next.get_or_init(|| Box::new(Self::new()));
+        (0..forks()).fold(&FIRST, |era, _| next(era))
+    }
+
+    fn pools(&self) -> MutexGuard<'_, Pools> {
+        self.pools.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,230 @@
+//! Strips: the shapes of a leaf in horizontal strips, from low y to high y.
+//!
+//! A shape can overlap only shapes of its own strip and of a few strips on either side, because
+//! their height together is more than that of any shape. All these lie next to each other in memory.
+
+use std::ops::Range;
+
+use super::sort::Item;
+use crate::geometry::{Cover, Scalar};
+use crate::shapes::{Each, Shapes};
+
+/// Strips of a leaf at most.
+const MOST: usize = 192;
+
+/// The height of the highest shape, in strips, if there are enough shapes.
+const FINENESS: f64 = 2.0;
+
+/// Strips hold at least this many shapes on average.
+const SHAPES: usize = 2;
+
+/// Heights are increased by this factor, much more than all rounding errors.
+const SLACK: f64 = 1.0 + 1.0 / 256.0;
+
+/// Lower than this, the squares of float32 distances lose digits.
+const LEAST_HEIGHT: f64 = 1e-15;
+
+/// The strips of one leaf.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Strips<T> {
+    /// Where the ends of its strips are listed.
+    first: u32,
+    count: u32,
+    /// The strips behind its own that a shape can reach.
+    ahead: u32,
+    low: T,
+    per_unit: T,
+    /// Height of the highest box.
+    box_height: T,
+}
+
+impl<T: Scalar> Strips<T> {
+    /// Strips for `len` shapes with centres (or lower sides) from `low` to `high`, none of them
+    /// higher than `reach`.
+    fn new(len: usize, [low, high]: [T; 2], reach: f64, box_height: T) -> Self {
+        let height = (reach * SLACK).max(LEAST_HEIGHT);
+        let extent = high.to_f64() - low.to_f64();
+        let heights = extent / height;
+        let count = (FINENESS * heights).min((len / SHAPES).min(MOST) as f64).floor();
+        if !heights.is_finite() || count < 2.0 {
+            return Self { count: 1, box_height, ..Self::default() };
+        }
+        let ahead = (count / heights).ceil() as u32;
+        let per_unit = T::from_f64(count / extent);
+        Self { first: 0, count: count as u32, ahead, low, per_unit, box_height }
+    }
+
+    /// The strip of a shape by the y of its centre (or lower side); the nearest one if there is none.
+    #[inline(always)]
+    fn index(&self, y: T) -> usize {
+        let along = ((y - self.low) * self.per_unit).to_f64();
+        (along as usize).min(self.count as usize - 1)
+    }
+
+    /// The same with its ends listed `by` further on, wrapping around.
+    pub fn moved(self, by: u32) -> Self {
+        Self { first: self.first.wrapping_add(by), ..self }
+    }
+
+    /// Where the ends of its strips are listed.
+    pub fn ends(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+
+    /// Index of the last strip that a shape in `strip` can reach.
+    #[inline(always)]
+    pub fn last_reached(&self, strip: usize) -> usize {
+        (strip + self.ahead as usize).min(self.count as usize - 1)
+    }
+
+    /// Those of the leaf's places, a range of strips, at which a shape under `own` could overlap
+    /// one under `cover`.
+    #[inline(always)]
+    pub fn places(
+        &self,
+        ends: &[u32],
+        places: Range<usize>,
+        own: &Cover<T>,
+        cover: &Cover<T>,
+    ) -> Range<usize> {
+        if self.count == 1 {
+            return places;
+        }
+        let half_sum = own.half_size[1].to_f64() + cover.half_size[1].to_f64();
+        let reach = own.radius.to_f64() + cover.radius.to_f64() + half_sum;
+        let reach = reach.max(LEAST_HEIGHT) * SLACK;
+        let below = reach + self.box_height.to_f64() * SLACK;
+        let low = self.index(T::from_f64(cover.min[1].to_f64() - below));
+        let high = self.index(T::from_f64(cover.max[1].to_f64() + reach));
+        let ends = &ends[self.ends()];
+        let start = if low == 0 { places.start } else { ends[low - 1] as usize };
+        start..ends[high] as usize
+    }
+}
+
+/// Where the rows and the centres of some shapes go.
+pub struct Places<'a, T> {
+    /// Rows.
+    pub rows: &'a mut [u32],
+    /// Centres, x. Of boxes something else, which is not for this module, goes there.
+    pub x: &'a mut [T],
+    /// Centres, y.
+    pub y: &'a mut [T],
+}
+
+impl<'a, T> Places<'a, T> {
+    /// Cuts off the first `len`.
+    pub fn split_off(&mut self, len: usize) -> Self {
+        const EXPECT: &str = "the sizes add up";
+        Self {
+            rows: self.rows.split_off_mut(..len).expect(EXPECT),
+            x: self.x.split_off_mut(..len).expect(EXPECT),
+            y: self.y.split_off_mut(..len).expect(EXPECT),
+        }
+    }
+
+    /// Some of them.
+    pub fn some(&mut self, range: Range<usize>) -> Places<'_, T> {
+        Places {
+            rows: &mut self.rows[range.clone()],
+            x: &mut self.x[range.clone()],
+            y: &mut self.y[range],
+        }
+    }
+}
+
+/// Memory for the shapes of one leaf.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    strips: Vec<u8>,
+}
+
+/// Puts the shapes of a leaf, whose first place is `start`, in the order of their strips; appends
+/// the end of each strip to `ends`.
+pub fn arrange<T: Scalar>(
+    shapes: &Shapes<T>,
+    items: &[Item<T>],
+    start: usize,
+    to: Places<'_, T>,
+    ends: &mut Vec<u32>,
+    scratch: &mut Scratch,
+) -> Strips<T> {
+    let leaf = Strips { first: ends.len() as u32, ..strips_of(shapes, items) };
+    if leaf.count == 1 {
+        return as_one(items, start, to, ends);
+    }
+    let mut next = [0u32; MOST + 1];
+    let strips = &mut scratch.strips;
+    strips.clear();
+    strips.extend(items.iter().map(|item| leaf.index(low_y(shapes, item)) as u8));
+    strips.iter().for_each(|&strip| next[strip as usize + 1] += 1);
+    for strip in 0..leaf.count as usize {
+        next[strip + 1] += next[strip];
+        ends.push(start as u32 + next[strip + 1]);
+    }
+    for (&strip, item) in strips.iter().zip(items) {
+        let place = next[strip as usize] as usize;
+        (to.rows[place], [to.x[place], to.y[place]]) = (item.row, item.center);
+        next[strip as usize] += 1;
+    }
+    leaf
+}
+
+/// Puts the shapes of a leaf in the order of the items, as one strip.
+pub fn as_one<T: Scalar>(
+    items: &[Item<T>],
+    start: usize,
+    to: Places<'_, T>,
+    ends: &mut Vec<u32>,
+) -> Strips<T> {
+    let first = ends.len() as u32;
+    ends.push((start + items.len()) as u32);
+    for (place, item) in items.iter().enumerate() {
+        (to.rows[place], [to.x[place], to.y[place]]) = (item.row, item.center);
+    }
+    Strips { first, count: 1, ..Strips::default() }
+}
+
+/// The y of a shape's centre, or of its lower side.
+#[inline(always)]
+fn low_y<T: Scalar>(shapes: &Shapes<T>, item: &Item<T>) -> T {
+    match &shapes.boxes {
+        None => item.center[1],
+        Some(boxes) => boxes[item.row as usize][1],
+    }
+}
+
+/// The strips that suit some shapes.
+fn strips_of<T: Scalar>(shapes: &Shapes<T>, items: &[Item<T>]) -> Strips<T> {
+    let rows = || items.iter().map(|item| item.row as usize);
+    let [low, high] = extent(items, |item| low_y(shapes, item));
+    let box_height = shapes.boxes.as_ref().map_or(T::ZERO, |boxes| {
+        rows().map(|row| boxes[row][3] - boxes[row][1]).fold(T::ZERO, T::most)
+    });
+    let radius = match &shapes.radii {
+        Each::One(radius) => *radius,
+        Each::Rows(radii) => rows().map(|row| radii[row]).fold(T::ZERO, T::most),
+    };
+    let half_height = shapes.half_sizes.as_ref().map_or(T::ZERO, |half_sizes| {
+        rows().map(|row| half_sizes.at(row)[1]).fold(T::ZERO, T::most)
+    });
+    let reach = box_height.to_f64() + 2.0 * (radius.to_f64() + half_height.to_f64());
+    Strips::new(items.len(), [low, high], reach, box_height)
+}
+
+/// The least and the greatest y, in streams that do not wait for each other.
+fn extent<T: Scalar>(items: &[Item<T>], y_of: impl Fn(&Item<T>) -> T) -> [T; 2] {
+    const STREAMS: usize = 4;
+    let (chunks, rest) = items.as_chunks::<STREAMS>();
+    let first = y_of(&items[0]);
+    let (mut low, mut high) = ([first; STREAMS], [first; STREAMS]);
+    for chunk in chunks {
+        for stream in 0..STREAMS {
+            let y = y_of(&chunk[stream]);
+            (low[stream], high[stream]) = (low[stream].least(y), high[stream].most(y));
+        }
+    }
+    let low = rest.iter().map(&y_of).chain(low).fold(first, T::least);
+    let high = rest.iter().map(&y_of).chain(high).fold(first, T::most);
+    [low, high]
+}
