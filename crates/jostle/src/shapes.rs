@@ -54,6 +54,17 @@ impl<V> Each<V> {
     }
 }
 
+impl<V: Copy + PartialEq> Each<V> {
+    /// One for all if all rows are equal.
+    fn simplified(self) -> Self {
+        match &self {
+            Self::Rows(values) if values.iter().any(|value| *value != values[0]) => self,
+            Self::Rows(values) => values.first().map_or(Self::default(), |&value| Self::One(value)),
+            Self::One(_) => self,
+        }
+    }
+}
+
 impl<V: Copy> Each<V> {
     /// The value of `row`.
     #[inline(always)]
@@ -146,9 +157,10 @@ impl<T: Scalar> Shapes<T> {
         half_sizes: Option<Each<[T; 2]>>,
         filters: Option<[Each<u32>; 2]>,
     ) -> Result<Self> {
-        let shapes = Self { centers, radii, half_sizes, boxes: None, filters };
+        let mut shapes = Self { centers, radii, half_sizes, boxes: None, filters };
         check_finite("centers", &shapes.centers)?;
         shapes.validate("centers")?;
+        shapes.radii = shapes.radii.simplified();
         Ok(shapes)
     }
 

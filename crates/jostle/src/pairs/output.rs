@@ -93,7 +93,8 @@ impl Budget {
             }
         });
         *parts = unused.into_inner().unwrap_or_else(PoisonError::into_inner);
-        if let Some(only) = (outputs.len() == 1).then(|| outputs.pop()).flatten() {
+        let in_order = outputs.len() == 1 && outputs[0].part.tasks.is_sorted_by_key(|task| task.0);
+        if let Some(only) = outputs.pop_if(|_| in_order) {
             return self.accept(only, parts);
         }
         let tests = outputs.iter().map(|output| output.tests).sum();

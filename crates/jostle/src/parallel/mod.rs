@@ -6,6 +6,8 @@
 #[cfg(feature = "parallel")]
 mod crew;
 #[cfg(feature = "parallel")]
+mod shares;
+#[cfg(feature = "parallel")]
 mod team;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,7 +18,7 @@ use team::Team;
 
 /// The atomics of [`crew`], which a model checker replaces by its own.
 mod sync {
-    pub use std::sync::atomic::{AtomicUsize, Ordering};
+    pub use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 }
 
 /// Runs `task(0)`, …, `task(count - 1)` on `threads` threads (`None`: one for each core).

@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use super::crew::Crew;
 use super::forks;
+use super::shares::Shares;
 use crate::interrupt::Stop;
 
 /// Time for which a helper looks for work before it sleeps: about what it takes to wake it.
@@ -60,35 +61,29 @@ impl Team {
         pool.spawn_broadcast(move |_| helpers.attend());
     }
 
-    /// Runs `task(0)`, …, `task(count - 1)`. The caller takes one after the other, and helpers
-    /// join while some are left.
+    /// Runs `task(0)`, …, `task(count - 1)`. The caller begins, and helpers join while tasks are left.
     pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         self.wake();
         let Helpers { pool, crew, .. } = &*self.0;
-        let (next, working) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let take = || {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index < count {
+        let mut absent = pool.current_num_threads();
+        let shares = Shares::new(count, absent + 1);
+        let working = AtomicUsize::new(0);
+        let help = || {
+            let _end = AtEnd { crew, working: &working };
+            let thread = 1 + rayon::current_thread_index().expect("a helper");
+            while let Some(index) = shares.take(thread) {
                 task(index);
             }
-            index < count
         };
-        let mut idle = pool.current_num_threads();
         pool.in_place_scope(|scope| {
-            loop {
-                let left = count.saturating_sub(next.load(Ordering::Relaxed));
-                let joining = if left > 1 { crew.reserve(idle.min(left - 1)) } else { 0 };
-                idle -= joining;
+            while let Some(index) = shares.take(0) {
+                let joining = crew.reserve(absent);
+                absent -= joining;
                 working.fetch_add(joining, Ordering::Relaxed);
                 for _ in 0..joining {
-                    scope.spawn(|_| {
-                        let _end = AtEnd { crew, working: &working };
-                        while take() {}
-                    });
+                    scope.spawn(|_| help());
                 }
-                if !take() {
-                    break;
-                }
+                task(index);
             }
             wait_for(&working);
         });

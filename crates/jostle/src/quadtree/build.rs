@@ -304,7 +304,8 @@ fn by_rank(index: usize, nodes: &mut Vec<Node>) {
 fn quarters<T>(keyed: &Keyed<T>, start: usize, end: usize, shift: u32) -> [usize; 4] {
     let before = if end - start > FEW {
         let first = keyed.key(start) >> shift & !3;
-        [1, 2, 3].map(|q| keyed.first_at_least((first | q) << shift) - start)
+        let before = |quarter: u32| keyed.first_at_least((first | quarter) << shift) - start;
+        [before(1), before(2), before(3)]
     } else {
         // Counting all is faster than searching: no step waits for the one before it.
         let mut before = [0u32; 3];

@@ -107,11 +107,11 @@ impl Precision {
     }
 }
 
-/// Where items with certain leading bits begin.
+/// Where the items of each block or group begin, which share leading bits.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     bits: u32,
-    /// One more than there are blocks.
+    /// One more than there are blocks or groups.
     starts: Vec<u32>,
 }
 
@@ -121,8 +121,11 @@ impl Parts {
         let known = match self.bits {
             0 => 0..items.len(),
             bits => {
-                let block = (bound >> (KEY_BITS - bits)) as usize;
-                self.starts[block] as usize..self.starts[block + 1] as usize
+                let part = (bound >> (KEY_BITS - bits)) as usize;
+                if bound << bits == 0 {
+                    return self.starts[part] as usize;
+                }
+                self.starts[part] as usize..self.starts[part + 1] as usize
             }
         };
         known.start + items[known].partition_point(|item| item.key < bound)
@@ -142,6 +145,8 @@ pub struct Sorter<T> {
     parted: Vec<Item<T>>,
     /// For each chunk the end of each block in it.
     ends: Vec<u32>,
+    /// Where each block begins once all are sorted.
+    starts: Vec<u32>,
     scratch: Mutex<Vec<Scratch<T>>>,
 }
 
@@ -149,14 +154,22 @@ pub struct Sorter<T> {
 struct Task<'a, T> {
     blocks: Range<usize>,
     items: &'a mut [Item<T>],
-    /// Where they stand among all.
+    /// Where the parts of the blocks end, to be filled in.
+    ends: &'a mut [u32],
+    /// Where the items stand among all.
     start: usize,
 }
 
 impl<T> Clone for Sorter<T> {
     /// A sorter without memory: it has no other state.
     fn clone(&self) -> Self {
-        Self { keys: Vec::new(), parted: Vec::new(), ends: Vec::new(), scratch: Mutex::default() }
+        Self {
+            keys: Vec::new(),
+            parted: Vec::new(),
+            ends: Vec::new(),
+            starts: Vec::new(),
+            scratch: Mutex::default(),
+        }
     }
 }
 
@@ -166,7 +179,8 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         let scratch: usize = locked(&self.scratch).iter().map(Scratch::kept_bytes).sum();
         scratch
             + self.parted.capacity() * size_of::<Item<T>>()
-            + (self.ends.capacity() + self.keys.capacity()) * size_of::<u32>()
+            + (self.ends.capacity() + self.keys.capacity() + self.starts.capacity())
+                * size_of::<u32>()
     }
 
     /// Fills `items` from `source` and sorts them as far as `precision` says; lists the ranges
@@ -238,7 +252,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
 
     /// Collects every block from all chunks and sorts it.
     fn sort_blocks(
-        &self,
+        &mut self,
         threads: Option<usize>,
         precision: Precision,
         items: &mut [Item<T>],
@@ -248,15 +262,18 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
     ) -> Result<()> {
         let stop = Stop::current();
         let len = items.len();
-        let (parted, ends) = (&self.parted[..len], &self.ends[..]);
-        let source = Parted { items: parted, ends, blocks: 1 << bits, chunk: chunk_of(len) };
-        parts.bits = bits;
-        source.find_starts(&mut parts.starts)?;
-        let tasks = source.tasks(items, &parts.starts);
-        let failed = Mutex::new(Ok(()));
-        let make = || locked(&self.scratch).pop().unwrap_or_default();
+        let Self { parted, ends, starts, scratch: spare, .. } = self;
+        let source =
+            Parted { items: &parted[..len], ends, blocks: 1 << bits, chunk: chunk_of(len) };
+        source.find_starts(starts)?;
+        // Groups of two bits for each subdivision; blocks may have an odd number of bits.
         let group_bits = precision.bits(len).max(bits + bits % 2);
-        let known = Known { bits, group_bits, precision };
+        parts.bits = if group_bits < KEY_BITS { group_bits } else { bits };
+        memory::resize(&mut parts.starts, (1 << parts.bits) + 1, 0)?;
+        let known = Known { bits, group_bits, listed: parts.bits - bits, precision };
+        let tasks = source.tasks(items, starts, &mut parts.starts[1..]);
+        let failed = Mutex::new(Ok(()));
+        let make = || locked(spare).pop().unwrap_or_default();
         let sort = |task, scratch: &mut Scratch<T>| {
             if let Err(error) = source.sort(task, known, &stop, scratch) {
                 *locked(&failed) = Err(error);
@@ -268,7 +285,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
                 Ok(()) => equal.append(&mut scratch.equal),
                 Err(error) => result = Err(error),
             }
-            locked(&self.scratch).push(scratch);
+            locked(spare).push(scratch);
         });
         stop.check()?;
         failed.into_inner().unwrap_or_else(PoisonError::into_inner).and(result)?;
@@ -303,6 +320,8 @@ struct Known {
     bits: u32,
     /// Leading bits that groups differ in, at least as many.
     group_bits: u32,
+    /// Bits that the parts of a block that are listed differ in.
+    listed: u32,
     precision: Precision,
 }
 
@@ -325,11 +344,21 @@ impl<T: Copy + Default> Parted<'_, T> {
     ) -> Result<()> {
         let mut from = 0;
         let mut pulse = Pulse::of(stop);
+        let mut ends = task.ends.chunks_mut(1 << known.listed);
         for block in task.blocks {
             let len = self.pieces(block).map(<[Item<T>]>::len).sum::<usize>();
             pulse.check(len)?;
             let sorted = &mut task.items[from..from + len];
-            self.sort_block(block, sorted, task.start + from, known, scratch)?;
+            let start = task.start + from;
+            self.sort_block(block, sorted, start, known, scratch)?;
+            let ends = ends.next().expect("ends for each block");
+            ends.fill(0);
+            sorted.iter().for_each(|item| ends[leading(item.key, known.bits, known.listed)] += 1);
+            let mut end = start as u32;
+            for sum in ends {
+                end += *sum;
+                *sum = end;
+            }
             from += len;
         }
         Ok(())
@@ -343,7 +372,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         known: Known,
         scratch: &mut Scratch<T>,
     ) -> Result<()> {
-        let Known { bits, group_bits, precision } = known;
+        let Known { bits, group_bits, precision, .. } = known;
         if sorted.len() > LARGE_BLOCK {
             scratch.collected.clear();
             memory::reserve(&mut scratch.collected, sorted.len())?;
@@ -407,21 +436,25 @@ impl<T: Copy + Default> Parted<'_, T> {
         Ok(())
     }
 
-    /// All blocks, divided into tasks of about equal size.
+    /// All blocks, divided into tasks of about equal size. Each has as many of the `ends`.
     fn tasks<'a>(
         &self,
         mut items: &'a mut [Item<T>],
         starts: &'a [u32],
+        mut ends: &'a mut [u32],
     ) -> impl Iterator<Item = Task<'a, T>> + use<'a, T> {
-        let enough = items.len().div_ceil(TASKS);
+        const EXPECT: &str = "the sizes add up";
+        let (enough, blocks) = (items.len().div_ceil(TASKS), self.blocks);
+        let listed = ends.len() / blocks;
         let (mut first, mut start) = (0, 0);
-        (1..=self.blocks).filter_map(move |end| {
+        (1..=blocks).filter_map(move |end| {
             let size = starts[end] as usize - start;
-            if size < enough && end + 1 < starts.len() {
+            if size < enough && end < blocks {
                 return None;
             }
-            let items = items.split_off_mut(..size).expect("the sizes add up");
-            let task = Task { blocks: first..end, items, start };
+            let items = items.split_off_mut(..size).expect(EXPECT);
+            let ends = ends.split_off_mut(..(end - first) * listed).expect(EXPECT);
+            let task = Task { blocks: first..end, items, ends, start };
             (first, start) = (end, start + size);
             Some(task)
         })
