@@ -113,7 +113,7 @@ pub const CHUNK: usize = 1024;
 const WORTHWHILE: usize = 4 * CHUNK;
 
 /// Fewer shapes than this are not worth waking other threads for.
-const WORTH_WAKING: usize = 16 * CHUNK;
+const WORTH_WAKING: usize = 4 * CHUNK;
 
 /// The threads to use on `len` shapes: one where another would cost more than it saves.
 pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {

@@ -2,28 +2,24 @@
 //!
 //! To wake a sleeping thread takes between a few microseconds and a millisecond, longer than most
 //! stages of a call. So the caller begins alone, helpers join when they are awake, and after the
-//! last work they look for more for [`PATIENCE`] before they sleep.
+//! last work they look for more for about a millisecond before they sleep.
 
-use core::time::Duration;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
-use std::time::Instant;
 
 use super::crew::Crew;
 use super::forks;
 use super::shares::Shares;
 use crate::interrupt::Stop;
 
-/// Time for which a helper looks for work before it sleeps: about what it takes to wake it.
-const PATIENCE: Duration = Duration::from_millis(1);
+/// Attempts of a helper to find work before it sleeps: about a millisecond, which is what it can take
+/// to wake it. A caller that waits polls as often.
+const PATIENCE: usize = 1 << 14;
 
-/// Attempts between two looks at the clock, and between two offers of the core to other programs.
+/// Attempts between two offers of the core to other programs.
 const ATTEMPTS: usize = 64;
-
-/// Time between two polls of a caller that waits.
-const POLL_EVERY: Duration = Duration::from_millis(20);
 
 /// A caller's helpers.
 pub struct Team(Arc<Helpers>);
@@ -94,20 +90,20 @@ impl Team {
 /// unless another program has the helper's core.
 fn wait_for(working: &AtomicUsize) {
     let stop = Stop::current();
-    let mut polled = None;
     let mut attempts = 0;
     while working.load(Ordering::Acquire) > 0 {
-        attempts += 1;
-        if attempts % ATTEMPTS != 0 {
-            std::hint::spin_loop();
-            continue;
-        }
-        thread::yield_now();
-        if polled.get_or_insert_with(Instant::now).elapsed() > POLL_EVERY {
-            polled = None;
+        pause(&mut attempts);
+        if attempts == PATIENCE {
+            attempts = 0;
             stop.is_set();
         }
     }
+}
+
+/// Waits for a moment, and now and then as long as other programs want the core.
+fn pause(attempts: &mut usize) {
+    *attempts += 1;
+    if *attempts % ATTEMPTS == 0 { thread::yield_now() } else { std::hint::spin_loop() }
 }
 
 /// Marks the end of a helper's work, also after a panic.
@@ -131,22 +127,12 @@ impl Helpers {
             return;
         }
         self.crew.enter();
-        let mut since = Instant::now();
         let mut attempts = 0;
-        loop {
-            if rayon::yield_now() == Some(rayon::Yield::Executed) {
-                (since, attempts) = (Instant::now(), 0);
-                continue;
+        while attempts < PATIENCE || !self.crew.leave() {
+            match rayon::yield_now() {
+                Some(rayon::Yield::Executed) => attempts = 0,
+                _ => pause(&mut attempts),
             }
-            attempts += 1;
-            if attempts % ATTEMPTS != 0 {
-                std::hint::spin_loop();
-                continue;
-            }
-            if since.elapsed() > PATIENCE && self.crew.leave() {
-                break;
-            }
-            thread::yield_now();
         }
         IS_HELPER.set(false);
     }

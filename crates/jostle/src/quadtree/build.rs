@@ -21,7 +21,7 @@ use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work, block};
 
 /// A tree of more shapes than this has upper nodes.
-const LARGE: usize = 16_384;
+const LARGE: usize = 4096;
 
 /// Quarters of so few shapes are told apart by looking at all.
 const FEW: usize = 256;

@@ -19,13 +19,16 @@ const SMALL: usize = 256;
 const CHUNKS: usize = 8;
 
 /// Shapes of a chunk, at least.
-const LEAST_CHUNK: usize = 1 << 13;
+const LEAST_CHUNK: usize = 1 << 11;
 
 /// Shapes of a block, about.
 const BLOCK: usize = 1 << 12;
 
 /// Leading bits that blocks differ in, at most.
 const MOST_BLOCK_BITS: u32 = 10;
+
+/// Leading bits that blocks differ in, at least, so that there is work for some threads.
+const LEAST_BLOCK_BITS: u32 = 4;
 
 /// Blocks of more shapes than this are sorted in several passes.
 const LARGE_BLOCK: usize = 1 << 15;
@@ -211,7 +214,8 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
             items.sort_unstable_by_key(Item::rank);
             return equal_keys(items, 0, equal);
         }
-        let bits = (len / BLOCK).next_power_of_two().trailing_zeros().min(MOST_BLOCK_BITS);
+        let bits = (len / BLOCK).next_power_of_two().trailing_zeros();
+        let bits = bits.clamp(LEAST_BLOCK_BITS, MOST_BLOCK_BITS);
         self.part_chunks(threads, source, bits)?;
         self.sort_blocks(threads, precision, items, bits, parts, equal)
     }

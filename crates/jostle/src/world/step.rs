@@ -24,7 +24,7 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 const MOST_ATTEMPTS: usize = 4;
 
 /// Fewer particles than this are not worth waking other threads for.
-const WORTH_WAKING: usize = 12_000;
+const WORTH_WAKING: usize = 3000;
 
 impl World {
     /// Advances the world by `steps` times `dt` seconds. `watch` is called when a stage ends. After
