@@ -23,5 +23,6 @@ mod sleeping;
 mod snapshot;
 mod space;
 mod thermal;
+mod threads;
 mod tree;
 mod walls;

@@ -1,0 +1,93 @@
+//! The state that threads share, in every order in which they can run, by a model checker.
+
+use loom::sync::Arc;
+use loom::thread;
+
+/// The atomics of the model checker instead of those of the standard library.
+mod sync {
+    pub use loom::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+}
+
+#[path = "../src/parallel/crew.rs"]
+mod crew;
+#[path = "../src/parallel/shares.rs"]
+mod shares;
+
+use crew::Crew;
+use shares::Shares;
+use sync::{AtomicUsize, Ordering};
+
+/// Checks a model with so many changes of thread at points where none has to be: two find most
+/// errors, and more take minutes.
+fn check(model: impl Fn() + Sync + Send + 'static) {
+    let mut builder = loom::model::Builder::new();
+    builder.preemption_bound = Some(2);
+    builder.check(model);
+}
+
+/// Two callers and a helper that leaves as soon as it finds no work.
+#[test]
+fn a_helper_that_was_reserved_always_comes() {
+    check(|| {
+        let crew = Arc::new(Crew::default());
+        let [given, done] = [(); 2].map(|()| Arc::new(AtomicUsize::new(0)));
+        crew.enter();
+        let helper = {
+            let (crew, given, done) = (crew.clone(), given.clone(), done.clone());
+            thread::spawn(move || {
+                loop {
+                    if given.load(Ordering::Acquire) > done.load(Ordering::Relaxed) {
+                        crew.enter();
+                        done.fetch_add(1, Ordering::Release);
+                    } else if crew.leave() {
+                        break;
+                    } else {
+                        thread::yield_now();
+                    }
+                }
+            })
+        };
+        let call = |crew: &Crew, given: &AtomicUsize| {
+            let reserved = crew.reserve(1);
+            given.fetch_add(reserved, Ordering::Release);
+            reserved
+        };
+        let other = {
+            let (crew, given) = (crew.clone(), given.clone());
+            thread::spawn(move || call(&crew, &given))
+        };
+        let reserved = call(&crew, &given) + other.join().unwrap();
+        helper.join().unwrap();
+        assert_eq!(done.load(Ordering::Acquire), reserved);
+        assert!(!crew.has(1));
+    });
+}
+
+#[test]
+fn every_task_is_taken_once() {
+    for count in 0..4 {
+        check(move || {
+            let shares = Arc::new(Shares::new(count, 2));
+            let take_all =
+                |shares: &Shares, thread| std::iter::from_fn(|| shares.take(thread)).collect();
+            let other = {
+                let shares = shares.clone();
+                thread::spawn(move || -> Vec<usize> { take_all(&shares, 1) })
+            };
+            let mut taken: Vec<usize> = take_all(&shares, 0);
+            taken.extend(other.join().unwrap());
+            taken.sort_unstable();
+            assert!(taken.into_iter().eq(0..count));
+        });
+    }
+}
+
+/// Without others a thread does its own share first, in order.
+#[test]
+fn a_thread_begins_with_its_own_share() {
+    check(|| {
+        let shares = Shares::new(4, 2);
+        let taken: Vec<usize> = std::iter::from_fn(|| shares.take(1)).collect();
+        assert_eq!(taken, [2, 3, 1, 0]);
+    });
+}
