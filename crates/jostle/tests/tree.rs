@@ -37,18 +37,27 @@ fn agree<T: Scalar>(shapes: &Raw, settings: Settings) {
         pairs::brute(&Columns::of(&given).unwrap(), settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     brute.sort().unwrap();
     assert_eq!(brute.pairs, expected, "brute force");
-    let tree = built(&given, settings);
-    for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
-        // Other tests may set another limit meanwhile: then more than one is tested here.
-        simd::limit(most);
-        let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
-        found.sort().unwrap();
-        assert_eq!(found.pairs, expected, "the tree, with {most:?}");
+    for tree in [built(&given, settings), unordered(&given, settings)] {
+        for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+            // Other tests may set another limit meanwhile: then more than one is tested here.
+            simd::limit(most);
+            let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+            found.sort().unwrap();
+            assert_eq!(found.pairs, expected, "the tree, with {most:?}");
+        }
     }
     let auto = pairs::find(&given, None, settings.threads, DEFAULT_MAX_PAIRS).unwrap();
     let mut auto = auto;
     auto.sort().unwrap();
     assert_eq!(auto.pairs, expected, "the faster of the two");
+}
+
+/// A tree with strips in its leaves.
+fn unordered<T: Scalar>(shapes: &Shapes<T>, settings: Settings) -> Quadtree<T> {
+    let mut tree = Quadtree::default();
+    tree.fill_unordered(shapes, settings).unwrap();
+    assert_eq!(tree.check(), Ok(()));
+    tree
 }
 
 proptest! {
@@ -65,10 +74,15 @@ proptest! {
         first in shapes(), second in shapes(), settings in settings(),
     ) {
         let (a, b) = (first.typed::<f32>(), second.typed::<f32>());
+        let expected = by_the_book(&a, &b, false);
+        let tree_b = unordered(&b, Settings::default());
+        let mut found = pairs::between(&unordered(&a, settings), &tree_b, DEFAULT_MAX_PAIRS).unwrap();
+        found.sort().unwrap();
+        prop_assert_eq!(&found.pairs, &expected);
         let (tree_a, tree_b) = (built(&a, settings), built(&b, Settings::default()));
         let mut found = pairs::between(&tree_a, &tree_b, DEFAULT_MAX_PAIRS).unwrap();
         found.sort().unwrap();
-        prop_assert_eq!(&found.pairs, &by_the_book(&a, &b, false));
+        prop_assert_eq!(&found.pairs, &expected);
         let mut brute = pairs::brute_between(&Columns::of(&a).unwrap(), &Columns::of(&b).unwrap(), [0.0; 2], Filters::Apply, DEFAULT_MAX_PAIRS).unwrap();
         brute.sort().unwrap();
         prop_assert_eq!(&found.pairs, &brute.pairs);
@@ -78,7 +92,7 @@ proptest! {
     fn a_shifted_join_is_brute_force_with_the_same_shift(
         shapes in shapes(), settings in settings(), shift in [-120.0f32..120.0, -120.0f32..120.0],
     ) {
-        let tree = built(&shapes.typed::<f32>(), settings);
+        let tree = unordered(&shapes.typed::<f32>(), settings);
         let columns = tree.columns();
         let mut found = pairs::places_between(&tree, &tree, shift, Filters::Apply, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap();
         found.sort().unwrap();
@@ -404,4 +418,70 @@ fn threads_do_not_show_in_the_order_of_pairs() {
     assert!(found[0].pairs.len() > 10_000);
     assert_eq!(found[0], found[1]);
     assert_eq!(found[0], found[2]);
+}
+
+/// Centres of 9,000 shapes: spread out evenly, in clusters, in a line, on a lattice whose
+/// neighbours touch, and all but a few in one place.
+fn crowds() -> [Vec<[f64; 2]>; 5] {
+    const COUNT: usize = 9000;
+    let mut state = 1u64;
+    let mut random = move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1u64 << 24) as f64
+    };
+    let mut place = |side: f64| [random() * side, random() * side];
+    let spread = (0..COUNT).map(|_| place(150.0)).collect();
+    let clusters = (0..COUNT).map(|index| {
+        let ([x, y], corner) = (place(6.0), (index % 12) as f64 * 1000.0);
+        [x + corner, y * y + 3.0 * corner]
+    });
+    let line = (0..COUNT).map(|index| [index as f64 * 0.7, (index % 3) as f64 * 0.25]);
+    let lattice = (0..COUNT).map(|index| [(index % 95) as f64, (index / 95) as f64]);
+    let crowd =
+        (0..COUNT).map(|index| if index % 30 == 0 { [index as f64; 2] } else { [7.0, 1e-3] });
+    let clusters = clusters.collect();
+    [spread, clusters, line.collect(), lattice.collect(), crowd.take(1500).collect()]
+}
+
+#[test]
+fn many_shapes_have_the_pairs_of_brute_force() {
+    for (kind, centers) in crowds().into_iter().enumerate() {
+        let len = centers.len();
+        let single: Vec<[f32; 2]> = centers.iter().map(|c| c.map(|v| v as f32)).collect();
+        let radii = (0..len).map(|index| [0.5, 0.1, 0.0, 0.9][index % 4]).collect();
+        let sizes = (0..len).map(|index| [0.4, [0.3, 0.05][index % 2]]).collect();
+        let large = |index: usize| if index == 17 { 40.0 } else { 0.5 };
+        let shapes = [
+            Shapes::circles(single.clone(), Each::One(0.5)).unwrap(),
+            Shapes::circles(single.clone(), Each::Rows(radii)).unwrap(),
+            Shapes::circles(single.clone(), Each::Rows((0..len).map(large).collect())).unwrap(),
+            Shapes::new(single, Each::One(0.1), Some(Each::Rows(sizes)), None).unwrap(),
+        ];
+        for (sort, shapes) in shapes.iter().enumerate() {
+            agree_on_many(shapes, &format!("centres {kind}, shapes {sort}"));
+        }
+        agree_on_many(&Shapes::circles(centers, Each::One(0.5)).unwrap(), &format!("{kind}, f64"));
+    }
+}
+
+fn agree_on_many<T: Scalar>(shapes: &Shapes<T>, what: &str) {
+    let columns = Columns::of(shapes).unwrap();
+    let mut expected = pairs::brute(&columns, Some(2), DEFAULT_MAX_PAIRS).unwrap();
+    expected.sort().unwrap();
+    let mut orders = Vec::new();
+    for threads in [1, 2, 3, 8] {
+        let found = pairs::find(shapes, Some(Method::Quadtree), Some(threads), DEFAULT_MAX_PAIRS);
+        let mut found = found.unwrap();
+        orders.push(found.pairs.clone());
+        found.sort().unwrap();
+        assert!(found.pairs == expected.pairs, "{what}, {threads} threads");
+    }
+    assert!(orders.iter().all(|order| *order == orders[0]), "{what}: threads show");
+    for leaf_capacity in [1, 20, 96, 3000] {
+        let settings = Settings { leaf_capacity, ..Settings::default() };
+        let mut found = pairs::within(&unordered(shapes, settings), DEFAULT_MAX_PAIRS).unwrap();
+        found.sort().unwrap();
+        assert!(found.pairs == expected.pairs, "{what}, {leaf_capacity} in a leaf");
+    }
 }
