@@ -110,7 +110,7 @@ pub fn add(
         let len = share.iter().map(|&group| tree.nodes()[group as usize].len()).sum::<usize>();
         (share, left.split_off_mut(..len).expect("the sizes add up"))
     });
-    let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
+    let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
     parallel::for_each(threads, tasks, |(share, mut pulls)| {
         let mut list = locked(lists).pop().unwrap_or_default();
         for &group in share {
@@ -135,7 +135,7 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     let direct = prepare(gravitation, bodies, &mut memory);
     let Memory { tree, all, moments, groups, .. } = &memory;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
-    let threads = if tree.len() < DIRECT { Some(1) } else { bodies.threads };
+    let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
     let parts = parallel::map(threads, groups.len(), |index| walk.energy(groups[index], direct));
     // Every pair was summed twice.
     -0.5 * f64::from(gravitation.g) * parts.iter().sum::<f64>()

@@ -17,9 +17,10 @@ use crate::error::Result;
 use crate::geometry::{self, Scalar};
 use crate::interrupt::Pulse;
 use crate::memory;
+use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
-use crate::shapes::Shapes;
+use crate::shapes::{Each, Shapes};
 use crate::simd::{Simd, Work};
 use crate::sorting;
 use join::Join;
@@ -27,12 +28,12 @@ pub use join::JoinScratch;
 use kernel::Kernel;
 use output::{Budget, Memory, Output, keep};
 
-/// Up to this many shapes brute force is faster than building a tree.
-const BRUTE_FORCE_LIMIT: usize = 192;
+/// Up to this many shapes brute force is faster than building a tree. Measured with AVX-512; it is the
+/// same for all processors, or the order of the pairs would depend on the machine.
+const BRUTE_FORCE_LIMIT: usize = 80;
 
-/// As [`BRUTE_FORCE_LIMIT`] for circles, whose test is shorter. Measured with AVX-512 and
-/// AVX2; it is the same for all, or the order of the pairs would depend on the machine.
-const CIRCLES_LIMIT: usize = 384;
+/// As [`BRUTE_FORCE_LIMIT`] for circles of different radii, for which strips help less.
+const DIFFERENT_CIRCLES_LIMIT: usize = 256;
 
 /// Shapes that a leaf may hold in a tree that is used once, for pairs alone.
 const LEAF_CAPACITY: usize = 320;
@@ -40,8 +41,11 @@ const LEAF_CAPACITY: usize = 320;
 /// Shapes that brute force tests against one shape between two checks for an interruption.
 const ALONG: usize = 1 << 14;
 
+/// By brute force, fewer shapes than this are not worth sharing with other threads.
+const BRUTE_WORTH_SHARING: usize = 2048;
+
 /// By brute force, fewer shapes than this are not worth waking other threads for.
-const BRUTE_WORTH_WAKING: usize = 2048;
+const BRUTE_WORTH_WAKING: usize = 8192;
 
 /// Whether categories and masks decide which shapes may pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +95,8 @@ pub fn find_with<T: Scalar>(
     let settings = Settings { threads, leaf_capacity: LEAF_CAPACITY, ..Settings::default() };
     settings.validate()?;
     let circles = shapes.half_sizes.is_none() && shapes.boxes.is_none();
-    let limit = if circles { CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
+    let different = circles && matches!(shapes.radii, Each::Rows(_));
+    let limit = if different { DIFFERENT_CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
     let small = shapes.len() <= limit;
     if method == Some(Method::Brute) || (method.is_none() && small) {
         return brute(&Columns::of(shapes)?, threads, max_pairs);
@@ -235,7 +240,7 @@ pub fn brute<T: Scalar>(
     max_pairs: usize,
 ) -> Result<Found> {
     let len = columns.len();
-    let threads = if len < BRUTE_WORTH_WAKING { Some(1) } else { threads };
+    let threads = parallel::threads_for(threads, len, BRUTE_WORTH_SHARING, BRUTE_WORTH_WAKING);
     // Bands of rows with about equal numbers of tests below the diagonal.
     let bands = if len > 512 { 64 } else { 1 };
     let edge = |band: usize| {

@@ -93,7 +93,7 @@ impl Budget {
             }
         });
         *parts = unused.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let in_order = outputs.len() == 1 && outputs[0].part.tasks.is_sorted_by_key(|task| task.0);
+        let in_order = outputs.len() == 1 && outputs[0].part.tasks.len() < 2;
         if let Some(only) = outputs.pop_if(|_| in_order) {
             return self.accept(only, parts);
         }
@@ -125,7 +125,7 @@ impl Budget {
         mut pairs: Vec<Pair>,
     ) -> Result<Vec<Pair>> {
         let pieces = parts.iter().flat_map(|Part { pairs, tasks, .. }| {
-            tasks.iter().map(|(task, range)| (*task, &pairs[range.clone()]))
+            tasks.iter().map(|(tasks, range)| (tasks.start, &pairs[range.clone()]))
         });
         let mut pieces: Vec<(usize, &[Pair])> = pieces.collect();
         pieces.sort_unstable_by_key(|piece| piece.0);
@@ -138,11 +138,7 @@ impl Budget {
             let target = rest.split_off_mut(..piece.len()).expect("the sizes add up");
             target.chunks_mut(COPIED).zip(piece.chunks(COPIED))
         });
-        parallel::for_each(threads, targets, |(target, source)| {
-            if !self.stop.is_set() {
-                target.copy_from_slice(source);
-            }
-        });
+        parallel::for_each(threads, targets, |(target, source)| target.copy_from_slice(source));
         self.stop.check()?;
         Ok(pairs)
     }
@@ -161,8 +157,8 @@ pub(super) struct Memory {
 #[derive(Clone, Debug, Default)]
 struct Part {
     pairs: Vec<Pair>,
-    /// The tasks that it did, and which of its pairs are theirs.
-    tasks: Vec<(usize, Range<usize>)>,
+    /// The tasks that it did, as ranges, and which of its pairs are theirs.
+    tasks: Vec<(Range<usize>, Range<usize>)>,
     stack: Vec<Pair>,
 }
 
@@ -283,8 +279,14 @@ impl<'a> Output<'a> {
     /// Marks the new pairs as those of a task that has ended.
     fn end_task(&mut self, task: usize) {
         self.finish();
-        let start = self.part.tasks.last().map_or(0, |(_, range)| range.end);
-        self.part.tasks.push((task, start..self.count));
+        let end = self.count;
+        match self.part.tasks.last_mut() {
+            Some((tasks, range)) if tasks.end == task => (tasks.end, range.end) = (task + 1, end),
+            last => {
+                let start = last.map_or(0, |(_, range)| range.end);
+                self.part.tasks.push((task..task + 1, start..end));
+            }
+        }
     }
 
     /// What was found, unless it failed.

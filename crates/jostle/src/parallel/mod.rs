@@ -18,7 +18,7 @@ use team::Team;
 
 /// The atomics of [`crew`], which a model checker replaces by its own.
 mod sync {
-    pub use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+    pub use std::sync::atomic::{AtomicUsize, Ordering};
 }
 
 /// Runs `task(0)`, …, `task(count - 1)` on `threads` threads (`None`: one for each core).
@@ -112,21 +112,38 @@ pub const CHUNK: usize = 1024;
 #[cfg(feature = "parallel")]
 const WORTHWHILE: usize = 4 * CHUNK;
 
+/// Fewer shapes than this are not worth sharing with other threads.
+const WORTH_SHARING: usize = 4 * CHUNK;
+
 /// Fewer shapes than this are not worth waking other threads for.
-const WORTH_WAKING: usize = 4 * CHUNK;
+const WORTH_WAKING: usize = 64 * CHUNK;
 
 /// The threads to use on `len` shapes: one where another would cost more than it saves.
 pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
-    if len < WORTH_WAKING { Some(1) } else { threads }
+    threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
-/// Wakes the threads, so that they are ready for the parallel parts of the work that follows.
-pub fn wake(threads: Option<usize>) {
+/// The threads to use for some work: one if it is less than `sharing`; those that are awake if it
+/// is less than `waking`; or all, which this wakes.
+pub fn threads_for(
+    threads: Option<usize>,
+    work: usize,
+    sharing: usize,
+    waking: usize,
+) -> Option<usize> {
+    if work < sharing || threads == Some(1) {
+        return Some(1);
+    }
     #[cfg(feature = "parallel")]
     if let Some(team) = Team::of(threads) {
-        team.wake();
+        if work >= waking {
+            team.wake();
+        } else if !team.is_awake() {
+            return Some(1);
+        }
     }
-    let _ = threads;
+    let _ = waking;
+    threads
 }
 
 /// Calls `act` with the index of the first item and the items of each chunk of

@@ -2,7 +2,8 @@
 //!
 //! To wake a sleeping thread takes between a few microseconds and a millisecond, longer than most
 //! stages of a call. So the caller begins alone, helpers join when they are awake, and after the
-//! last work they look for more for about a millisecond before they sleep.
+//! last work they look for more for about a millisecond before they sleep. Only large calls wake
+//! them; small ones use those that are awake.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -47,6 +48,11 @@ impl Team {
         Era::present().pools().helpers(threads).map(Self)
     }
 
+    /// Whether a helper is ready.
+    pub fn is_awake(&self) -> bool {
+        self.0.crew.has(1)
+    }
+
     /// Wakes the helpers, so that they are ready for the work that follows.
     pub fn wake(&self) {
         let Helpers { pool, crew, called } = &*self.0;
@@ -59,7 +65,6 @@ impl Team {
 
     /// Runs `task(0)`, …, `task(count - 1)`. The caller begins, and helpers join while tasks are left.
     pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
-        self.wake();
         let Helpers { pool, crew, .. } = &*self.0;
         let mut absent = pool.current_num_threads();
         let shares = Shares::new(count, absent + 1);
@@ -103,7 +108,7 @@ fn wait_for(working: &AtomicUsize) {
 /// Waits for a moment, and now and then as long as other programs want the core.
 fn pause(attempts: &mut usize) {
     *attempts += 1;
-    if *attempts % ATTEMPTS == 0 { thread::yield_now() } else { std::hint::spin_loop() }
+    if attempts.is_multiple_of(ATTEMPTS) { thread::yield_now() } else { std::hint::spin_loop() }
 }
 
 /// Marks the end of a helper's work, also after a panic.

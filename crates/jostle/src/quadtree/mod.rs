@@ -141,7 +141,6 @@ impl<T: Scalar> Quadtree<T> {
     ) -> Result<()> {
         self.settings = settings;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
-        parallel::wake(threads);
         let built = self.build_here(shapes, unsorted, tie, threads);
         if built.is_err() {
             self.clear();

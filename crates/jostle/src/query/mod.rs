@@ -31,6 +31,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt;
 use crate::memory;
+use crate::parallel;
 
 /// Names the shape in a row, or hides it. Only few shapes are asked for, so the searches do
 /// not depend on its type and are compiled once.
@@ -39,8 +40,11 @@ pub type IdOf<'a> = dyn Fn(u32) -> Option<u64> + 'a;
 /// Questions that one thread answers at a time.
 const QUESTIONS: usize = 128;
 
+/// Fewer questions than this are not worth sharing with other threads.
+const WORTH_SHARING: usize = 512;
+
 /// Fewer questions than this are not worth waking other threads for.
-const WORTH_WAKING: usize = 512;
+const WORTH_WAKING: usize = 4096;
 
 /// About as many numbers are read when a search looks at a node.
 const NODE_WORK: usize = 16;
@@ -99,7 +103,7 @@ fn spread(number: u16) -> u32 {
 
 /// The threads to use on `len` questions.
 fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
-    if len < WORTH_WAKING { Some(1) } else { threads }
+    parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
 /// Refuses a distance that is negative or not a number; it may be infinite.

@@ -6,7 +6,6 @@ use std::iter;
 use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
 use crate::error::{Error, Result};
 use crate::pairs::{self, Filters, JoinScratch, SortScratch};
-use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
 use crate::shapes::{Each, Shapes, fill_filters};
@@ -81,7 +80,6 @@ impl World {
     /// The pairs that overlap where they are now, in the order of a tree, and how many
     /// were tested.
     pub(super) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
-        parallel::wake(self.threads());
         let (all, settings) = (&self.particles, &self.settings);
         let centers: Vec<_> = all.positions.iter().map(|&p| settings.container.wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());

@@ -23,8 +23,11 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
 const MOST_ATTEMPTS: usize = 4;
 
+/// Fewer particles than this are not worth sharing with other threads.
+const WORTH_SHARING: usize = 5000;
+
 /// Fewer particles than this are not worth waking other threads for.
-const WORTH_WAKING: usize = 3000;
+const WORTH_WAKING: usize = 24_000;
 
 impl World {
     /// Advances the world by `steps` times `dt` seconds. `watch` is called when a stage ends. After
@@ -40,13 +43,13 @@ impl World {
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0 in float32"));
         }
-        parallel::wake(self.threads());
         self.step_often(single, dt, steps, watch)
     }
 
-    /// The threads to use: one for a small world.
+    /// The threads to use: one for a small world. Those of a large one are woken.
     pub(super) fn threads(&self) -> Option<usize> {
-        if self.rows.len() < WORTH_WAKING { Some(1) } else { self.settings.tree.threads }
+        let threads = self.settings.tree.threads;
+        parallel::threads_for(threads, self.rows.len(), WORTH_SHARING, WORTH_WAKING)
     }
 
     fn step_often(

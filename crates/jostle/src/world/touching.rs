@@ -8,7 +8,6 @@ use super::search::{self, ListScratch, Lists};
 use crate::container::{ROUNDING, size};
 use crate::error::Result;
 use crate::motion::exact;
-use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
@@ -32,7 +31,6 @@ impl World {
     /// contacts press together.
     pub(super) fn touching(&mut self) -> Result<Vec<[Id; 2]>> {
         let mut scratch = std::mem::take(&mut self.memory.touching);
-        parallel::wake(self.threads());
         let found = self.find_touching(&mut scratch);
         self.memory.touching = scratch;
         let rows = found?;
