@@ -6,6 +6,11 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from jostle import _core
+
+# Small calls use several threads, too: they are what most tests make.
+_core.wake_threads_always(True)
+
 # Files that test the simulator, the command, the repository or the physics of the compiled core,
 # which is the same for every Python.
 BESIDE_THE_LIBRARY = [

@@ -77,6 +77,7 @@ def run_child(code: str, timeout: float = 60) -> str:
     """Run Python `code` in a process of its own; return what it prints."""
     tests = os.path.dirname(__file__)
     begin = f"import sys; sys.path.insert(0, {tests!r})\nimport numpy as np, jostle\n"
+    begin += "jostle._core.wake_threads_always(True)\n"
     child = subprocess.run(
         [sys.executable, "-c", begin + code],
         capture_output=True,

@@ -3,6 +3,7 @@
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -248,6 +249,14 @@ except MemoryError:
 
 
 # ---- threads -------------------------------------------------------------------------------------
+
+
+def test_threads_sleep_when_there_is_nothing_to_do() -> None:
+    jostle.find_pairs(SOME, 0.001, threads=2)
+    time.sleep(0.1)
+    before = time.process_time()
+    time.sleep(0.3)
+    assert time.process_time() - before < 0.1
 
 
 @linux

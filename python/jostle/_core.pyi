@@ -65,6 +65,7 @@ __all__ = [
     "sprite_dict",
     "sprite_pairs",
     "sprite_sides",
+    "wake_threads_always",
 ]
 
 __version__: Final[str]
@@ -132,6 +133,9 @@ _Force: TypeAlias = (
 
 def abandon_threads() -> None:
     """Forgets the threads of the process that this one was forked from."""
+
+def wake_threads_always(always: bool) -> None:
+    """Lets small calls wake other threads. For tests."""
 
 @overload
 def find_pairs(

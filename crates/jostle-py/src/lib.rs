@@ -61,6 +61,12 @@ mod _core {
     #[allow(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
+    /// Lets small calls wake other threads. For tests.
+    #[pyfunction]
+    fn wake_threads_always(always: bool) {
+        jostle::parallel::wake_always(always);
+    }
+
     /// Forgets the threads of the process that this one was forked from.
     #[pyfunction]
     fn abandon_threads() {

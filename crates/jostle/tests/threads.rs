@@ -8,12 +8,12 @@ mod sync {
     pub use loom::sync::atomic::{AtomicUsize, Ordering};
 }
 
-#[path = "../src/parallel/crew.rs"]
-mod crew;
+#[path = "../src/parallel/idle.rs"]
+mod idle;
 #[path = "../src/parallel/shares.rs"]
 mod shares;
 
-use crew::Crew;
+use idle::Idle;
 use shares::Shares;
 use sync::{AtomicUsize, Ordering};
 
@@ -25,21 +25,21 @@ fn check(model: impl Fn() + Sync + Send + 'static) {
     builder.check(model);
 }
 
-/// Two callers and a helper that leaves as soon as it finds no work.
+/// Two callers and a worker that leaves as soon as it finds no work.
 #[test]
-fn a_helper_that_was_reserved_always_comes() {
+fn a_worker_that_was_reserved_always_comes() {
     check(|| {
-        let crew = Arc::new(Crew::default());
+        let idle = Arc::new(Idle::default());
         let [given, done] = [(); 2].map(|()| Arc::new(AtomicUsize::new(0)));
-        crew.enter();
-        let helper = {
-            let (crew, given, done) = (crew.clone(), given.clone(), done.clone());
+        idle.enter();
+        let worker = {
+            let (idle, given, done) = (idle.clone(), given.clone(), done.clone());
             thread::spawn(move || {
                 loop {
                     if given.load(Ordering::Acquire) > done.load(Ordering::Relaxed) {
-                        crew.enter();
+                        idle.enter();
                         done.fetch_add(1, Ordering::Release);
-                    } else if crew.leave() {
+                    } else if idle.leave() {
                         break;
                     } else {
                         thread::yield_now();
@@ -47,19 +47,19 @@ fn a_helper_that_was_reserved_always_comes() {
                 }
             })
         };
-        let call = |crew: &Crew, given: &AtomicUsize| {
-            let reserved = crew.reserve(1);
+        let call = |idle: &Idle, given: &AtomicUsize| {
+            let reserved = idle.reserve(1);
             given.fetch_add(reserved, Ordering::Release);
             reserved
         };
         let other = {
-            let (crew, given) = (crew.clone(), given.clone());
-            thread::spawn(move || call(&crew, &given))
+            let (idle, given) = (idle.clone(), given.clone());
+            thread::spawn(move || call(&idle, &given))
         };
-        let reserved = call(&crew, &given) + other.join().unwrap();
-        helper.join().unwrap();
+        let reserved = call(&idle, &given) + other.join().unwrap();
+        worker.join().unwrap();
         assert_eq!(done.load(Ordering::Acquire), reserved);
-        assert!(!crew.has(1));
+        assert!(!idle.has(1));
     });
 }
 

@@ -521,8 +521,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    #[allow(clippy::too_many_arguments, reason = "a part of two loops, inlined")]
     /// The rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
+    #[allow(clippy::too_many_arguments, reason = "a part of two loops, inlined")]
     #[inline(always)]
     fn against<const CORE: u8>(
         &self,

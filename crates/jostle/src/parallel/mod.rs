@@ -4,19 +4,20 @@
 //! the order of the tasks, so the number of threads never shows in an answer.
 
 #[cfg(feature = "parallel")]
-mod crew;
+mod idle;
 #[cfg(feature = "parallel")]
 mod shares;
 #[cfg(feature = "parallel")]
 mod team;
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use sync::{AtomicUsize, Ordering};
 #[cfg(feature = "parallel")]
 use team::Team;
 
-/// The atomics of [`crew`], which a model checker replaces by its own.
+/// The atomics of [`idle`] and [`shares`], which the tests replace by those of a model checker.
 mod sync {
     pub use std::sync::atomic::{AtomicUsize, Ordering};
 }
@@ -118,6 +119,16 @@ const WORTH_SHARING: usize = 4 * CHUNK;
 /// Fewer shapes than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 64 * CHUNK;
 
+/// Whether small calls wake threads, too. In builds with debug assertions they do, so that tests do
+/// not need large calls.
+static ALWAYS: AtomicBool = AtomicBool::new(cfg!(debug_assertions));
+
+/// Lets small calls wake other threads from now on, or no longer, in the whole process. For tests:
+/// the answers are the same.
+pub fn wake_always(always: bool) {
+    ALWAYS.store(always, Ordering::Relaxed);
+}
+
 /// The threads to use on `len` shapes: one where another would cost more than it saves.
 pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
@@ -136,7 +147,7 @@ pub fn threads_for(
     }
     #[cfg(feature = "parallel")]
     if let Some(team) = Team::of(threads) {
-        if work >= waking {
+        if work >= waking || ALWAYS.load(Ordering::Relaxed) {
             team.wake();
         } else if !team.is_awake() {
             return Some(1);

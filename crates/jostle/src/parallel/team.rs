@@ -1,7 +1,7 @@
-//! Threads that work on a call together: the caller, and helpers that wait for work in a loop.
+//! Threads that work on a call together: the caller, and workers that look for work in a loop.
 //!
 //! To wake a sleeping thread takes between a few microseconds and a millisecond, longer than most
-//! stages of a call. So the caller begins alone, helpers join when they are awake, and after the
+//! stages of a call. So the caller begins alone, workers join when they are awake, and after the
 //! last work they look for more for about a millisecond before they sleep. Only large calls wake
 //! them; small ones use those that are awake.
 
@@ -10,79 +10,79 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 
-use super::crew::Crew;
 use super::forks;
+use super::idle::Idle;
 use super::shares::Shares;
 use crate::interrupt::Stop;
 
-/// Attempts of a helper to find work before it sleeps: about a millisecond, which is what it can take
+/// Attempts of a worker to find work before it sleeps: about a millisecond, which is what it can take
 /// to wake it. A caller that waits polls as often.
-const PATIENCE: usize = 1 << 14;
+const MOST_ATTEMPTS: usize = 1 << 14;
 
 /// Attempts between two offers of the core to other programs.
-const ATTEMPTS: usize = 64;
+const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 
-/// A caller's helpers.
-pub struct Team(Arc<Helpers>);
+/// The workers that may take part in a call.
+pub struct Team(Arc<Workers>);
 
-/// Threads that help callers.
-struct Helpers {
+/// A pool of threads.
+struct Workers {
     pool: rayon::ThreadPool,
-    crew: Crew,
+    idle: Idle,
     /// They have been called and have not come yet.
     called: AtomicBool,
 }
 
 thread_local! {
-    static IS_HELPER: Cell<bool> = const { Cell::new(false) };
+    static IS_WORKER: Cell<bool> = const { Cell::new(false) };
 }
 
 impl Team {
     /// `threads` threads with the current one, at most one for each core. None if the current
-    /// thread works alone: because one is enough, because it is a helper itself, or because the
+    /// thread works alone: because one is enough, because it is a worker itself, or because the
     /// system cannot start others.
     pub fn of(threads: Option<usize>) -> Option<Self> {
-        if threads == Some(1) || IS_HELPER.get() {
+        if threads == Some(1) || IS_WORKER.get() {
             return None;
         }
-        Era::present().pools().helpers(threads).map(Self)
+        Era::present().pools().workers(threads).map(Self)
     }
 
-    /// Whether a helper is ready.
+    /// Whether a worker is idle.
     pub fn is_awake(&self) -> bool {
-        self.0.crew.has(1)
+        self.0.idle.has(1)
     }
 
-    /// Wakes the helpers, so that they are ready for the work that follows.
+    /// Wakes the workers, so that they are ready for the work that follows.
     pub fn wake(&self) {
-        let Helpers { pool, crew, called } = &*self.0;
-        if crew.has(pool.current_num_threads()) || called.swap(true, Ordering::Relaxed) {
+        let Workers { pool, idle, called } = &*self.0;
+        if idle.has(pool.current_num_threads()) || called.swap(true, Ordering::Relaxed) {
             return;
         }
-        let helpers = self.0.clone();
-        pool.spawn_broadcast(move |_| helpers.attend());
+        let workers = self.0.clone();
+        pool.spawn_broadcast(move |_| workers.look_for_work());
     }
 
-    /// Runs `task(0)`, …, `task(count - 1)`. The caller begins, and helpers join while tasks are left.
+    /// Runs `task(0)`, …, `task(count - 1)`. The caller begins, and workers join while tasks are left.
     pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
-        let Helpers { pool, crew, .. } = &*self.0;
+        let Workers { pool, idle, .. } = &*self.0;
         let mut absent = pool.current_num_threads();
         let shares = Shares::new(count, absent + 1);
         let working = AtomicUsize::new(0);
-        let help = || {
-            let _end = AtEnd { crew, working: &working };
-            let thread = 1 + rayon::current_thread_index().expect("a helper");
+        let work = || {
+            let _end = AtEnd { idle, working: &working };
+            let thread = 1 + rayon::current_thread_index().expect("a worker");
             while let Some(index) = shares.take(thread) {
                 task(index);
             }
         };
         pool.in_place_scope(|scope| {
             while let Some(index) = shares.take(0) {
-                let joining = crew.reserve(absent);
+                let joining = idle.reserve(absent);
                 absent -= joining;
                 working.fetch_add(joining, Ordering::Relaxed);
                 for _ in 0..joining {
-                    scope.spawn(|_| help());
+                    scope.spawn(|_| work());
                 }
                 task(index);
             }
@@ -91,14 +91,14 @@ impl Team {
     }
 }
 
-/// Waits until no helper works, and polls at the same time. The wait is shorter than a task
-/// unless another program has the helper's core.
+/// Waits until no worker works, and polls at the same time. The wait is shorter than a task
+/// unless another program has the worker's core.
 fn wait_for(working: &AtomicUsize) {
     let stop = Stop::current();
     let mut attempts = 0;
     while working.load(Ordering::Acquire) > 0 {
         pause(&mut attempts);
-        if attempts == PATIENCE {
+        if attempts == MOST_ATTEMPTS {
             attempts = 0;
             stop.is_set();
         }
@@ -108,38 +108,42 @@ fn wait_for(working: &AtomicUsize) {
 /// Waits for a moment, and now and then as long as other programs want the core.
 fn pause(attempts: &mut usize) {
     *attempts += 1;
-    if attempts.is_multiple_of(ATTEMPTS) { thread::yield_now() } else { std::hint::spin_loop() }
+    if attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
+        thread::yield_now()
+    } else {
+        std::hint::spin_loop()
+    }
 }
 
-/// Marks the end of a helper's work, also after a panic.
+/// Marks the end of a worker's tasks, also after a panic.
 struct AtEnd<'a> {
-    crew: &'a Crew,
+    idle: &'a Idle,
     working: &'a AtomicUsize,
 }
 
 impl Drop for AtEnd<'_> {
     fn drop(&mut self) {
-        self.crew.enter();
+        self.idle.enter();
         self.working.fetch_sub(1, Ordering::Release);
     }
 }
 
-impl Helpers {
-    /// Makes the current thread a helper until there has been no work for a while.
-    fn attend(&self) {
+impl Workers {
+    /// Lets the current thread look for work until there has been none for a while.
+    fn look_for_work(&self) {
         self.called.store(false, Ordering::Relaxed);
-        if IS_HELPER.replace(true) {
+        if IS_WORKER.replace(true) {
             return;
         }
-        self.crew.enter();
+        self.idle.enter();
         let mut attempts = 0;
-        while attempts < PATIENCE || !self.crew.leave() {
+        while attempts < MOST_ATTEMPTS || !self.idle.leave() {
             match rayon::yield_now() {
                 Some(rayon::Yield::Executed) => attempts = 0,
                 _ => pause(&mut attempts),
             }
         }
-        IS_HELPER.set(false);
+        IS_WORKER.set(false);
     }
 }
 
@@ -152,7 +156,7 @@ const CALLS_ALONE: usize = 1000;
 /// The most recently used pools, the latest first. They are kept because starting threads costs
 /// more than a small call.
 struct Pools {
-    kept: Vec<Arc<Helpers>>,
+    kept: Vec<Arc<Workers>>,
     /// Cores that this process may use; 0 if not known yet.
     cores: usize,
     /// Calls until the next attempt to start threads.
@@ -160,7 +164,7 @@ struct Pools {
 }
 
 impl Pools {
-    fn helpers(&mut self, threads: Option<usize>) -> Option<Arc<Helpers>> {
+    fn workers(&mut self, threads: Option<usize>) -> Option<Arc<Workers>> {
         if self.cores == 0 {
             self.cores = thread::available_parallelism().map_or(1, usize::from);
         }
@@ -181,9 +185,9 @@ impl Pools {
             self.refused = CALLS_ALONE;
             return None;
         };
-        let helpers = Helpers { pool, crew: Crew::default(), called: AtomicBool::new(false) };
+        let workers = Workers { pool, idle: Idle::default(), called: AtomicBool::new(false) };
         self.kept.truncate(MOST_POOLS - 1);
-        self.kept.insert(0, Arc::new(helpers));
+        self.kept.insert(0, Arc::new(workers));
         Some(self.kept[0].clone())
     }
 }

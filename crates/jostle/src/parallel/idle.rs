@@ -1,0 +1,39 @@
+//! How many worker threads are idle, as a count that callers and workers share.
+//!
+//! An idle worker looks for work in a loop. A caller reserves workers before it gives them work,
+//! and a worker leaves the loop only after it has reserved itself. So work never waits for a
+//! thread that has left.
+
+use super::sync::{AtomicUsize, Ordering};
+
+/// The idle workers of one pool of threads.
+#[derive(Debug, Default)]
+pub struct Idle {
+    /// Workers that look for work and that nobody has reserved.
+    count: AtomicUsize,
+}
+
+impl Idle {
+    /// Adds the current thread, at the start of its loop or at the end of some work.
+    pub fn enter(&self) {
+        self.count.fetch_add(1, Ordering::Release);
+    }
+
+    /// Reserves workers, at most `most`; returns how many. Each of them will come to work.
+    pub fn reserve(&self, most: usize) -> usize {
+        let reserved =
+            |ready: usize| ready.checked_sub(ready.min(most)).filter(|&left| left < ready);
+        let before = self.count.fetch_update(Ordering::Acquire, Ordering::Relaxed, reserved);
+        before.map_or(0, |ready| ready.min(most))
+    }
+
+    /// Whether `count` workers are idle.
+    pub fn has(&self, count: usize) -> bool {
+        self.count.load(Ordering::Relaxed) >= count
+    }
+
+    /// Removes the current worker, unless all are reserved; returns whether it may leave.
+    pub fn leave(&self) -> bool {
+        self.reserve(1) == 1
+    }
+}
