@@ -572,7 +572,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 continue;
             }
             // As many for each row, which the processor can predict.
-            let blocks = (last - rows.start - 1).div_ceil(LANES);
+            let blocks = (last - rows.start).saturating_sub(1).div_ceil(LANES);
             let Some(room) = output.room(rows.len() * blocks * LANES) else { return };
             let mut count = 0;
             let mut tests = 0;
