@@ -45,6 +45,11 @@ impl<V: Bytes> Bytes for [V; 2] {
 
 /// Sorts `items`. After an interruption their order is unspecified.
 pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
+    if items.len() <= SHORT {
+        pulse.check(items.len())?;
+        items.sort_unstable();
+        return Ok(());
+    }
     let mut open = vec![(items, 0)];
     while let Some((items, at)) = open.pop() {
         pulse.check(items.len().min(SHORT))?;

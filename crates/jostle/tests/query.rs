@@ -1,6 +1,8 @@
 //! Every question to a tree against brute force, on shapes made to break it.
 
-use jostle::query::{self, Circle, FirstHit, Nearest, Point, Polygon, Ray, Rect, Region};
+use jostle::query::{
+    self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, Rect, Region,
+};
 use jostle::simd::{self, Instructions};
 use jostle::{Each, Quadtree, Scalar, Settings, Shapes};
 use proptest::prelude::*;
@@ -96,16 +98,23 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
 
     let reach = T::from_f64(asked.reach);
     let found = query::nearest(&tree, &places, (asked.k, reach), mask).expect("valid");
-    let seen =
-        query::nearest_by(&places, (asked.k, reach), Some(1), |point, best: &mut Nearest<T>| {
-            for row in 0..shapes.len() {
-                let shape = shapes.shape(row);
-                if query::selects(mask, shape.category) {
-                    best.offer(query::distance(point, &shape), row as u64);
-                }
+    let brute = |point, best: &mut Nearest<T>| {
+        for row in 0..shapes.len() {
+            let shape = shapes.shape(row);
+            if query::selects(mask, shape.category) {
+                best.offer(query::distance(point, &shape), row as u64);
             }
-        });
-    let seen = seen.expect("valid");
+        }
+    };
+    // Each point alone, so that none has a bound from the one before.
+    let mut seen = Neighbors::default();
+    for point in &places {
+        let shape_of = |_| unreachable!("nothing was found before");
+        let one = query::nearest_by(&[*point], (asked.k, reach), Some(1), brute, shape_of);
+        let one = one.expect("valid");
+        seen.ids.extend(one.ids);
+        seen.distances.extend(one.distances);
+    }
     assert_eq!((found.ids, found.distances), (seen.ids, seen.distances));
 
     for radii in [Each::One(T::ZERO), radii] {

@@ -33,9 +33,9 @@ use crate::interrupt;
 use crate::memory;
 use crate::parallel;
 
-/// Names the shape in a row, or hides it. Only few shapes are asked for, so the searches do
+/// Names the shape in a place of a tree, or hides it. Only few shapes are asked for, so the searches do
 /// not depend on its type and are compiled once.
-pub type IdOf<'a> = dyn Fn(u32) -> Option<u64> + 'a;
+pub type IdOf<'a> = dyn Fn(usize) -> Option<u64> + 'a;
 
 /// Questions that one thread answers at a time.
 const QUESTIONS: usize = 128;
@@ -73,24 +73,24 @@ fn along_a_curve<T: Scalar>(
     let keys: Vec<u32> = memory::collect(places.map(|place| cell(place, 0) | cell(place, 1) << 1))?;
     interrupt::check()?;
     // Counting is enough: within one of so many cells the order does not matter.
-    let mut starts = vec![0u32; CELLS + 1];
-    keys.iter().for_each(|&key| starts[(key >> SHIFT) as usize + 1] += 1);
-    for cell in 0..CELLS {
-        starts[cell + 1] += starts[cell];
+    let bits = (len.ilog2() + 2).clamp(LEAST_BITS, MOST_BITS);
+    let mut starts = vec![0u32; (1 << bits) + 1];
+    keys.iter().for_each(|&key| starts[(key >> (32 - bits)) as usize + 1] += 1);
+    for cell in 1..starts.len() {
+        starts[cell] += starts[cell - 1];
     }
     for (question, &key) in keys.iter().enumerate() {
-        let start = &mut starts[(key >> SHIFT) as usize];
+        let start = &mut starts[(key >> (32 - bits)) as usize];
         order[*start as usize] = question as u32;
         *start += 1;
     }
     Ok(order)
 }
 
-/// Cells of the curve that tell questions apart.
-const CELLS: usize = 1 << 12;
-
-/// What is left of a key without them.
-const SHIFT: u32 = 32 - 12;
+/// The curve has four times as many cells as there are queries, but at least and at most the
+/// powers of two with these exponents.
+const LEAST_BITS: u32 = 8;
+const MOST_BITS: u32 = 16;
 
 /// The bits of a number, every second place left free.
 fn spread(number: u16) -> u32 {

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::mem;
 use std::ops::Range;
 
 use super::region::{MOST_IDS, selects};
@@ -25,14 +26,29 @@ pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
     (length(away(0), away(1)) - shape.radius).most(T::ZERO)
 }
 
-/// At most how near a shape of `cover` can be; monotone, so never too much.
+/// At most the square of the distance from a point to the cores of the shapes of `cover`.
 #[inline(always)]
-fn least_distance<T: Scalar>(point: [T; 2], cover: &Cover<T>) -> T {
+fn least_square<T: Scalar>(point: [T; 2], cover: &Cover<T>) -> T {
     let away = |axis: usize| {
         let (below, above) = (cover.min[axis] - point[axis], point[axis] - cover.max[axis]);
         (below.most(above) - cover.half_size[axis]).most(T::ZERO)
     };
-    (length(away(0), away(1)) - cover.radius).most(T::ZERO)
+    let (x, y) = (away(0), away(1));
+    x * x + y * y
+}
+
+/// At least the square of `reach`: no square of a smaller distance is larger, however both are
+/// rounded, and where squares are too small for their last bits.
+#[inline(always)]
+fn largest_square<T: Scalar>(reach: T) -> T {
+    let reach = reach * slack();
+    reach * reach + T::SMALLEST_SQUARE
+}
+
+/// A factor that makes up for the rounding of both squares.
+#[inline(always)]
+fn slack<T: Scalar>() -> T {
+    T::ONE + T::from_f64(16.0) * T::EPSILON
 }
 
 /// A shape and how far it is. The nearer comes first, and of two as near the smaller id.
@@ -72,9 +88,12 @@ impl<T: Scalar> Bytes for Neighbor<T> {
 #[derive(Clone, Debug)]
 pub struct Nearest<T> {
     wanted: usize,
-    max_distance: T,
+    /// Shapes farther than this are not among them.
+    bound: T,
     /// The farthest on top.
     found: BinaryHeap<Neighbor<T>>,
+    /// Nodes to visit, with [`least_square`].
+    stack: Vec<(T, u32)>,
     pulse: Pulse,
     failed: Option<Error>,
     /// Shapes tested.
@@ -82,11 +101,10 @@ pub struct Nearest<T> {
 }
 
 impl<T: Scalar> Nearest<T> {
-    /// Nothing seen yet of the `wanted` shapes within `max_distance`; `pulse` may end the
-    /// search.
-    pub fn new(wanted: usize, max_distance: T, pulse: Pulse) -> Self {
-        let found = BinaryHeap::new();
-        Self { wanted, max_distance, found, pulse, failed: None, tests: 0 }
+    /// For searches for the `wanted` nearest shapes; `pulse` may end them.
+    fn new(wanted: usize, pulse: Pulse) -> Self {
+        let (found, stack) = (BinaryHeap::new(), Vec::with_capacity(64));
+        Self { wanted, bound: T::ZERO, found, stack, pulse, failed: None, tests: 0 }
     }
 
     /// What is farther is of no interest.
@@ -94,7 +112,7 @@ impl<T: Scalar> Nearest<T> {
     fn limit(&self) -> T {
         match self.found.peek() {
             Some(last) if self.found.len() >= self.wanted => last.distance,
-            _ => self.max_distance,
+            _ => self.bound,
         }
     }
 
@@ -103,7 +121,7 @@ impl<T: Scalar> Nearest<T> {
     pub fn offer(&mut self, distance: T, id: u64) {
         let new = Neighbor { distance, id };
         if self.found.len() < self.wanted {
-            if distance <= self.max_distance && self.has_room() {
+            if distance <= self.bound && self.has_room() {
                 self.found.push(new);
             }
         } else if let Some(mut last) = self.found.peek_mut()
@@ -142,21 +160,22 @@ impl<T: Scalar> Nearest<T> {
         self.failed.is_some()
     }
 
-    /// The nearest first, and the pulse for the next search.
-    fn into_sorted(mut self) -> Result<(Vec<Neighbor<T>>, Pulse)> {
-        if let Some(error) = self.failed {
+    /// Moves what was found to the end of `neighbors`, the nearest first.
+    fn move_to(&mut self, neighbors: &mut Vec<Neighbor<T>>) -> Result<()> {
+        if let Some(error) = self.failed.take() {
             return Err(error);
         }
-        let mut found = self.found.into_vec();
+        let mut found = mem::take(&mut self.found).into_vec();
         sorting::sort(&mut found, &mut self.pulse)?;
-        Ok((found, self.pulse))
+        memory::reserve(neighbors, found.len())?;
+        neighbors.append(&mut found);
+        self.found = found.into();
+        Ok(())
     }
 
-    /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
+    /// Looks at the shapes of a tree. `id_of` names the shape in a place, or hides it.
     pub fn look(&mut self, tree: &Quadtree<T>, point: [T; 2], mask: Option<u32>, id_of: &IdOf<'_>) {
-        let best = self;
-        let stack = &mut Vec::new();
-        T::with_widest(Look { tree, point, mask, id_of, best, stack });
+        T::with_widest(Look { tree, point, mask, id_of, best: self });
     }
 }
 
@@ -167,7 +186,6 @@ struct Look<'a, T> {
     mask: Option<u32>,
     id_of: &'a IdOf<'a>,
     best: &'a mut Nearest<T>,
-    stack: &'a mut Vec<(T, u32)>,
 }
 
 impl<T: Scalar> Work<T> for Look<'_, T> {
@@ -180,30 +198,35 @@ impl<T: Scalar> Work<T> for Look<'_, T> {
         let Some(root) = covers.first().filter(|root| selects(self.mask, root.category)) else {
             return;
         };
-        self.stack.clear();
-        self.stack.push((least_distance(self.point, root), 0));
-        while let Some((nearest, index)) = self.stack.pop() {
-            if nearest > self.best.limit() {
+        let mut stack = mem::take(&mut self.best.stack);
+        stack.clear();
+        stack.push((least_square(self.point, root), 0));
+        while let Some((square, index)) = stack.pop() {
+            let radius = covers[index as usize].radius;
+            if square > largest_square(self.best.limit() + radius) {
                 continue;
             }
             if self.best.is_over(NODE_WORK) {
-                return;
+                break;
             }
             let node = &nodes[index as usize];
             if node.is_leaf() {
-                let round = covers[index as usize].radius > T::ZERO;
-                self.leaf(simd, node.range(), round);
+                self.leaf(simd, node.range(), radius > T::ZERO);
                 continue;
             }
-            let from = self.stack.len();
+            let (from, limit) = (stack.len(), self.best.limit());
             for child in node.children() {
-                let nearest = least_distance(self.point, &covers[child]);
-                if nearest <= self.best.limit() && selects(self.mask, covers[child].category) {
-                    self.stack.push((nearest, child as u32));
+                let cover = &covers[child];
+                let square = least_square(self.point, cover);
+                if square <= largest_square(limit + cover.radius)
+                    && selects(self.mask, cover.category)
+                {
+                    stack.push((square, child as u32));
                 }
             }
-            sort_farthest_first(&mut self.stack[from..]);
+            sort_farthest_first(&mut stack[from..]);
         }
+        self.best.stack = stack;
     }
 }
 
@@ -223,7 +246,7 @@ pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
 impl<T: Scalar> Look<'_, T> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>, round: bool) {
-        let (shapes, rows) = (self.tree.columns(), self.tree.rows());
+        let shapes = self.tree.columns();
         self.best.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
             if self.best.is_over(LANES) {
@@ -234,7 +257,7 @@ impl<T: Scalar> Look<'_, T> {
             for_each_lane(near & first_lanes(places.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, round);
                 if selects(self.mask, shape.category)
-                    && let Some(id) = (self.id_of)(rows[first + lane])
+                    && let Some(id) = (self.id_of)(first + lane)
                 {
                     self.best.offer(distance(self.point, &shape), id);
                 }
@@ -243,8 +266,7 @@ impl<T: Scalar> Look<'_, T> {
     }
 }
 
-/// A bit for each shape of a block that could be as near as `limit`: the squares are
-/// compared, and rounding is made up for.
+/// A bit for each shape of a block that could be as near as `limit`, as [`largest_square`] says.
 #[inline(always)]
 fn within<T: Scalar, S: Simd<T>>(
     simd: S,
@@ -259,11 +281,8 @@ fn within<T: Scalar, S: Simd<T>>(
     if round {
         reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
     }
-    let slack = T::ONE + T::from_f64(16.0) * T::EPSILON;
-    let reach = simd.mul(reach, simd.splat(slack));
-    // Where squares are too small for their last bits, nothing is ruled out.
-    let smallest = simd.splat(T::SMALLEST_SQUARE);
-    let reach = simd.add(simd.mul(reach, reach), smallest);
+    let reach = simd.mul(reach, simd.splat(slack()));
+    let reach = simd.add(simd.mul(reach, reach), simd.splat(T::SMALLEST_SQUARE));
     !simd.less(reach, simd.add(simd.mul(x, x), simd.mul(y, y)))
 }
 
@@ -325,17 +344,27 @@ pub fn nearest<T: Scalar>(
     (k, max_distance): (usize, T),
     mask: Option<u32>,
 ) -> Result<Neighbors<T>> {
-    nearest_by(points, (k, max_distance), tree.settings().threads, |point, best| {
-        best.look(tree, point, mask, &|row| Some(u64::from(row)));
-    })
+    let rows = tree.rows();
+    // Sorted as by row, and the place of the shape is known, too.
+    let id_of = |place: usize| Some(u64::from(rows[place]) << 32 | place as u64);
+    let shape_of = |id: u64| tree.columns().shape(id as u32 as usize);
+    let look = |point, best: &mut Nearest<T>| best.look(tree, point, mask, &id_of);
+    let mut found = nearest_by(points, (k, max_distance), tree.settings().threads, look, shape_of)?;
+    found.ids.iter_mut().for_each(|id| *id >>= 32);
+    Ok(found)
 }
 
-/// As [`nearest`]; `look` lets a point see the shapes that there are.
+/// As [`nearest`]; `look` lets a point see the shapes that there are, and `shape_of` tells them by
+/// their ids.
+///
+/// Queries are taken in the order of a curve. The `k` shapes that one has found are near the next
+/// point, too, so the farthest of them bounds its search from the beginning.
 pub fn nearest_by<T: Scalar>(
     points: &[[T; 2]],
     (k, max_distance): (usize, T),
     threads: Option<usize>,
     look: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
+    shape_of: impl Fn(u64) -> Shape<T> + Sync + Send,
 ) -> Result<Neighbors<T>> {
     check_nearest(points, (k, max_distance))?;
     let threads = worthwhile(threads, points.len());
@@ -346,22 +375,25 @@ pub fn nearest_by<T: Scalar>(
     let distances = memory::filled(len, T::INFINITY)?;
     let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };
     let found = parallel::map(threads, parts.len(), |part| {
-        let mut pulse = Pulse::of(&stop);
         // One list for all questions: small allocations would not notice that memory ends.
         let (mut neighbors, mut ends) = (Vec::new(), memory::with_room(parts[part].len())?);
-        let mut tests = 0;
+        let mut best = Nearest::new(k, Pulse::of(&stop));
+        let mut start = 0;
         for &question in parts[part] {
-            pulse.check(NODE_WORK)?;
-            let mut best = Nearest::new(k, max_distance, pulse);
-            look(points[question as usize], &mut best);
-            tests += best.tests;
-            let (nearest, same_pulse) = best.into_sorted()?;
-            pulse = same_pulse;
-            memory::reserve(&mut neighbors, nearest.len())?;
-            neighbors.extend(nearest);
+            best.pulse.check(NODE_WORK + k)?;
+            let point = points[question as usize];
+            best.bound = max_distance;
+            let before: &[Neighbor<T>] = &neighbors[start..];
+            if before.len() == k {
+                let distances = before.iter().map(|near| distance(point, &shape_of(near.id)));
+                best.bound = distances.fold(T::ZERO, T::most).least(max_distance);
+            }
+            look(point, &mut best);
+            start = neighbors.len();
+            best.move_to(&mut neighbors)?;
             ends.push(neighbors.len());
         }
-        Ok((neighbors, ends, tests))
+        Ok((neighbors, ends, best.tests))
     });
     let bytes = len.saturating_mul(size_of::<T>() + size_of::<i64>());
     let found = found.into_iter().collect::<Result<Vec<_>>>();

@@ -282,7 +282,7 @@ impl<T: Scalar> FirstHit<T> {
         }
     }
 
-    /// Looks at the shapes of a tree. `id_of` names the shape in a row, or hides it.
+    /// Looks at the shapes of a tree. `id_of` names the shape in a place, or hides it.
     pub fn look(&mut self, tree: &Quadtree<T>, mask: Option<u32>, id_of: &IdOf<'_>) {
         let beam = Beam::of(self.ray);
         T::with_widest(Look { tree, beam, mask, id_of, best: self });
@@ -339,7 +339,7 @@ impl<T: Scalar> Work<T> for Look<'_, T> {
 impl<T: Scalar> Look<'_, T> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, about: (T, bool), places: Range<usize>) {
-        let (shapes, rows) = (self.tree.columns(), self.tree.rows());
+        let shapes = self.tree.columns();
         self.best.tests += places.len() as u64;
         for first in places.clone().step_by(LANES) {
             if self.best.is_over(LANES) {
@@ -349,7 +349,7 @@ impl<T: Scalar> Look<'_, T> {
             for_each_lane(near & first_lanes(places.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, about.1);
                 if selects(self.mask, shape.category)
-                    && let Some(id) = (self.id_of)(rows[first + lane])
+                    && let Some(id) = (self.id_of)(first + lane)
                 {
                     self.best.offer(&shape, id);
                 }
@@ -375,8 +375,9 @@ pub fn first_hits<T: Scalar>(
     rays: &[Ray<T>],
     mask: Option<u32>,
 ) -> Result<RayHits<T>> {
+    let rows = tree.rows();
     first_hits_by(rays, tree.settings().threads, |best| {
-        best.look(tree, mask, &|row| Some(u64::from(row)));
+        best.look(tree, mask, &|place| Some(u64::from(rows[place])));
     })
 }
 

@@ -83,9 +83,9 @@ impl<T: Scalar> Space<T> {
     ) -> Result<Neighbors<T>> {
         query::check_nearest(points, wanted)?;
         self.prepare(points.len())?;
-        query::nearest_by(points, wanted, self.settings.threads, |point, best| {
-            self.look_around(point, mask, best);
-        })
+        let look = |point, best: &mut Nearest<T>| self.look_around(point, mask, best);
+        let shape_of = |id: u64| self.slots.shape(self.slots.slot(id as Id).expect("was found"));
+        query::nearest_by(points, wanted, self.settings.threads, look, shape_of)
     }
 
     fn look_around(&self, point: [T; 2], mask: Option<u32>, best: &mut Nearest<T>) {
@@ -101,7 +101,8 @@ impl<T: Scalar> Space<T> {
         }
         for index in self.layers.indices() {
             let (tree, slot) = self.layers.layer(index);
-            best.look(tree, point, mask, &|row| slot(row).map(|slot| self.slots.id(slot) as u64));
+            let id_of = |place| slot(tree.rows()[place]).map(|slot| self.slots.id(slot) as u64);
+            best.look(tree, point, mask, &id_of);
         }
     }
 
@@ -125,7 +126,8 @@ impl<T: Scalar> Space<T> {
         }
         for index in self.layers.indices() {
             let (tree, slot) = self.layers.layer(index);
-            best.look(tree, mask, &|row| slot(row).map(|slot| self.slots.id(slot) as u64));
+            let id_of = |place| slot(tree.rows()[place]).map(|slot| self.slots.id(slot) as u64);
+            best.look(tree, mask, &id_of);
         }
     }
 
