@@ -17,6 +17,9 @@ use crate::sorting;
 /// Ids that are looked up at a time.
 const CHUNK: usize = 1 << 14;
 
+/// The shapes of a tree of so many are in the second-level cache anyway, and not prefetched.
+const CACHED: usize = 1 << 15;
+
 /// Most ids in one answer, a gibibyte of them.
 pub const MOST_IDS: usize = 1 << 27;
 
@@ -118,7 +121,7 @@ fn search_in_order<T: Scalar>(
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let found = parallel::map(threads, parts.len(), |part| {
         let (order, pulse) = (parts[part], Pulse::of(&stop));
-        T::with_widest(Search { tree, regions, plain, order, mask, count: &count, pulse })
+        T::with_widest(Search { tree, regions, plain, order, mask, count: &count, pulse, len: 0 })
     });
     let count = count.into_inner();
     if count > MOST_IDS {
@@ -172,6 +175,8 @@ struct Search<'a, T> {
     /// Ids found by all parts together.
     count: &'a AtomicUsize,
     pulse: Pulse,
+    /// Ids found by this part; the list of them is longer.
+    len: usize,
 }
 
 impl<T: Scalar> Work<T> for Search<'_, T> {
@@ -180,7 +185,6 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
     #[inline(always)]
     fn run<S: Simd<T>>(mut self, simd: S) -> Result<Hits<u32>> {
         let mut hits = Hits::with_room_for(self.order.len())?;
-        memory::reserve(&mut hits.ids, 8 * self.order.len())?;
         let (mut frontier, mut stack) = (Frontier::default(), Vec::new());
         let (mut ends, mut nodes) = (Vec::new(), Vec::new());
         for group in self.order.chunks(GROUP) {
@@ -197,16 +201,17 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
                 self.find(simd, question, &frontier, &mut stack, &mut nodes)?;
                 ends.push(nodes.len());
             }
-            let (before, mut from) = (hits.ids.len(), 0);
+            let (before, mut from) = (self.len, 0);
             for (&question, &end) in group.iter().zip(&ends) {
                 self.answer(simd, question, &nodes[from..end], &mut hits).map_err(|error| {
-                    let new = hits.ids.len() - before;
+                    let new = hits.offsets[hits.offsets.len() - 1] - before;
                     error.in_all((self.count.load(Ordering::Relaxed) + new) * size_of::<u32>())
                 })?;
                 from = end;
             }
-            self.count.fetch_add(hits.ids.len() - before, Ordering::Relaxed);
+            self.count.fetch_add(self.len - before, Ordering::Relaxed);
         }
+        hits.ids.truncate(self.len);
         Ok(hits)
     }
 }
@@ -253,10 +258,10 @@ impl<T: Scalar> Search<'_, T> {
         Ok(())
     }
 
-    /// Sends for what will be read of a leaf.
+    /// Prefetches what will be read of a leaf.
     #[inline(always)]
     fn expect<S: Simd<T>>(&self, simd: S, node: &Node) {
-        if node.is_leaf() {
+        if node.is_leaf() && self.tree.len() > CACHED {
             let shapes = self.tree.columns();
             simd.expect(&shapes.x[node.range()]);
             simd.expect(&shapes.y[node.range()]);
@@ -273,25 +278,27 @@ impl<T: Scalar> Search<'_, T> {
         nodes: &[u32],
         hits: &mut Hits<u32>,
     ) -> Result<()> {
-        let start = hits.ids.len();
+        let start = self.len;
         let window = self.regions.window(question);
         for &index in nodes {
             let places = self.tree.nodes()[index as usize].range();
-            memory::reserve(&mut hits.ids, places.len())?;
+            let room = room(&mut hits.ids, self.len, places.len())?;
             if self.takes_all(&window, index as usize) {
                 self.pulse.check(places.len())?;
-                hits.ids.extend(places.map(|place| place as u32));
+                self.len += places.len();
+                room.iter_mut().zip(places).for_each(|(to, place)| *to = place as u32);
             } else {
-                self.collect(simd, (question, &window), index as usize, hits)?;
+                hits.tests += places.len() as u64;
+                self.collect(simd, (question, &window), index as usize, room)?;
             }
         }
-        let (rows, found) = (self.tree.rows(), &mut hits.ids[start..]);
+        let (rows, found) = (self.tree.rows(), &mut hits.ids[start..self.len]);
         for places in found.chunks_mut(CHUNK) {
             self.pulse.check(places.len())?;
             places.iter_mut().for_each(|place| *place = rows[*place as usize]);
         }
         sort(found, &mut self.pulse)?;
-        hits.offsets.push(hits.ids.len());
+        hits.offsets.push(self.len);
         Ok(())
     }
 
@@ -308,19 +315,19 @@ impl<T: Scalar> Search<'_, T> {
         self.plain && self.mask.is_none() && window.holds(&self.tree.covers()[node])
     }
 
-    /// Collects the places of the shapes in a leaf that one region overlaps.
+    /// Writes the places of the shapes in a leaf that one region overlaps.
     #[inline(always)]
     fn collect<S: Simd<T>>(
         &mut self,
         simd: S,
         (question, window): (u32, &Window<T>),
         leaf: usize,
-        hits: &mut Hits<u32>,
+        room: &mut [u32],
     ) -> Result<()> {
         let shapes = self.tree.columns();
         let places = self.tree.nodes()[leaf].range();
         let round = self.tree.covers()[leaf].radius > T::ZERO;
-        hits.tests += places.len() as u64;
+        let mut count = 0;
         for first in places.clone().step_by(LANES) {
             self.pulse.check(LANES)?;
             let bits = window.lanes(simd, shapes, first, (round, self.plain));
@@ -335,14 +342,24 @@ impl<T: Scalar> Search<'_, T> {
                     }
                 }
             }
-            if bits != 0 {
-                let mut packed = [0; LANES];
-                simd.pack_places(first as u32, bits, &mut packed);
-                hits.ids.extend_from_slice(&packed[..bits.count_ones() as usize]);
-            }
+            let to = room[count..].first_chunk_mut().expect("there is room for a block more");
+            simd.pack_places(first as u32, bits, to);
+            count += bits.count_ones() as usize;
         }
+        self.len += count;
         Ok(())
     }
+}
+
+/// Room for `more` ids behind the first `len`, and for a block.
+#[inline(always)]
+fn room(ids: &mut Vec<u32>, len: usize, more: usize) -> Result<&mut [u32]> {
+    let needed = len + more + LANES;
+    if ids.len() < needed {
+        memory::reserve(ids, needed - ids.len())?;
+        ids.resize(ids.capacity(), 0);
+    }
+    Ok(&mut ids[len..])
 }
 
 /// Sorts different numbers; a few of them without a branch that depends on their order.
