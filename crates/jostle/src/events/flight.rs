@@ -1,5 +1,6 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
+use super::early::MARGIN;
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::flow::{Flow, Kick};
@@ -23,12 +24,9 @@ const COARSE: f64 = 1e-3;
 /// the end of the window is left out.
 const SLIGHT: f64 = 1e-6;
 
-/// Relative error, with a large reserve, of the tests in float32.
-const MARGIN: f32 = 1e-4;
-
 /// Two supported particles do not collide if they would overlap by less than this share of the sum
 /// of radii: their contact is solved at the beginning of the next sub-step.
-const DEFERRED: f64 = 0.01;
+pub const DEFERRED: f64 = 0.01;
 
 /// How a disc begins a window.
 #[derive(Clone, Copy, Debug, Default)]
@@ -186,50 +184,6 @@ impl Window<'_> {
             },
             falls: start.falls,
         }
-    }
-
-    /// A test in float32 that is false only if two discs certainly do not meet along their first
-    /// segments.
-    #[inline(always)]
-    pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
-        let q = [0, 1].map(|k| other.position[k] - own.position[k] + image[k]);
-        let w = [0, 1].map(|k| other.velocity[k] - own.velocity[k]);
-        let (approach, ww) = (q[0] * w[0] + q[1] * w[1], w[0] * w[0] + w[1] * w[1]);
-        let qq = q[0] * q[0] + q[1] * q[1];
-        let reach = own.radius + other.radius;
-        let sizes = own.position[0].abs() + own.position[1].abs() + reach;
-        // The time of the closest approach. `max` returns 0 for what is not a number.
-        let closest = (-approach / ww).max(0.0).min(self.end as f32);
-        let square = qq + (2.0 * approach + ww * closest) * closest;
-        let error = MARGIN * (qq + reach * sizes);
-        // Not a number, where there are overflows, counts as near.
-        let is_far = square > reach * reach + error;
-        (!is_far | self.is_curved(own, other)) & !self.is_deferred(own, other, [qq - error, ww])
-    }
-
-    /// Whether two discs at rest certainly do not collide, because they approach by less than
-    /// [`DEFERRED`], and do not overlap by more; the squares are those of their distance, or less, and
-    /// of their relative speed.
-    #[inline(always)]
-    fn is_deferred(&self, own: &Start, other: &Start, [square, ww]: [f32; 2]) -> bool {
-        let reach = own.radius + other.radius;
-        let rests = |start: &Start| start.is_supported | !start.is_movable;
-        let [v, w] = [own, other].map(|start| {
-            let [x, y] = start.velocity;
-            x * x + y * y
-        });
-        // (a + b)² is at most 2 (a² + b²).
-        let approach = 2.0 * (ww + MARGIN * MARGIN * (v + w)) * (self.end * self.end) as f32;
-        let [least, most] = [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * reach);
-        let is_slow = approach < most * most;
-        let is_apart = square > least * least * (1.0 + MARGIN);
-        rests(own) & rests(other) & !self.flight.is_elastic & is_slow & is_apart
-    }
-
-    /// Whether one of two discs falls and the other does not.
-    #[inline(always)]
-    fn is_curved(&self, own: &Start, other: &Start) -> bool {
-        own.falls != other.falls
     }
 
     /// A test in float32 that is false only if a disc certainly does not get to a wall.

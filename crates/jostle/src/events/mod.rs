@@ -7,6 +7,7 @@
 //! it can reach, so the histories together are correct. It does not depend on blocks or
 //! threads, nor on how pairs were found.
 
+mod early;
 mod first;
 mod flight;
 mod friction;

@@ -126,7 +126,7 @@ impl Simulation<'_> {
 
     /// The number of the course of a disc, if it takes part and has one.
     #[inline(always)]
-    fn number(&self, index: u32) -> Option<u32> {
+    pub(super) fn number(&self, index: u32) -> Option<u32> {
         let number = *self.course_of.get(index.wrapping_sub(self.range.start) as usize)?;
         let own = number.wrapping_sub(self.mark);
         (self.base..self.history.courses.len() as u32).contains(&own).then_some(own)

@@ -76,12 +76,20 @@ impl Simulation<'_> {
         let mut are_alone = true;
         for k in [0, 1] {
             let (own, partner) = (discs[k], discs[1 - k]);
+            let turned = window.turned(own, &new[k]);
             let contacts = &mut self.scratch.contacts;
             window.each_touched_wall(own, &now[k], contacts, |_| are_alone = false);
             predicted.extend(window.wall_event(own, &new[k], counts[k]));
             neighbors.of(own, |neighbor| {
                 let (other, image) = (neighbor.index, neighbors.image(neighbor));
+                let start = &window.starts[other as usize];
                 let is_partner = other == partner;
+                if !is_partner
+                    && self.number(other).is_none()
+                    && !window.may_meet_later(&turned, start, image.map(|v| v as f32))
+                {
+                    return;
+                }
                 // The impacts of the two with each other are predicted once.
                 if is_partner && k == 1 {
                     return;

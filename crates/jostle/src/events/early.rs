@@ -1,0 +1,128 @@
+//! Tests in float32 that leave out most pairs of discs before anything is computed in float64.
+
+use super::flight::{DEFERRED, Start, Window};
+use crate::trajectory::Segment;
+
+/// Relative error, with a large reserve, of the tests in float32.
+pub const MARGIN: f32 = 1e-4;
+
+/// Relative error of positions in float32, with a reserve.
+const ROUNDING: f32 = 1e-6;
+
+/// The straight motion of one disc against another.
+struct Passing {
+    /// Offset at the beginning.
+    offset: [f32; 2],
+    velocity: [f32; 2],
+    /// Sum of the radii.
+    reach: f32,
+    /// Sum of the numbers whose rounding matters: positions and displacements.
+    sizes: f32,
+}
+
+impl Passing {
+    /// Whether the two certainly do not touch within `span` seconds. False where numbers overflow.
+    #[inline(always)]
+    fn is_far(&self, span: f32) -> bool {
+        let (approach, ww) = (dot(self.offset, self.velocity), dot(self.velocity, self.velocity));
+        let qq = dot(self.offset, self.offset);
+        // The time of the closest approach. `max` returns 0 for what is not a number.
+        let closest = (-approach / ww).max(0.0).min(span);
+        let square = qq + (2.0 * approach + ww * closest) * closest;
+        square > self.reach * self.reach + self.error(qq)
+    }
+
+    /// Upper bound of the error of the square of a distance.
+    #[inline(always)]
+    fn error(&self, square: f32) -> f32 {
+        let rounding = ROUNDING * self.sizes;
+        MARGIN * (square + self.reach * self.sizes) + rounding * rounding
+    }
+}
+
+/// A disc that continues on a new segment, in float32.
+#[derive(Clone, Copy, Debug)]
+pub struct Turned {
+    time: f32,
+    position: [f32; 2],
+    velocity: [f32; 2],
+    radius: f32,
+    falls: bool,
+}
+
+impl Window<'_> {
+    /// False only if two discs certainly do not meet along their first segments.
+    #[inline(always)]
+    pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
+        let reach = own.radius + other.radius;
+        let passing = Passing {
+            offset: [0, 1].map(|k| other.position[k] - own.position[k] + image[k]),
+            velocity: [0, 1].map(|k| other.velocity[k] - own.velocity[k]),
+            reach,
+            sizes: length(own.position) + reach,
+        };
+        let is_near = !passing.is_far(self.end as f32) | (own.falls != other.falls);
+        if self.flight.is_elastic { is_near } else { is_near & !self.defers(own, other, &passing) }
+    }
+
+    /// Whether two discs at rest certainly do not collide, because they approach by less than
+    /// [`DEFERRED`], and do not overlap by more.
+    #[inline(always)]
+    fn defers(&self, own: &Start, other: &Start, passing: &Passing) -> bool {
+        let Passing { offset, velocity, reach, .. } = *passing;
+        let square = dot(offset, offset) - passing.error(dot(offset, offset));
+        let rests = |start: &Start| start.is_supported | !start.is_movable;
+        let [v, w] = [own, other].map(|start| dot(start.velocity, start.velocity));
+        // (a + b)² is at most 2 (a² + b²).
+        let speeds = dot(velocity, velocity) + MARGIN * MARGIN * (v + w);
+        let approach = 2.0 * speeds * (self.end * self.end) as f32;
+        let [least, most] = [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * reach);
+        let is_slow = approach < most * most;
+        let is_apart = square > least * least * (1.0 + MARGIN);
+        rests(own) & rests(other) & is_slow & is_apart
+    }
+
+    /// A disc on a segment, for [`Window::may_meet_later`].
+    #[inline(always)]
+    pub fn turned(&self, index: u32, segment: &Segment) -> Turned {
+        Turned {
+            time: segment.time as f32,
+            position: segment.position.map(|v| v as f32),
+            velocity: segment.velocity.map(|v| v as f32),
+            radius: self.starts[index as usize].radius,
+            falls: segment.falls,
+        }
+    }
+
+    /// False only if a disc that continues on a new segment certainly does not touch another one,
+    /// at once or later, along the other's first segment.
+    #[inline(always)]
+    pub fn may_meet_later(&self, own: &Turned, other: &Start, image: [f32; 2]) -> bool {
+        let (t, end) = (own.time, self.end as f32);
+        let reach = own.radius + other.radius;
+        // Gravity accelerates both or is left out.
+        let fallen = |k: usize| if other.falls { self.flight.gravity[k] as f32 * t } else { 0.0 };
+        let displacement = |k: usize| (other.velocity[k] + 0.5 * fallen(k)) * t;
+        let velocity = |k: usize| other.velocity[k] + fallen(k);
+        let speeds = length(own.velocity) + length([velocity(0), velocity(1)]);
+        let passing = Passing {
+            offset: [0, 1]
+                .map(|k| other.position[k] + displacement(k) - own.position[k] + image[k]),
+            velocity: [0, 1].map(|k| velocity(k) - own.velocity[k]),
+            reach,
+            sizes: length(own.position) + (speeds + length([fallen(0), fallen(1)])) * end + reach,
+        };
+        !passing.is_far(end - t) | (own.falls != other.falls)
+    }
+}
+
+#[inline(always)]
+fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Upper bound of the length of a vector.
+#[inline(always)]
+fn length([x, y]: [f32; 2]) -> f32 {
+    x.abs() + y.abs()
+}
