@@ -1,6 +1,7 @@
 //! Tests in float32 that leave out most pairs of discs before anything is computed in float64.
 
 use super::flight::{DEFERRED, Start, Window};
+use crate::container::Container;
 use crate::trajectory::Segment;
 
 /// Relative error, with a large reserve, of the tests in float32.
@@ -40,14 +41,15 @@ impl Passing {
     }
 }
 
-/// A disc that continues on a new segment, in float32.
+/// A disc at some time, in float32.
 #[derive(Clone, Copy, Debug)]
-pub struct Turned {
-    time: f32,
+pub struct Now {
     position: [f32; 2],
     velocity: [f32; 2],
     radius: f32,
     falls: bool,
+    /// Upper bound of the numbers from which the position was computed.
+    sizes: f32,
 }
 
 impl Window<'_> {
@@ -82,37 +84,63 @@ impl Window<'_> {
         rests(own) & rests(other) & is_slow & is_apart
     }
 
-    /// A disc on a segment, for [`Window::may_meet_later`].
+    /// A disc that begins a segment.
     #[inline(always)]
-    pub fn turned(&self, index: u32, segment: &Segment) -> Turned {
-        Turned {
-            time: segment.time as f32,
-            position: segment.position.map(|v| v as f32),
+    pub fn now(&self, index: u32, segment: &Segment) -> Now {
+        let position = segment.position.map(|v| v as f32);
+        Now {
+            position,
             velocity: segment.velocity.map(|v| v as f32),
             radius: self.starts[index as usize].radius,
             falls: segment.falls,
+            sizes: length(position),
         }
     }
 
-    /// False only if a disc that continues on a new segment certainly does not touch another one,
-    /// at once or later, along the other's first segment.
+    /// A disc on its first segment at `time`.
     #[inline(always)]
-    pub fn may_meet_later(&self, own: &Turned, other: &Start, image: [f32; 2]) -> bool {
-        let (t, end) = (own.time, self.end as f32);
+    pub fn first_at(&self, index: u32, time: f32) -> Now {
+        let Start { position, velocity, radius, falls, .. } = self.starts[index as usize];
+        let gained = if falls { self.flight.gravity.map(|g| g as f32 * time) } else { [0.0; 2] };
+        let displacement = |k: usize| (velocity[k] + 0.5 * gained[k]) * time;
+        Now {
+            position: [0, 1].map(|k| position[k] + displacement(k)),
+            velocity: [0, 1].map(|k| velocity[k] + gained[k]),
+            radius,
+            falls,
+            sizes: length(position) + (length(velocity) + length(gained)) * time,
+        }
+    }
+
+    /// False only if two discs certainly neither touch now nor in the next `span` seconds, without
+    /// events.
+    #[inline(always)]
+    pub fn may_meet_within(&self, own: &Now, other: &Now, image: [f32; 2], span: f32) -> bool {
         let reach = own.radius + other.radius;
-        // Gravity accelerates both or is left out.
-        let fallen = |k: usize| if other.falls { self.flight.gravity[k] as f32 * t } else { 0.0 };
-        let displacement = |k: usize| (other.velocity[k] + 0.5 * fallen(k)) * t;
-        let velocity = |k: usize| other.velocity[k] + fallen(k);
-        let speeds = length(own.velocity) + length([velocity(0), velocity(1)]);
         let passing = Passing {
-            offset: [0, 1]
-                .map(|k| other.position[k] + displacement(k) - own.position[k] + image[k]),
-            velocity: [0, 1].map(|k| velocity(k) - own.velocity[k]),
+            offset: [0, 1].map(|k| other.position[k] - own.position[k] + image[k]),
+            velocity: [0, 1].map(|k| other.velocity[k] - own.velocity[k]),
             reach,
-            sizes: length(own.position) + (speeds + length([fallen(0), fallen(1)])) * end + reach,
+            sizes: own.sizes
+                + other.sizes
+                + (length(own.velocity) + length(other.velocity)) * span
+                + reach,
         };
-        !passing.is_far(end - t) | (own.falls != other.falls)
+        !passing.is_far(span) | (own.falls != other.falls)
+    }
+
+    /// False only if a disc certainly does not touch a wall in the next `span` seconds, without
+    /// events.
+    #[inline(always)]
+    pub fn may_touch_wall(&self, own: &Now, span: f32) -> bool {
+        let Container::Box { min, max } = self.flight.container else { return true };
+        let near = |k: usize| {
+            let fall = 0.5 * self.flight.gravity[k].abs() as f32 * span * span;
+            let far = own.velocity[k].abs() * span + fall + own.radius;
+            let far = far * (1.0 + MARGIN) + MARGIN * own.position[k].abs();
+            !(own.position[k] - min[k] > far && max[k] - own.position[k] > far)
+        };
+        !self.flight.walls.is_empty() | near(0) | near(1)
     }
 }
 

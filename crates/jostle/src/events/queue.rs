@@ -35,18 +35,22 @@ impl Event {
     pub fn with_wall(impact: Impact, index: u32, wall: u32, count: u32) -> Self {
         Self::of_discs(impact, [index, WALL], wall, [count, 0])
     }
+
+    /// The order of two events at the same time, whichever of the two discs predicted each.
+    fn cmp_at_once(&self, other: &Self) -> Ordering {
+        let rest = |event: &Self| {
+            let [a, b] = event.pair;
+            if a < b { ([a, b], event.code) } else { ([b, a], opposite(event.code)) }
+        };
+        rest(self).cmp(&rest(other))
+    }
 }
 
 impl Eq for Event {}
 
 impl Ord for Event {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Independent of which of the two predicted the event.
-        let rest = |event: &Self| {
-            let [a, b] = event.pair;
-            if a < b { ([a, b], event.code) } else { ([b, a], opposite(event.code)) }
-        };
-        self.time.total_cmp(&other.time).then_with(|| rest(self).cmp(&rest(other)))
+        self.time.total_cmp(&other.time).then_with(|| self.cmp_at_once(other))
     }
 }
 
@@ -59,18 +63,26 @@ impl PartialOrd for Event {
 /// A queue of events.
 #[derive(Debug, Default)]
 pub struct Queue {
-    /// Events that were known at the beginning, the earliest last.
+    /// Events that were known at the beginning.
     first: Vec<Event>,
+    /// Their times, and their places in `first`; the earliest last.
+    order: Vec<(f64, u32)>,
     later: BinaryHeap<Reverse<Event>>,
 }
 
 impl Queue {
     /// Replaces all events.
-    pub fn fill<'a>(&mut self, first: impl Iterator<Item = &'a Event>) {
-        self.later.clear();
-        self.first.clear();
-        self.first.extend(first);
-        self.first.sort_unstable_by(|a, b| b.cmp(a));
+    pub fn fill<'a>(&mut self, all: impl Iterator<Item = &'a Event>) {
+        let Self { first, order, later } = self;
+        later.clear();
+        first.clear();
+        first.extend(all);
+        order.clear();
+        order.extend(first.iter().map(|event| event.time).zip(0..));
+        let event = |&(_, at): &(f64, u32)| &first[at as usize];
+        order.sort_unstable_by(|a, b| {
+            b.0.total_cmp(&a.0).then_with(|| event(b).cmp_at_once(event(a)))
+        });
     }
 
     /// Adds an event.
@@ -80,9 +92,13 @@ impl Queue {
 
     /// Removes the earliest event.
     pub fn pop(&mut self) -> Option<Event> {
-        match (self.first.last(), self.later.peek()) {
-            (Some(first), Some(Reverse(later))) if later < first => {}
-            (Some(_), _) => return self.first.pop(),
+        let first = self.order.last().map(|&(_, at)| self.first[at as usize]);
+        match (first, self.later.peek()) {
+            (Some(first), Some(Reverse(later))) if *later < first => {}
+            (Some(_), _) => {
+                self.order.pop();
+                return first;
+            }
             (None, _) => {}
         }
         self.later.pop().map(|Reverse(event)| event)

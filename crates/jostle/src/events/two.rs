@@ -74,22 +74,18 @@ impl Simulation<'_> {
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
         let mut are_alone = true;
+        let span = (window.end - time) as f32;
         for k in [0, 1] {
             let (own, partner) = (discs[k], discs[1 - k]);
-            let turned = window.turned(own, &new[k]);
-            let contacts = &mut self.scratch.contacts;
-            window.each_touched_wall(own, &now[k], contacts, |_| are_alone = false);
-            predicted.extend(window.wall_event(own, &new[k], counts[k]));
+            let own_now = window.now(own, &new[k]);
+            if window.may_touch_wall(&own_now, span) {
+                let contacts = &mut self.scratch.contacts;
+                window.each_touched_wall(own, &now[k], contacts, |_| are_alone = false);
+                predicted.extend(window.wall_event(own, &new[k], counts[k]));
+            }
             neighbors.of(own, |neighbor| {
                 let (other, image) = (neighbor.index, neighbors.image(neighbor));
-                let start = &window.starts[other as usize];
                 let is_partner = other == partner;
-                if !is_partner
-                    && self.number(other).is_none()
-                    && !window.may_meet_later(&turned, start, image.map(|v| v as f32))
-                {
-                    return;
-                }
                 // The impacts of the two with each other are predicted once.
                 if is_partner && k == 1 {
                     return;
@@ -97,6 +93,17 @@ impl Simulation<'_> {
                 let (before, after, count) = if is_partner {
                     (now[1], new[1], counts[1])
                 } else {
+                    let there = match self.number(other) {
+                        Some(number) => {
+                            let segment = &self.history.courses[number as usize].segment;
+                            window.now(other, &segment.moved(time, window.gravity()))
+                        }
+                        None => window.first_at(other, time as f32),
+                    };
+                    let image = image.map(|v| v as f32);
+                    if !window.may_meet_within(&own_now, &there, image, span) {
+                        return;
+                    }
                     let Some((_, segment, count)) = self.current(other) else { return };
                     let moved = segment.moved(time, window.gravity());
                     (moved, moved, count)

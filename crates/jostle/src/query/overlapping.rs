@@ -1,35 +1,65 @@
-//! The shapes that overlap one box or circle.
+//! The shapes of a tree that overlap one region.
 
+use super::window::Window;
 use crate::geometry::{Cover, Scalar};
 use crate::quadtree::Quadtree;
+use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 
-/// Calls `act` with the place of each shape of a tree that overlaps `region`; `least_gap` is that of
+/// Calls `act` with the place of each shape of a tree that overlaps `region`, which has no half sizes;
+/// `least_gap` is that of
 /// [`Cover::meets`]. Returns the number of tests.
 pub fn each_overlap<T: Scalar>(
     tree: &Quadtree<T>,
     region: &Cover<T>,
     least_gap: T,
     stack: &mut Vec<u32>,
-    mut act: impl FnMut(usize),
+    act: impl FnMut(usize),
 ) -> usize {
-    let mut tests = 0;
-    stack.clear();
-    stack.extend((!tree.is_empty()).then_some(0));
-    while let Some(index) = stack.pop() {
-        tests += 1;
-        if !tree.covers()[index as usize].meets(region, [T::ZERO; 2], least_gap) {
-            continue;
-        }
-        let node = &tree.nodes()[index as usize];
-        stack.extend(node.children().map(|child| child as u32));
-        if node.is_leaf() {
-            let meets = |place: &usize| {
-                let shape = Cover::of(&tree.columns().shape(*place));
-                shape.meets(region, [T::ZERO; 2], least_gap)
-            };
-            node.range().filter(meets).for_each(&mut act);
+    T::with_widest(Overlapping { tree, region, least_gap, stack, act })
+}
+
+struct Overlapping<'a, T, A> {
+    tree: &'a Quadtree<T>,
+    region: &'a Cover<T>,
+    least_gap: T,
+    stack: &'a mut Vec<u32>,
+    act: A,
+}
+
+impl<T: Scalar, A: FnMut(usize)> Work<T> for Overlapping<'_, T, A> {
+    type Out = usize;
+
+    #[inline(always)]
+    fn run<S: Simd<T>>(self, simd: S) -> usize {
+        let Self { tree, region, least_gap, stack, mut act } = self;
+        let window = Window::around(region);
+        let meets = |cover: &Cover<T>| cover.meets(region, [T::ZERO; 2], least_gap);
+        let mut tests = 0;
+        stack.clear();
+        stack.extend((!tree.is_empty()).then_some(0));
+        while let Some(index) = stack.pop() {
+            tests += 1;
+            let cover = &tree.covers()[index as usize];
+            if !meets(cover) {
+                continue;
+            }
+            let node = &tree.nodes()[index as usize];
+            stack.extend(node.children().map(|child| child as u32));
+            if !node.is_leaf() {
+                continue;
+            }
+            let (shapes, places) = (tree.columns(), node.range());
+            let round = cover.radius > T::ZERO;
+            for first in places.clone().step_by(LANES) {
+                let bits = window.lanes(simd, shapes, first, (round, false));
+                for_each_lane(bits & first_lanes(places.end - first), |lane| {
+                    if meets(&Cover::of(&shapes.shape(first + lane))) {
+                        act(first + lane);
+                    }
+                });
+            }
             tests += node.len();
         }
+        tests
     }
-    tests
 }

@@ -13,6 +13,12 @@ pub struct Window<T> {
 }
 
 impl<T: Scalar> Window<T> {
+    /// The window of a region without half sizes.
+    pub(super) fn around(region: &Cover<T>) -> Self {
+        debug_assert!(region.half_size == [T::ZERO; 2]);
+        Self { min: region.min, max: region.max, radius: region.radius }
+    }
+
     /// Gap between the core of a shape and the window along each axis; negative inside.
     #[inline(always)]
     pub(super) fn gap(&self, shape: &Shape<T>) -> [T; 2] {
