@@ -7,84 +7,103 @@ use super::flight::Window;
 use super::neighbors::{Neighbors, opposite};
 use super::queue::Event;
 use super::{Block, Events};
-use crate::interrupt::Stop;
-use crate::parallel;
 
-/// Candidate pairs that one thread tests at a time.
+/// Candidate pairs that are tested at a time.
 const PAIRS: usize = 4096;
 
-/// Some candidate pairs.
-#[derive(Debug, Default)]
-pub struct Batch {
-    /// Those that may meet.
-    near: Vec<[u32; 2]>,
-    /// Their impacts.
-    impacts: Vec<Event>,
-}
-
 impl Events {
-    /// Finds the impacts of pairs along the first segments, and gives them to the blocks of their
-    /// first discs.
-    pub(super) fn find_first_impacts(&mut self, window: &Window<'_>) {
-        let Self { neighbors, batches, blocks, size, .. } = self;
+    /// Finds the first impacts of the neighbours that were found after discs have left their bounds
+    /// in an earlier window, and gives them to the blocks of their first discs.
+    pub(super) fn find_first_impacts_of_later(&mut self, window: &Window<'_>) {
+        let Self { neighbors, blocks, size, .. } = self;
         if !window.flight.pairs {
             return;
         }
-        let parts = || {
-            let lists = window.flight.candidates.iter().zip(neighbors.codes());
-            lists.flat_map(|((_, pairs), &code)| pairs.chunks(PAIRS).map(move |part| (part, code)))
-        };
-        let count = parts().count();
-        batches.resize_with(batches.len().max(count), Batch::default);
-        let (batches, stop) = (&mut batches[..count], Stop::current());
-        let tasks = batches.iter_mut().zip(parts());
-        parallel::for_each(window.flight.threads, tasks, |(batch, (pairs, code))| {
-            batch.impacts.clear();
-            if !stop.is_set() {
-                batch.test(window, neighbors, pairs, code);
-            }
-        });
-        let mut give = |event: Event| {
-            let block: &mut Block = &mut blocks[event.pair[0] as usize / *size];
-            let partner = event.pair[1];
-            let is_inside =
-                block.range.contains(&partner) || !window.starts[partner as usize].is_movable;
-            if is_inside { block.first.push(event) } else { block.crossing.push(event) }
-        };
-        batches.iter().flat_map(|batch| &batch.impacts).for_each(|event| give(*event));
         for &(a, neighbor) in neighbors.later() {
             // Both of a pair have it in their lists.
             let pair = [a, neighbor.index];
             if is_reversed(window, pair) == Some(false) {
-                first_impact(window, neighbors, pair, neighbor.image)
-                    .into_iter()
-                    .for_each(&mut give);
+                let event = first_impact(window, neighbors, pair, neighbor.image);
+                blocks[a as usize / *size].take(window, event);
             }
         }
     }
 }
 
-impl Batch {
-    fn test(&mut self, window: &Window<'_>, neighbors: &Neighbors, pairs: &[[u32; 2]], code: u32) {
-        let Self { near, impacts } = self;
-        near.resize(pairs.len().max(near.len()), Default::default());
-        let image = neighbors.image_of(code).map(|v| v as f32);
-        let mut count = 0;
-        for pair in pairs {
-            let [own, other] = pair.map(|index| &window.starts[index as usize]);
-            // Without branches, because they would often be predicted wrongly.
-            near[count] = *pair;
-            let moves = own.is_movable | other.is_movable;
-            count += usize::from(moves & window.may_meet(own, other, image));
+impl Block {
+    /// Finds the impacts along the first segments of pairs of which a disc of this block is the first.
+    /// `near` is scratch.
+    pub(super) fn find_first_impacts(
+        &mut self,
+        window: &Window<'_>,
+        neighbors: &Neighbors,
+        near: &mut Vec<[u32; 2]>,
+    ) {
+        if !window.flight.pairs {
+            return;
         }
-        for &[a, b] in &near[..count] {
-            let (pair, code) = match is_reversed(window, [a, b]) {
-                Some(true) => ([b, a], opposite(code)),
-                _ => ([a, b], code),
-            };
-            impacts.extend(first_impact(window, neighbors, pair, code));
+        let all = neighbors.block(self.number);
+        for (list, range) in &all.inside {
+            let (image, pairs) = &window.flight.candidates[*list as usize];
+            let code = neighbors.code(*image);
+            for pairs in pairs[range.start as usize..range.end as usize].chunks(PAIRS) {
+                let count = find_near(window, pairs, *image, near);
+                for &pair in &near[..count] {
+                    self.test(window, neighbors, pair, code);
+                }
+            }
+        }
+        for &(pair, code) in &all.across {
+            let image = neighbors.image_of(code).map(|v| v as f32);
+            if may_meet(window, pair, image) {
+                self.test(window, neighbors, pair, code);
+            }
         }
     }
+
+    /// Takes the impact of two discs, if the first of them belongs to this block.
+    fn test(&mut self, window: &Window<'_>, neighbors: &Neighbors, [a, b]: [u32; 2], code: u32) {
+        let (pair, code) = match is_reversed(window, [a, b]) {
+            Some(true) => ([b, a], opposite(code)),
+            _ => ([a, b], code),
+        };
+        if self.range.contains(&pair[0]) {
+            self.take(window, first_impact(window, neighbors, pair, code));
+        }
+    }
+
+    /// Adds an event of a disc of this block.
+    fn take(&mut self, window: &Window<'_>, event: Option<Event>) {
+        let Some(event) = event else { return };
+        let partner = event.pair[1];
+        let is_inside =
+            self.range.contains(&partner) || !window.starts[partner as usize].is_movable;
+        if is_inside { self.first.push(event) } else { self.crossing.push(event) }
+    }
+}
+
+/// Writes the pairs that may meet to `near`, and returns their number.
+fn find_near(
+    window: &Window<'_>,
+    pairs: &[[u32; 2]],
+    image: [f32; 2],
+    near: &mut Vec<[u32; 2]>,
+) -> usize {
+    near.resize(near.len().max(pairs.len()), Default::default());
+    let near = &mut near[..pairs.len()];
+    let mut count = 0;
+    for pair in pairs {
+        // Without branches, because they would often be predicted wrongly.
+        near[count] = *pair;
+        count += usize::from(may_meet(window, *pair, image));
+    }
+    count
+}
+
+#[inline(always)]
+fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
+    let [own, other] = pair.map(|index| &window.starts[index as usize]);
+    (own.is_movable | other.is_movable) & window.may_meet(own, other, image)
 }
 
 /// Whether the impacts of two discs are those of the second with the first: a movable disc comes

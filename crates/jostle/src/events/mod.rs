@@ -29,13 +29,13 @@ use crate::interrupt::{self, Pulse, Stop};
 use crate::parallel::{self, locked};
 use crate::particles::Particles;
 use crate::trajectory::{Segment, Vector};
-use first::Batch;
 pub use flight::Flight;
 use flight::{Start, Window};
 pub use history::Bounce;
 use history::{Course, History, NONE, Part, Trajectory};
 use neighbors::Neighbor;
-pub use neighbors::{NearPair, Neighbors};
+use neighbors::Neighbors;
+pub use neighbors::{NearPair, PairList};
 use queue::Event;
 pub use queue::WALL;
 use simulation::{Scratch, Simulation};
@@ -99,7 +99,7 @@ pub struct Outside {
 #[derive(Debug, Default)]
 pub struct Events {
     /// The discs that each disc may meet.
-    pub neighbors: Neighbors,
+    neighbors: Neighbors,
     /// Bounces during the step, in any order.
     pub bounced: Vec<Bounce>,
     /// Pairs that touched during the step, of those that pass through each other; some may be listed
@@ -114,7 +114,6 @@ pub struct Events {
     may_be_outside_limits: Vec<u32>,
     starts: Vec<Start>,
     blocks: Vec<Block>,
-    batches: Vec<Batch>,
     /// Discs of each block but the last.
     size: usize,
     /// The number of the course of each disc: in the history of its block, or in that of the discs
@@ -141,6 +140,7 @@ pub struct Events {
 /// A range of discs that are simulated together.
 #[derive(Debug, Default)]
 struct Block {
+    number: usize,
     range: Range<u32>,
     /// Impacts along the first segments.
     first: Vec<Event>,
@@ -189,7 +189,7 @@ impl Events {
         bounds: &mut dyn Bounds,
         shortest: f64,
     ) -> Result<f64> {
-        self.prepare(window.starts.len(), window.flight.threads);
+        self.prepare(window.starts.len());
         window.end = end_for_the_fast(&window, shortest)?;
         self.conflicts.clear();
         bounds.begin_window();
@@ -199,11 +199,13 @@ impl Events {
             find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
-        self.find_first_impacts(&window);
+        self.find_first_impacts_of_later(&window);
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
         self.each_block(&window, reaches, |block, arguments| {
-            block.load(&arguments);
+            let near = &mut arguments.scratch.near;
+            block.find_first_impacts(&window, arguments.neighbors, near);
             block.find_first_wall_impacts(&window);
+            block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
             if block.impacts_until(window.end) as u64 <= share {
@@ -271,13 +273,20 @@ impl Events {
         self.may_be_outside_limits = listed;
     }
 
-    /// Makes blocks of all discs.
-    fn prepare(&mut self, len: usize, threads: Option<usize>) {
+    /// Takes the candidate pairs of a step of `len` discs, a list for each image of a torus.
+    pub fn take_pairs(&mut self, len: usize, lists: &[PairList], threads: Option<usize>) {
         let least = if parallel::is_parallel(threads) { SHARED } else { 1 };
-        self.size = len.div_ceil(least).clamp(BLOCK.start, BLOCK.end);
+        self.size = len.div_ceil(least).clamp(BLOCK.start, BLOCK.end).next_power_of_two();
+        self.neighbors.fill(len, lists, self.size, threads);
+    }
+
+    /// Makes blocks of all discs.
+    fn prepare(&mut self, len: usize) {
         self.again.clear();
         self.blocks.resize_with(len.div_ceil(self.size), Block::default);
-        for (block, start) in self.blocks.iter_mut().zip((0..).step_by(self.size)) {
+        let starts = (0..).step_by(self.size);
+        for (number, (block, start)) in self.blocks.iter_mut().zip(starts).enumerate() {
+            block.number = number;
             block.range = start..(len as u32).min(start + self.size as u32);
             block.first.clear();
             block.crossing.clear();
@@ -598,7 +607,7 @@ impl Block {
     fn load(&self, arguments: &Arguments<'_>) {
         let range = self.range.start as usize..self.range.end as usize;
         let Particles { positions, residuals, .. } = arguments.window.flight.particles;
-        arguments.neighbors.load(&self.range);
+        arguments.neighbors.load(self.number);
         cache::load(&positions[range.clone()]);
         cache::load(&residuals[range.clone()]);
         cache::load(&arguments.reaches[range]);

@@ -1,10 +1,15 @@
-//! Which discs each disc may meet during a step, in one array (compressed sparse rows).
+//! Which discs each disc may meet during a step: an array for each block of discs (compressed sparse
+//! rows).
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::cache;
+use crate::parallel;
 use crate::trajectory::Vector;
+
+/// Candidate pairs, with the image of the second discs.
+pub type PairList = ([f32; 2], Vec<[u32; 2]>);
 
 /// A disc that another one may meet.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,19 +34,46 @@ pub struct NearPair {
 /// The neighbours of all discs.
 #[derive(Debug, Default)]
 pub struct Neighbors {
-    /// `all[starts[i]..starts[i + 1]]` are the neighbours of disc i.
-    starts: Vec<u32>,
-    all: Vec<Neighbor>,
+    /// Discs of each block but the last, a power of two.
+    size: usize,
+    blocks: Vec<NearBlock>,
+    parts: Vec<Part>,
     /// Neighbours found after discs have left their bounds, sorted by disc.
     later: Vec<(u32, Neighbor)>,
     /// Those of them that are neighbours in later windows too.
     lasting: Vec<(u32, Neighbor)>,
-    /// Whether a disc has any of these.
+    /// Whether a disc has any of these; empty if none has.
     has_later: Vec<bool>,
-    /// The number of the image of each list of candidate pairs.
-    codes: Vec<u32>,
     images: Images,
 }
+
+/// The neighbours of the discs of a block, a range of discs.
+#[derive(Debug, Default)]
+pub struct NearBlock {
+    /// The first disc.
+    first: u32,
+    /// The number of discs.
+    len: usize,
+    /// Which candidate pairs have both discs in this block: the number of their list, and their range
+    /// in it.
+    pub inside: Vec<(u32, Range<u32>)>,
+    /// The candidate pairs that have one disc in this block, with the image of the second.
+    pub across: Vec<([u32; 2], u32)>,
+    /// `all[starts[i]..starts[i + 1]]` are the neighbours of disc `first + i`.
+    starts: Vec<u32>,
+    all: Vec<Neighbor>,
+}
+
+/// Some of the candidate pairs, sorted by blocks.
+#[derive(Debug, Default)]
+struct Part {
+    /// The block, and the range of pairs in the list.
+    inside: Vec<(u32, Range<u32>)>,
+    across: Vec<[u32; 2]>,
+}
+
+/// Candidate pairs that one thread sorts by blocks at a time.
+const PAIRS: usize = 1 << 14;
 
 /// Offsets between a torus and its images, by number.
 #[derive(Debug, Default)]
@@ -64,64 +96,168 @@ impl Images {
         if offset == [0.0; 2] {
             return 0;
         }
-        // 0 + v, so that no offset is −0.
-        let bits = |offset: Vector| offset.map(|v| (0.0 + v).to_bits());
-        if let Some(&number) = self.numbers.get(&bits(offset)) {
+        if let Some(&number) = self.numbers.get(&Self::bits(offset)) {
             return number;
         }
         let number = self.offsets.len() as u32;
         for (number, offset) in [(number, offset), (number + 1, offset.map(|v| -v))] {
             self.offsets.push(offset);
-            self.numbers.insert(bits(offset), number);
+            self.numbers.insert(Self::bits(offset), number);
         }
         number
     }
+
+    /// The number of an offset that has one.
+    fn known(&self, offset: Vector) -> u32 {
+        if offset == [0.0; 2] { 0 } else { self.numbers[&Self::bits(offset)] }
+    }
+
+    /// 0 + v, so that no offset is −0.
+    fn bits(offset: Vector) -> [u64; 2] {
+        offset.map(|v| (0.0 + v).to_bits())
+    }
 }
 
-impl Neighbors {
-    /// Takes the candidate pairs, a list for each image: the first of a pair, moved by minus the
-    /// image, is near the second.
-    pub fn fill(&mut self, len: usize, lists: &[([f32; 2], Vec<[u32; 2]>)]) {
-        let Self { starts, all, later, lasting, has_later, codes, images } = self;
-        codes.clear();
-        later.clear();
-        lasting.clear();
-        has_later.clear();
-        images.clear();
-        starts.clear();
-        starts.resize(len + 2, 0);
-        for &[a, b] in lists.iter().flat_map(|(_, pairs)| pairs) {
-            starts[a as usize + 2] += 1;
-            starts[b as usize + 2] += 1;
+impl Part {
+    /// Takes pairs that begin at `start` of their list.
+    fn fill(&mut self, pairs: &[[u32; 2]], start: u32, size: u32) {
+        self.inside.clear();
+        self.across.clear();
+        let mut at = 0;
+        while let Some(&[a, b]) = pairs.get(at) {
+            let block = a / size;
+            let is_inside = |disc: u32| disc.wrapping_sub(block * size) < size;
+            if !is_inside(b) {
+                self.across.push([a, b]);
+                at += 1;
+                continue;
+            }
+            let run = pairs[at..].iter().take_while(|[a, b]| is_inside(*a) & is_inside(*b));
+            let end = at + run.count();
+            self.inside.push((block, start + at as u32..start + end as u32));
+            at = end;
         }
+    }
+}
+
+impl NearBlock {
+    /// Lists the neighbours of each disc.
+    fn fill(&mut self, lists: &[PairList], codes: impl Fn(u32) -> u32) {
+        let Self { first, len, inside, across, starts, all } = self;
+        starts.clear();
+        starts.resize(*len + 2, 0);
+        let runs = || {
+            inside.iter().map(|(list, range)| {
+                let pairs = &lists[*list as usize].1;
+                (&pairs[range.start as usize..range.end as usize], codes(*list))
+            })
+        };
+        let place = |disc: u32| disc.wrapping_sub(*first) as usize;
+        for &[a, b] in runs().flat_map(|(pairs, _)| pairs) {
+            starts[place(a) + 2] += 1;
+            starts[place(b) + 2] += 1;
+        }
+        let own = |[a, b]: [u32; 2]| if place(a) < *len { a } else { b };
+        across.iter().for_each(|&(pair, _)| starts[place(own(pair)) + 2] += 1);
         for index in 2..starts.len() {
             starts[index] += starts[index - 1];
         }
-        all.resize(starts[len + 1] as usize, Neighbor::default());
-        for (image, pairs) in lists {
-            let code = images.number(image.map(f64::from));
-            codes.push(code);
+        all.resize(starts[*len + 1] as usize, Neighbor::default());
+        let mut put = |of: u32, index, image| {
+            let next = &mut starts[place(of) + 1];
+            all[*next as usize] = Neighbor { index, image };
+            *next += 1;
+        };
+        for (pairs, code) in runs() {
             for &[a, b] in pairs {
-                let mut put = |at: u32, index, image| {
-                    let next = &mut starts[at as usize + 1];
-                    all[*next as usize] = Neighbor { index, image };
-                    *next += 1;
-                };
                 put(a, b, code);
+                put(b, a, opposite(code));
+            }
+        }
+        for &([a, b], code) in &*across {
+            if place(a) < *len {
+                put(a, b, code);
+            } else {
                 put(b, a, opposite(code));
             }
         }
     }
 
+    /// The neighbours of a disc of this block.
+    #[inline(always)]
+    fn of(&self, disc: u32) -> &[Neighbor] {
+        let place = (disc - self.first) as usize;
+        &self.all[self.starts[place] as usize..self.starts[place + 1] as usize]
+    }
+}
+
+impl Neighbors {
+    /// Takes the candidate pairs, a list for each image: the first of a pair, moved by minus the
+    /// image, is near the second. A block has `size` discs of all `len`.
+    pub fn fill(&mut self, len: usize, lists: &[PairList], size: usize, threads: Option<usize>) {
+        let Self { blocks, parts, later, lasting, has_later, images, .. } = self;
+        self.size = size;
+        later.clear();
+        lasting.clear();
+        has_later.clear();
+        images.clear();
+        lists.iter().for_each(|(image, _)| _ = images.number(image.map(f64::from)));
+        let chunks = || {
+            let lists = (0..).zip(lists);
+            lists.flat_map(|(list, (_, pairs))| {
+                pairs.chunks(PAIRS).zip((0..).step_by(PAIRS)).map(move |part| (list, part))
+            })
+        };
+        let count = chunks().count();
+        parts.resize_with(parts.len().max(count), Part::default);
+        let parts = &mut parts[..count];
+        let tasks = parts.iter_mut().zip(chunks());
+        parallel::for_each(threads, tasks, |(part, (_, (pairs, start)))| {
+            part.fill(pairs, start, size as u32);
+        });
+        blocks.resize_with(blocks.len().max(len.div_ceil(size)), NearBlock::default);
+        for (block, first) in blocks.iter_mut().zip((0..).step_by(size)) {
+            block.first = first as u32;
+            block.len = size.min(len.saturating_sub(first));
+            block.inside.clear();
+            block.across.clear();
+        }
+        for (part, (list, _)) in parts.iter().zip(chunks()) {
+            let code = images.number(lists[list as usize].0.map(f64::from));
+            for (block, range) in &part.inside {
+                blocks[*block as usize].inside.push((list, range.clone()));
+            }
+            for &pair in &part.across {
+                for disc in pair {
+                    blocks[disc as usize / size].across.push((pair, code));
+                }
+            }
+        }
+        let blocks = &mut blocks[..len.div_ceil(size)];
+        parallel::for_each(threads, blocks.iter_mut(), |block| {
+            block.fill(lists, |list| images.known(lists[list as usize].0.map(f64::from)));
+        });
+    }
+
+    /// The neighbours of the discs of a block.
+    pub fn block(&self, number: usize) -> &NearBlock {
+        &self.blocks[number]
+    }
+
+    /// The neighbours of a disc that were found first.
+    #[inline(always)]
+    fn at_start(&self, disc: u32) -> &[Neighbor] {
+        self.blocks[disc as usize / self.size].of(disc)
+    }
+
     /// Calls `act` with each neighbour of a disc.
     #[inline(always)]
     pub fn of(&self, index: u32, mut act: impl FnMut(&Neighbor)) {
-        let range = self.starts[index as usize] as usize..self.starts[index as usize + 1] as usize;
-        for neighbor in &self.all[range] {
+        let has_later = self.has_later.get(index as usize).is_some_and(|&has| has);
+        let later = if has_later { &self.later[self.later_of(index)] } else { &[] };
+        // One call of `act`, so that it is inlined.
+        for neighbor in self.at_start(index).iter().chain(later.iter().map(|(_, found)| found)) {
             act(neighbor);
-        }
-        if self.has_later.get(index as usize).is_some_and(|&has| has) {
-            self.later[self.later_of(index)].iter().for_each(|(_, neighbor)| act(neighbor));
         }
     }
 
@@ -137,15 +273,14 @@ impl Neighbors {
         &self.later
     }
 
-    /// Loads the neighbours of a range of discs into the cache.
-    pub fn load(&self, range: &Range<u32>) {
-        let [first, end] = [range.start, range.end].map(|index| self.starts[index as usize]);
-        cache::load(&self.all[first as usize..end as usize]);
+    /// Loads the neighbours of the discs of a block into the cache.
+    pub fn load(&self, number: usize) {
+        cache::load(&self.blocks[number].all);
     }
 
-    /// The number of the image of each list of candidate pairs.
-    pub fn codes(&self) -> &[u32] {
-        &self.codes
+    /// The number of the image of a list of candidate pairs.
+    pub fn code(&self, image: [f32; 2]) -> u32 {
+        self.images.known(image.map(f64::from))
     }
 
     /// The offset that is added to the position of a neighbour.
@@ -186,7 +321,8 @@ impl Neighbors {
             self.later.push((b, Neighbor { index: a, image: opposite(image) }));
         }
         self.later.sort_unstable_by_key(key);
-        self.has_later.resize(self.starts.len() - 2, false);
+        let len = self.blocks.iter().map(|block| block.len).sum();
+        self.has_later.resize(len, false);
         new.iter().flat_map(|&(a, found)| [a, found.index]).for_each(|of| {
             self.has_later[of as usize] = true;
         });
@@ -208,9 +344,7 @@ impl Neighbors {
 
     /// Whether a pair was one of the candidate pairs.
     fn is_near_at_start(&self, &(a, Neighbor { index: b, image }): &(u32, Neighbor)) -> bool {
-        let near = |of: u32| {
-            &self.all[self.starts[of as usize] as usize..self.starts[of as usize + 1] as usize]
-        };
+        let near = |of: u32| self.at_start(of);
         let has = |of: u32, index, image| {
             near(of).iter().any(|found| found.index == index && found.image == image)
         };

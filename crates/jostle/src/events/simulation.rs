@@ -64,6 +64,8 @@ struct Nearby {
 pub struct Scratch {
     pub(super) queue: Queue,
     pub(super) predicted: Vec<Event>,
+    /// Pairs that may have an impact along their first segments.
+    pub(super) near: Vec<[u32; 2]>,
     /// The contacts of a disc with walls.
     pub(super) contacts: Vec<Contact>,
     pub(super) impulses: Vec<[f64; 2]>,

@@ -69,7 +69,7 @@ impl World {
             let places = self.rows.iter().zip(moving.iter_mut());
             places.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
-        events.neighbors.fill(self.particles.len(), pairs);
+        events.take_pairs(self.particles.len(), pairs, threads);
         let (particles, restitution) = (&self.particles, self.settings.restitution);
         if may_rest {
             self.contacts.collect(pairs, particles, moving, restitution, tree.rows(), threads);
