@@ -1,8 +1,8 @@
 """Times whole frames of the simulator's window: `python benchmarks/frames.py`.
 
-One line for each renderer and number of particles: frames a second, milliseconds a frame, and how
-those are made up: simulating, drawing, panels. No display is needed. With many particles steps
-and pictures are made beside the window; then the longest frame is what a person feels.
+One line for each renderer and number of particles: FPS, milliseconds per frame, and their parts on
+the UI thread: simulation, scene, panels. No display is needed. Steps and slow frames are computed
+on worker threads, so the longest frame shows how responsive the window is.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ FRAME = 1 / 60
 COLUMNS = (
     "renderer",
     "n",
-    "frames/s",
+    "FPS",
     "median ms",
     "longest ms",
     "step ms",

@@ -41,10 +41,10 @@ def article_with(places: Sequence[Point]) -> ArticleSimulation:
 
 
 class Driver:
-    """A person at a window."""
+    """Scripted input of a window."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self.window = Window(simulation, SIZE)
+    def __init__(self, simulation: Simulation, *, synchronous: bool = True) -> None:
+        self.window = Window(simulation, SIZE, synchronous=synchronous)
         self.window.builders = []  # no panels between the mouse and the scene
         self.session = self.window.session
         pygame.event.clear()
@@ -93,7 +93,7 @@ class Driver:
         self.up(point, button, mod)
 
     def drag(self, start: Point, end: Point, button: int = LEFT, mod: int = 0) -> None:
-        """Press, move in ten frames without time, let go."""
+        """Press, move in ten frames without time, release."""
         self.down(start, button, mod)
         for share in np.linspace(0, 1, 10):
             x, y = np.array(start) + share * (np.array(end) - np.array(start))

@@ -1,4 +1,4 @@
-"""For the tests of the picture: a frame by hand, a camera of pixels, a painter that notes."""
+"""For the tests of drawing: a frame from columns, a camera of pixels, a recording painter."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ VIEW = (0.0, 0.0, 320.0, 240.0)
 
 @dataclass
 class Notes:
-    """A painter that only notes which strokes it was asked for."""
+    """A painter that only records its calls."""
 
     size: tuple[int, int] = SIZE
     strokes: list[tuple[str, tuple, dict]] = field(default_factory=list)

@@ -26,6 +26,7 @@ BESIDE_THE_LIBRARY = [
     "test_resting.py",
     "test_stub.py",
     "test_tune.py",
+    "test_words.py",
 ]
 
 # Set before any test imports a window library.

@@ -96,7 +96,7 @@ def test_where_there_is_no_room_nothing_changes_and_it_is_said(n: int) -> None:
 
 
 def test_a_session_begins_anew_where_there_is_no_room() -> None:
-    session = Session(gas(200), (800, 600))
+    session = Session(gas(200), (800, 600), synchronous=True)
     session.engine.step()
     session.runner.adjust("n", 190)
     assert len(session.frame) == 190 and session.frame.stats.time > 0
@@ -190,7 +190,7 @@ def test_walls_are_the_same_after_going_back_to_a_state() -> None:
 
 
 def test_the_camera_shows_the_world_that_has_grown() -> None:
-    session = Session(gas(100), (800, 600))
+    session = Session(gas(100), (800, 600), synchronous=True)
     scale = session.camera.scale
     session.runner.paused = True
     session.runner.adjust("world_size", 2.0)
@@ -229,7 +229,7 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
      ("leaf_capacity", 7), ("max_depth", 3), ("on_touch", "merge"), ("threads", 1)],
 )  # fmt: skip
 def test_rules_change_without_a_new_beginning(name: str, value: object) -> None:
-    session = Session(gas(50), (800, 600))
+    session = Session(gas(50), (800, 600), synchronous=True)
     session.engine.step()
     time = session.frame.stats.time
     session.runner.adjust(name, value)
@@ -259,7 +259,9 @@ def test_the_article_has_the_number_and_the_display_asked_for() -> None:
 
 
 def test_the_article_begins_anew_with_another_number() -> None:
-    session = Session(start(Settings("article", 40, method="article-quadtree")), (800, 600))
+    session = Session(
+        start(Settings("article", 40, method="article-quadtree")), (800, 600), synchronous=True
+    )
     session.engine.step()
     session.runner.adjust("n", 60)
     assert len(session.frame) == 60 and session.frame.stats.time == 0

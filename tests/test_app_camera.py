@@ -26,7 +26,7 @@ def test_zoom_keeps_the_point_under_the_cursor() -> None:
         assert camera.to_world((917, 77)) == pytest.approx(before, abs=1e-6)
 
 
-def test_home_shows_the_whole_view_beside_the_readout() -> None:
+def test_home_shows_the_whole_view_next_to_the_readout() -> None:
     camera = Camera((1280, 720), VIEW, left=270)
     x0, y0, x1, y1 = camera.rect_to_screen(VIEW)
     assert x0 >= 270 + MARGIN - 1e-6 and y0 >= MARGIN - 1e-6

@@ -270,7 +270,7 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
 
 
-def test_groups_of_a_file_are_beside_its_walls(tmp_path: Path) -> None:
+def test_groups_of_a_file_do_not_overlap_its_walls(tmp_path: Path) -> None:
     text = """scene = "gas"
 n = 0
 [[walls]]

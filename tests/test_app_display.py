@@ -32,7 +32,7 @@ def open_window() -> Iterator:
 
     def make(n: int = 50, **options: object) -> Window:
         try:
-            windows.append(Window(start(Settings("gas", n)), SIZE, **options))
+            windows.append(Window(start(Settings("gas", n)), SIZE, **options, synchronous=True))
         except NoRendererError as error:
             pytest.skip(str(error))
         pygame.event.clear()
@@ -55,7 +55,7 @@ def picture_of(painter) -> np.ndarray:
     reason="without CI=true a machine need not have OpenGL",
 )
 def test_where_changes_are_judged_there_is_opengl() -> None:
-    """Every other test of OpenGL is skipped without it, and nobody would notice."""
+    """Every other test of OpenGL is skipped without it, without a failure."""
     assert Screen(SIZE, "opengl").painter.name == "opengl"
 
 
@@ -195,7 +195,7 @@ def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatc
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
-def test_panels_nobody_touches_are_built_every_other_frame(open_window, renderer: str) -> None:
+def test_panels_without_events_are_built_every_other_frame(open_window, renderer: str) -> None:
     pytest.importorskip("imgui_bundle")
     window, built = open_window(renderer=renderer), []
     window.session.runner.paused = True
@@ -217,7 +217,7 @@ def test_panels_nobody_touches_are_built_every_other_frame(open_window, renderer
 
 
 @pytest.fixture
-def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
+def background(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
     """A backdrop to which every picture is a long one."""
     monkeypatch.setattr(background_render, "FEW", -1)
     monkeypatch.setattr(background_render, "MANY", -1)
@@ -227,48 +227,48 @@ def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
     slow.close()
 
 
-def test_a_long_picture_is_drawn_beside_the_window(beside: BackgroundRenderer) -> None:
+def test_a_slow_frame_is_drawn_on_the_worker_thread(background: BackgroundRenderer) -> None:
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
     camera.scale, camera.center = 1.0, (320.0, 180.0)
-    beside.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
+    background.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
     assert (picture_of(painter) == GROUND).all()  # nothing is finished
-    beside.wait()
+    background.wait()
 
     def corner(target, seer) -> None:
         target.fill((0, 0, 0))
         target.rects(np.array([[0, 0, 11, 11]]), np.array([[0, 200, 0]]), filled=True)
 
-    beside.draw(painter, camera, 10, corner)
+    background.draw(painter, camera, 10, corner)
     assert (picture_of(painter) == (200, 0, 0)).all()
-    beside.wait()
-    beside.draw(painter, camera, 10, corner)
+    background.wait()
+    background.draw(painter, camera, 10, corner)
     assert tuple(picture_of(painter)[5, 5]) == (0, 200, 0)
-    beside.wait()
+    background.wait()
     camera.pan((-100, -50))  # the last picture goes with the camera, before there is a new one
-    beside.draw(painter, camera, 10, corner)
+    background.draw(painter, camera, 10, corner)
     shown = picture_of(painter)
     assert tuple(shown[105, 55]) == (0, 200, 0)
     assert tuple(shown[50, 20]) == GROUND
     camera.pan((100, 50))
-    beside.wait()
-    beside.draw(painter, camera, 10, corner)
-    beside.wait()
+    background.wait()
+    background.draw(painter, camera, 10, corner)
+    background.wait()
     camera.zoom_at((0, 0), 4.0)
-    beside.draw(painter, camera, 10, corner)
+    background.draw(painter, camera, 10, corner)
     assert tuple(picture_of(painter)[30, 30]) == (0, 200, 0)
 
 
-def test_what_goes_wrong_beside_the_window_is_told(beside: BackgroundRenderer) -> None:
+def test_an_error_of_the_worker_thread_is_raised(background: BackgroundRenderer) -> None:
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
 
     def wrong(target, seer) -> None:
         raise ValueError("wrong")
 
-    beside.draw(painter, camera, 10, wrong)
+    background.draw(painter, camera, 10, wrong)
     with pytest.raises(ValueError, match="wrong"):
-        beside.wait()
+        background.wait()
     with pytest.raises(ValueError, match="wrong"):
-        beside.draw(painter, camera, 10, wrong)
+        background.draw(painter, camera, 10, wrong)
 
 
 def test_few_particles_are_always_drawn_at_once() -> None:
@@ -283,9 +283,9 @@ def test_few_particles_are_always_drawn_at_once() -> None:
 def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) -> None:
     window = open_window(200_000, renderer=renderer)
     window.frame(FRAME)
-    assert window._backdrop.in_background  # later pictures may be quick enough for the window
+    assert window._background.in_background  # later pictures may be quick enough for the window
     for _ in range(2):
         window.frame(FRAME)
-    window._backdrop.wait()
+    window._background.wait()
     window.frame(FRAME)
     assert picture_of(window.painter).std() > 1

@@ -134,7 +134,7 @@ def test_without_a_tree_every_pair_is_tested() -> None:
     assert why.lines[3] == "Without a tree every pair is tested."
 
 
-def test_rules_that_are_not_a_bounce_are_told() -> None:
+def test_contacts_that_are_not_a_bounce_are_explained() -> None:
     near = [(0, 0), (1, 0)]
     assert "collisions are off" in answer(near, 1.0, on_touch="ignore").lines[-1]
     assert "merge at the end" in answer(near, 1.0, on_touch="merge").lines[-1]
@@ -160,7 +160,7 @@ def test_the_article_tests_what_shares_a_leaf() -> None:
 
 
 def test_a_session_answers_for_two_selected_until_it_is_taken_back() -> None:
-    session = Session(start(Settings("gas", 40)), (640, 360))
+    session = Session(start(Settings("gas", 40)), (640, 360), synchronous=True)
     session.explain()
     assert session.message == "Select two particles; 0 are selected."
     assert session.explanation is None

@@ -33,14 +33,14 @@ NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 @pytest.fixture
 def session(tmp_path: Path):
-    session = Session(start(Settings("gas", 60)), (640, 360))
+    session = Session(start(Settings("gas", 60)), (640, 360), synchronous=True)
     session.files.folder = tmp_path / "out"
     yield session
     session.close()
 
 
 def wait(session: Session) -> None:
-    """Wait for what is exported beside the window."""
+    """Wait for what is exported on a worker thread."""
     for export in session.files._exports:
         export.exception()
     session.advance(0.0)
@@ -198,14 +198,14 @@ def test_objects_are_not_read() -> None:
 
 @pytest.mark.parametrize("settings", SCENES, ids=NAMES)
 def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, settings) -> None:
-    first = Session(start(settings), (640, 360))
+    first = Session(start(settings), (640, 360), synchronous=True)
     for _ in range(5):
         first.engine.step()
     first.camera.zoom_at((100, 100), 2.0)
     first.view_options.tree, first.view_options.colour_by = TreeView.FILLED, ColourBy.MASS
     first.view_options.velocities = True
     first.files.save(tmp_path / "one.jostle")
-    second = Session(start(Settings("rain", 5)), (1280, 720))
+    second = Session(start(Settings("rain", 5)), (1280, 720), synchronous=True)
     second.files.load(tmp_path / "one.jostle")
     assert second.message == "Loaded one.jostle"
     assert second.settings == first.settings

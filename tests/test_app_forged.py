@@ -61,7 +61,7 @@ REMOVED = object()
 
 def saved(settings: Settings, folder: Path) -> bytes:
     """The file of a scene, with a wall and with attractions."""
-    session = Session(start(settings), SIZE)
+    session = Session(start(settings), SIZE, synchronous=True)
     for _ in range(3):
         session.engine.step()
     x0, y0, x1, y1 = session.engine.view
@@ -155,7 +155,7 @@ class Trial:
 
     def load(self, data: bytes) -> str:
         """Load a file; return the error, or None if the session continues with it."""
-        session = Session(start(Settings("gas", 3)), SIZE)
+        session = Session(start(Settings("gas", 3)), SIZE, synchronous=True)
         before = session.engine.simulation, session.frame, session.camera.center
         self.path.write_bytes(data)
         session.files.load(self.path)

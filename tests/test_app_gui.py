@@ -23,7 +23,7 @@ FRAME = 1 / 60
 
 
 class Panel:
-    """A window with one of everything that is asked about here."""
+    """A window with one widget of each kind."""
 
     def __init__(self, painter: Painter, scale: float = 1.0) -> None:
         self.painter, self.scale = painter, scale
@@ -63,7 +63,7 @@ class Panel:
         place = self.gui.marks[name].center
         assert self.mouse(pygame.MOUSEMOTION, place)
         assert self.mouse(pygame.MOUSEBUTTONDOWN, place, button)
-        assert not self.mouse(pygame.MOUSEBUTTONUP, place, button)  # letting go is told to both
+        assert not self.mouse(pygame.MOUSEBUTTONUP, place, button)  # both receive releases
         self.frame()
 
 
@@ -118,7 +118,7 @@ def test_text_is_typed_and_keys_are_kept_from_the_scene(panel: Panel) -> None:
     assert not panel.post(pygame.KEYDOWN, **key)
 
 
-def test_the_scene_gets_what_is_beside_the_panels(panel: Panel) -> None:
+def test_the_scene_receives_events_outside_the_panels(panel: Panel) -> None:
     assert not panel.mouse(pygame.MOUSEMOTION, (300, 250))
     assert not panel.mouse(pygame.MOUSEBUTTONDOWN, (300, 250))
     assert not panel.mouse(pygame.MOUSEMOTION, panel.gui.marks["press"].center)  # its drag goes on

@@ -1,4 +1,4 @@
-"""A run without a screen leaves a film that plays, a picture and a table."""
+"""A run without a window: a playable video, a picture and a table."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_table_sets_the_methods_side_by_side(
         assert words in table
 
 
-def test_table_of_nothing_races_nobody(tmp_path: Path, console, monkeypatch) -> None:
+def test_table_without_particles_compares_nothing(tmp_path: Path, console, monkeypatch) -> None:
     monkeypatch.setattr(film_report, "PATIENCE", 0.01)
     table = table_of(Settings("gas", 0), tmp_path, console)
     assert "nothing to compare" in table and "×" not in table

@@ -34,7 +34,7 @@ def fingerprint(session: Session) -> object:
 
 
 def session_of(settings: Settings, stride: int = 1) -> Session:
-    session = Session(start(settings), (640, 360))
+    session = Session(start(settings), (640, 360), synchronous=True)
     session.runner.history.stride = stride
     return session
 
@@ -83,7 +83,7 @@ def test_stepping_back_ends_at_the_beginning() -> None:
 
 @pytest.mark.parametrize("stride", [1, 5])
 def test_acts_of_a_person_are_shown_as_they_were(stride: int) -> None:
-    """Edits, a hand that drags for several steps, and Space."""
+    """Edits, a drag over several steps, and Space."""
     session = session_of(Settings("gas", 100), stride)
     engine, prints = session.engine, {}
 

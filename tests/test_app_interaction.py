@@ -1,4 +1,4 @@
-"""What a person does to particles with keys and mouse: the world's state afterwards."""
+"""Commands by keys and mouse: the state of the world afterwards."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from app_interaction import FRAME, VIEW, Driver, article_with, tags, world_of  #
 
 import jostle  # noqa: E402
 from jostle.app.act.commands import scatter, usual  # noqa: E402
-from jostle.app.simulate import engine as engine_of_the_app  # noqa: E402
 from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.simulation import Attractor, FrameRequest  # noqa: E402
@@ -30,7 +29,7 @@ def closed() -> Iterator[None]:
     pygame.display.quit()
 
 
-# ---- the hand ------------------------------------------------------------------------------------
+# ---- dragging ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("make", BOTH)
@@ -46,7 +45,7 @@ def test_a_held_particle_that_vanishes_is_dropped(make) -> None:
     assert len(driver.session.frame) == 1
 
 
-def test_a_heavy_particle_follows_the_hand_more_slowly() -> None:
+def test_a_heavy_particle_follows_the_cursor_more_slowly() -> None:
     places = [(100, 100), (100, 300), (600, 100), (600, 300), (600, 400)]
     gone = []
     for tag, y in enumerate((100, 300)):
@@ -59,7 +58,7 @@ def test_a_heavy_particle_follows_the_hand_more_slowly() -> None:
     assert 5 < gone[1] < 0.8 * gone[0] < 60
 
 
-def test_what_is_held_does_not_overshoot_when_the_hand_stops() -> None:
+def test_a_held_particle_does_not_overshoot_when_the_cursor_stops() -> None:
     driver = Driver(world_of([(100, 100)]))
     driver.down((100, 100))
     furthest = 0.0
@@ -100,7 +99,7 @@ def test_the_article_picks_up_the_first_of_its_list() -> None:
     assert driver.session.interaction.drag_tool.held == 1
 
 
-def test_in_a_pause_what_is_held_is_put_where_the_hand_is() -> None:
+def test_in_a_pause_a_held_particle_is_moved_to_the_cursor() -> None:
     driver = Driver(world_of([(200, 250)]))
     driver.key(pygame.K_p)
     driver.down((200, 250))
@@ -115,7 +114,7 @@ def test_in_a_pause_what_is_held_is_put_where_the_hand_is() -> None:
 
 
 @pytest.mark.parametrize("make", BOTH)
-def test_space_pulls_everything_by_distance_and_stops_on_release(make) -> None:
+def test_space_attracts_all_by_distance_and_stops_on_release(make) -> None:
     driver = Driver(make([(200, 100), (300, 100), (500, 100)]))
     still = Driver(make([(200, 100), (300, 100), (500, 100)]))
     driver.point_at((600, 100))
@@ -200,7 +199,7 @@ def test_delete_deletes_the_selection_or_what_is_under_the_cursor(make, key: int
 
 
 @pytest.mark.parametrize("make", BOTH)
-def test_d_clones_beside_the_original_with_its_velocity(make) -> None:
+def test_d_clones_next_to_the_original_with_its_velocity(make) -> None:
     driver = Driver(make([(100, 100), (750, 300)]))
     driver.session.runner.paused = True
     driver.session.engine.edit(lambda simulation: simulation.change([0, 1], velocities=(30, 0)))
@@ -315,7 +314,7 @@ def test_attraction_ends_with_a_particle_that_is_removed() -> None:
     assert simulation.frame().attractors == () and simulation.world.forces == ()
 
 
-# ---- everybody -----------------------------------------------------------------------------------
+# ---- all particles -------------------------------------------------------------------------------
 
 CONTAINERS = [
     jostle.Box(*VIEW),
@@ -326,7 +325,7 @@ CONTAINERS = [
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=lambda walls: type(walls).__name__)
-def test_scrambling_leaves_nobody_outside(container: object) -> None:
+def test_random_positions_are_inside_the_container(container: object) -> None:
     chance = np.random.default_rng(1)
     radii = np.linspace(1, 40, 500)
     places = scatter(chance, container, VIEW, radii)
@@ -430,9 +429,8 @@ def test_immovable_is_refused_by_the_article() -> None:
 # ---- very many -----------------------------------------------------------------------------------
 
 
-def test_edits_of_very_many_particles_are_made_beside_the_window(monkeypatch) -> None:
-    monkeypatch.setattr(engine_of_the_app, "FEW", 1)
-    driver = Driver(world_of([(200, 100), (300, 100)]))
+def test_edits_are_made_on_the_worker_thread() -> None:
+    driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
     driver.session.runner.paused = True
     engine = driver.session.engine
     gate = threading.Event()
@@ -449,9 +447,8 @@ def test_edits_of_very_many_particles_are_made_beside_the_window(monkeypatch) ->
 
 
 @pytest.mark.parametrize("paused", [True, False])
-def test_an_edit_beside_the_window_shows_without_another(paused: bool, monkeypatch) -> None:
-    monkeypatch.setattr(engine_of_the_app, "FEW", 1)
-    driver = Driver(world_of([(200, 100), (300, 100)]))
+def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> None:
+    driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
     driver.session.runner.paused = paused
     driver.session.interaction.commands.delete(np.array([1]))
     job = driver.session.engine._job

@@ -71,7 +71,7 @@ def test_delete_clone_and_stop(make) -> None:
 
 
 @pytest.mark.parametrize("make", BOTH)
-def test_a_particle_attracts_the_others_until_it_is_told_to_stop(make) -> None:
+def test_a_particle_attracts_the_others_until_that_is_ended(make) -> None:
     driver = Driver(make(TWO))
     choose(driver, "attract", (400, 300))
     driver.frames(8)
@@ -246,7 +246,7 @@ def test_every_line_of_both_menus_is_shown(driver: Driver) -> None:
         assert driver.session.interaction.menu is None and driver.session.open
 
 
-def test_a_click_beside_the_menu_closes_it_and_does_nothing_else(driver: Driver) -> None:
+def test_a_click_outside_the_menu_closes_it_and_does_nothing_else(driver: Driver) -> None:
     driver.session.interaction.selection.take([0])
     open_at(driver, (400, 300))
     click_on(driver, (990, 20))

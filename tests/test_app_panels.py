@@ -29,7 +29,7 @@ class Desk:
     """A session with its panels, and a mouse; they are painted only after `paint` is called."""
 
     def __init__(self, settings: Settings, size: tuple[int, int] = (1600, 1100)) -> None:
-        self.session = Session(start(settings), size)
+        self.session = Session(start(settings), size, synchronous=True)
         self.painter = SoftwarePainter(size)
         self.gui = Gui(self.painter)
         self.taken: list[bool] = []
@@ -156,7 +156,7 @@ def test_the_slider_of_friction_changes_all_particles(desk) -> None:
     assert here.session.frame.angles is not None
 
 
-def test_the_number_of_particles_waits_until_the_hand_lets_go(desk) -> None:
+def test_the_number_of_particles_changes_on_release(desk) -> None:
     here = desk()
     here.press("particles", 0.3, 0.6)
     assert len(here.session.frame) == 200
@@ -271,7 +271,7 @@ def test_what_would_take_too_long_cannot_be_clicked(desk) -> None:
         assert here.session.settings.method == "quadtree"
 
 
-def test_a_rival_runs_beside_the_scene(desk) -> None:
+def test_a_second_method_runs_next_to_the_scene(desk) -> None:
     here = desk()
     here.click("compare with")
     here.click("compare with: brute")
@@ -410,7 +410,7 @@ def test_hidden_panels_give_all_room_to_the_scene(desk) -> None:
 def test_no_click_on_a_panel_reaches_the_scene(desk) -> None:
     here = desk()
     here.click("pause")
-    assert here.taken == [True, True, False]  # letting go is told to both
+    assert here.taken == [True, True, False]  # both receive releases
     here.taken.clear()
     here.send(pygame.MOUSEMOTION, (800, 500))
     here.send(pygame.MOUSEBUTTONDOWN, (800, 500))

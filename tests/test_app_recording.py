@@ -51,7 +51,7 @@ def blurred(picture: np.ndarray, side: int) -> np.ndarray:
 
 @pytest.fixture
 def session(tmp_path: Path):
-    session = Session(start(Settings("gas", 100)), SIZE)
+    session = Session(start(Settings("gas", 100)), SIZE, synchronous=True)
     session.files.folder = tmp_path
     yield session
     session.close()
@@ -199,7 +199,7 @@ def red_pixels(window: Window) -> int:
 
 
 def test_closing_the_window_while_recording_leaves_a_film_that_plays(tmp_path: Path) -> None:
-    window = Window(start(Settings("gas", 100)), SIZE)
+    window = Window(start(Settings("gas", 100)), SIZE, synchronous=True)
     window.session.files.folder = tmp_path
     window.session.files.toggle_recording()
     for _ in range(30):

@@ -1,8 +1,7 @@
-"""What the statistics collect: the rings of numbers, when sums are asked for, and the drift."""
+"""The statistics: ring buffers, requests for sums, and the change of energy."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -181,7 +180,7 @@ def test_times_have_a_row_a_frame() -> None:
 
 
 def test_sums_are_asked_for_ten_times_a_second_at_most() -> None:
-    session, asked = Session(start(Settings("gas", 100)), (640, 360)), 0
+    session, asked = Session(start(Settings("gas", 100)), (640, 360), synchronous=True), 0
     for _ in range(60):
         session.messages.now += FRAME
         session.advance(FRAME)
@@ -191,10 +190,10 @@ def test_sums_are_asked_for_ten_times_a_second_at_most() -> None:
 
 
 def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
-    session = Session(start(Settings("gas", 100)), (640, 360))
+    session = Session(start(Settings("gas", 100)), (640, 360), synchronous=True)
     run(session, 0.2)
     looks = []
-    monkeypatch.setattr(session.engine, "look", lambda: looks.append(1))
+    monkeypatch.setattr(session.engine, "refresh", lambda: looks.append(1))
     for k in range(5):
         session.runner.adjust("gravity", (0.0, 10.0 * k))
         run(session, FRAME)
@@ -204,7 +203,7 @@ def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
 
 
 def test_drift_begins_again_also_in_a_pause() -> None:
-    session = Session(start(Settings("pile", 100)), (640, 360))
+    session = Session(start(Settings("pile", 100)), (640, 360), synchronous=True)
     run(session, 0.5)
     session.runner.paused = True
     assert session.runner.statistics.energy_drift != 0
@@ -222,7 +221,7 @@ def test_slow_steps_are_summed_up_less_often() -> None:
 
 
 def test_lines_are_renewed_by_turns_a_part_a_frame() -> None:
-    session = Session(start(Settings("gas", 100)), (640, 360))
+    session = Session(start(Settings("gas", 100)), (640, 360), synchronous=True)
     traces, renewed = session.traces, []
     for k in range(120):
         before = [traces.frames.copy(), traces.stats, traces.energies, traces.momenta]
@@ -287,14 +286,13 @@ def test_lines_of_energy_begin_where_the_rules_changed() -> None:
 
 
 def run(session: Session, seconds: float) -> None:
-    session.engine.short = math.inf  # no step is made in a thread, which may be slow
     for _ in range(round(seconds / FRAME)):
         session.messages.now += FRAME
         session.advance(FRAME)
 
 
 def test_a_gas_keeps_its_energy() -> None:
-    session = Session(start(Settings("gas", 200)), (640, 360))
+    session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
     run(session, 1.0)
     statistics = session.runner.statistics
     assert statistics.sums["time"][0] == 0.0, "drift begins with the first state"
@@ -304,7 +302,7 @@ def test_a_gas_keeps_its_energy() -> None:
 
 
 def test_merging_is_no_drift() -> None:
-    session = Session(start(Settings("stars", 300)), (640, 360))
+    session = Session(start(Settings("stars", 300)), (640, 360), synchronous=True)
     before = len(session.frame)
     for _ in range(40):
         run(session, 0.25)
@@ -314,7 +312,7 @@ def test_merging_is_no_drift() -> None:
 
 
 def test_fountains_have_no_drift() -> None:
-    session = Session(start(Settings("emitters", 300)), (640, 360))
+    session = Session(start(Settings("emitters", 300)), (640, 360), synchronous=True)
     for _ in range(8):
         run(session, 0.5)
         session.traces.refresh(session.frame, session.messages.now)
@@ -324,14 +322,16 @@ def test_fountains_have_no_drift() -> None:
 
 
 def test_the_rules_of_the_article_lose_energy() -> None:
-    session = Session(start(Settings("gas", 200, method="article-quadtree")), (640, 360))
+    session = Session(
+        start(Settings("gas", 200, method="article-quadtree")), (640, 360), synchronous=True
+    )
     run(session, 2.0)
     assert session.runner.statistics.energy_drift < -0.05
     session.close()
 
 
 def test_a_new_beginning_starts_the_statistics_afresh() -> None:
-    session = Session(start(Settings("gas", 200)), (640, 360))
+    session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
     run(session, 0.5)
     session.runner.choose_scene("pile")
     assert session.runner.statistics.sums["time"].tolist() == [0.0]
@@ -343,7 +343,9 @@ def test_a_new_beginning_starts_the_statistics_afresh() -> None:
 
 
 def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
-    session = Session(start(Settings("gas", 200, method="article-quadtree")), (640, 360))
+    session = Session(
+        start(Settings("gas", 200, method="article-quadtree")), (640, 360), synchronous=True
+    )
     assert session.runner.other_change is None
     run(session, 1.5)
     half = float(
@@ -363,7 +365,7 @@ def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
 
 
 def test_scenes_follow_each_other_in_a_circle() -> None:
-    session = Session(start(Settings("article", 20, method="brute")), (640, 360))
+    session = Session(start(Settings("article", 20, method="brute")), (640, 360), synchronous=True)
     session.runner.previous_scene()
     assert session.engine.scene == jostle.scenes.names()[-1]
     session.runner.next_scene()
@@ -373,7 +375,7 @@ def test_scenes_follow_each_other_in_a_circle() -> None:
 
 
 def test_particles_stay_where_they_are_when_the_rules_change() -> None:
-    session = Session(start(Settings("orbit", 100)), (640, 360))
+    session = Session(start(Settings("orbit", 100)), (640, 360), synchronous=True)
     run(session, 0.5)
     before, view = session.frame, session.engine.view
     session.runner.choose_method("article-brute")
@@ -388,7 +390,7 @@ def test_particles_stay_where_they_are_when_the_rules_change() -> None:
 
 
 def test_too_many_particles_for_the_article_are_refused_in_a_sentence() -> None:
-    session = Session(start(Settings("gas", 5000)), (640, 360))
+    session = Session(start(Settings("gas", 5000)), (640, 360), synchronous=True)
     session.runner.choose_method("article-quadtree")
     assert session.settings.method == "quadtree"
     assert "4,000" in session.message

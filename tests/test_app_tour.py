@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
@@ -39,7 +38,9 @@ def stop(name: str) -> Stop:
 
 @pytest.fixture
 def user():
-    window = Window(start(Settings("billiards")), (1280, 720), renderer="software")
+    window = Window(
+        start(Settings("billiards")), (1280, 720), renderer="software", synchronous=True
+    )
     yield ScriptedUser(window)
     window.close()
 
@@ -100,7 +101,7 @@ def test_the_environment_is_left_as_it_was(tmp_path, monkeypatch) -> None:
     assert dict(os.environ) == before
 
 
-def test_a_visitor_picks_up_and_throws(user: ScriptedUser) -> None:
+def test_a_user_drags_and_throws(user: ScriptedUser) -> None:
     session = user.session
     session.runner.paused = True  # until it is picked up
     user.move(user.pixel(nearest(session.frame, (0.0, 0.0))))
@@ -130,7 +131,7 @@ def test_a_pointer_is_in_the_picture_until_it_is_put_away(user: ScriptedUser) ->
     assert at_pointer() == without
 
 
-def test_a_visitor_folds_sections_and_opens_menus(user: ScriptedUser) -> None:
+def test_a_user_folds_sections_and_opens_menus(user: ScriptedUser) -> None:
     pytest.importorskip("imgui_bundle")
     user.look()
     before = user.mark("section Method")
@@ -183,14 +184,13 @@ ENDS: dict[str, Callable[[Session], bool]] = {
 
 
 @pytest.mark.parametrize("name", ENDS)
-def test_a_visitor_gets_where_they_want(name: str, monkeypatch) -> None:
+def test_a_stop_reaches_its_state(name: str, monkeypatch) -> None:
     wait_less(monkeypatch, 4.0 if name == "rewind" else 0.5)
     settings = stop(name).settings
     if name != "springs":  # whose bodies are picked up where they lie
         usual = settings.n or jostle.scenes.default_count(settings.scene)
         settings = replace(settings, n=min(usual, 200))
-    window = Window(start(settings), (1280, 720), renderer="software")
-    window.session.engine.short = math.inf
+    window = Window(start(settings), (1280, 720), renderer="software", synchronous=True)
     try:
         stop(name).script(ScriptedUser(window))
         assert ENDS[name](window.session)

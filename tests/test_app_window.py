@@ -35,7 +35,7 @@ def lone_ball(container: object = None) -> WorldSimulation:
 @pytest.fixture
 def open_window() -> Iterator:
     def make(simulation: Simulation, **options: object) -> Window:
-        window = Window(simulation, (1000, 700), **options)
+        window = Window(simulation, (1000, 700), **options, synchronous=True)
         pygame.event.clear()
         return window
 
@@ -62,7 +62,7 @@ def screen_place(window: Window, point: tuple[float, float]) -> tuple[float, flo
 
 
 def drag(window: Window, start: tuple[float, float], move: tuple[float, float], frames: int):
-    """Press at a world point and move by pixels each frame; return where the hand ends."""
+    """Press at a world point and move by pixels each frame; return the last pixel."""
     x, y = screen_place(window, start)
     mouse(pygame.MOUSEBUTTONDOWN, (x, y))
     for _ in range(frames):
@@ -88,7 +88,7 @@ def test_a_throw_moves_the_ball_with_the_speed_of_the_drag_tool(open_window) -> 
     assert (world.velocities[1] == 0).all()
 
 
-def test_a_held_ball_comes_to_the_hand_and_rests_there(open_window) -> None:
+def test_a_held_ball_comes_to_rest_at_the_cursor(open_window) -> None:
     window = open_window(lone_ball())
     x, y = drag(window, (505, 495), (3, 2), frames=10)
     for _ in range(60):
@@ -100,7 +100,7 @@ def test_a_held_ball_comes_to_the_hand_and_rests_there(open_window) -> None:
     assert np.abs(world.velocities[0]).max() < 1e-3
 
 
-def test_the_hand_reaches_over_the_seam_of_a_torus(open_window) -> None:
+def test_a_drag_crosses_the_boundary_of_a_torus(open_window) -> None:
     window = open_window(lone_ball(jostle.Torus(1000.0, 1000.0)))
     hand, engine = window.session.interaction.drag_tool, window.session.engine
     hand.grab(0, (500.0, 500.0), 0.0)
@@ -111,7 +111,7 @@ def test_the_hand_reaches_over_the_seam_of_a_torus(open_window) -> None:
     assert window.session.engine.simulation.world.positions[0] == pytest.approx((300, 500), abs=5)
 
 
-def test_a_click_beside_every_ball_picks_up_nothing(open_window) -> None:
+def test_a_click_on_the_background_drags_nothing(open_window) -> None:
     window = open_window(lone_ball())
     mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (700, 700)))
     window.frame(FRAME)

@@ -106,7 +106,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     from jostle.app.simulate.start import start
     from jostle.app.window import Window
 
-    window = Window(start(Settings("gas", 5)), (640, 360), renderer="software")
+    window = Window(start(Settings("gas", 5)), (640, 360), renderer="software", synchronous=True)
     frames, closed = [], []
     close = window.close
     monkeypatch.setattr(window, "close", lambda: closed.append(close()))

@@ -257,7 +257,7 @@ def bench(
 
 
 def _read_config(path: Path | None) -> Config:
-    """Return what a file config for; nothing where there is none."""
+    """Return the contents of a file; no entries without a file."""
     from jostle.app.storage.config import Config, ConfigError, read_config
 
     if path is None:

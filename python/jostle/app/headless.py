@@ -71,7 +71,7 @@ def make_film(
     """
     name = free_name(out, video_name(simulation.scene, simulation.method), ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"
-    engine, painter = Engine(simulation), SoftwarePainter(size)
+    engine, painter = Engine(simulation, synchronous=True), SoftwarePainter(size)
     changing, options = options is None, options or ViewOptions()
     camera, picture, readout = Camera(size, simulation.view, left=SPACE), Picture(), Readout()
     stride = max(round(1 / FRAME_RATE / simulation.time_step), 1)
@@ -82,7 +82,7 @@ def make_film(
             options.tree = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
         if engine.request != picture.request(options):
             engine.request = picture.request(options)
-            engine.look()
+            engine.refresh()
         start = time.perf_counter()
         picture.draw(painter, engine.frame, camera, options)
         rate = step / spent if spent else None

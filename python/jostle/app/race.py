@@ -13,11 +13,10 @@ from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
 from jostle.app.draw.picture import Picture
 from jostle.app.draw.text import BODY, SMALL, font, panel, write
 from jostle.app.draw.view_options import ViewOptions
-from jostle.app.simulate.engine import SHORT, Engine
+from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import FrameRequest, StepStats
 from jostle.app.simulate.start import start
 
-SHORT_IN_RACE = 0.004  # seconds; longer steps are made on worker threads
 # Largest numbers of particles; with more a step takes longer than a second.
 MOST = {"brute": 30_000, "article-quadtree": 8_000, "article-brute": 1_500}
 SMOOTH = 0.2  # weight of a new measurement
@@ -80,8 +79,8 @@ class Race:
 
     def __init__(self, left: Engine, method: str) -> None:
         self.method = method
-        left.short = SHORT_IN_RACE
-        self.engine = Engine(start(replace(left.settings, method=method)), SHORT_IN_RACE)
+        settings = replace(left.settings, method=method)
+        self.engine = Engine(start(settings), synchronous=left.synchronous)
         self.contestants = Contestant(left), Contestant(self.engine)
         self._picture = Picture()
         self._sheets: list[pygame.Surface] = []
@@ -93,13 +92,12 @@ class Race:
         changed, self.engine.request = request != self.engine.request, request
         steps = self.engine.advance(elapsed)
         if changed and not steps:
-            self.engine.look()
+            self.engine.refresh()
         for contestant in self.contestants:
             contestant.measure()
 
     def close(self) -> None:
         """End the second engine."""
-        self.contestants[0].engine.short = SHORT
         self.engine.abandon()
 
     # Drawing

@@ -17,18 +17,10 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.measure.statistics import Statistics
 from jostle.app.race import Race, refusal
-from jostle.app.simulate import engine as stepping
 from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.engine import REFUSALS, Engine, Then
+from jostle.app.simulate.engine import Engine, Then
 from jostle.app.simulate.history import History
-from jostle.app.simulate.scene_loader import (
-    Create,
-    LoadedScene,
-    SceneLoader,
-    expected,
-    is_long,
-    load,
-)
+from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 from jostle.app.simulate.start import start
@@ -66,7 +58,7 @@ class Runner:
     ) -> None:
         self.engine = engine
         self._camera, self._interaction, self._messages = camera, interaction, messages
-        self.loader = SceneLoader()
+        self.loader = SceneLoader(synchronous=engine.synchronous)
         self.picture = Picture()
         self.race: Race | None = None
         self.statistics = Statistics()
@@ -85,30 +77,32 @@ class Runner:
 
     # Scenes
 
-    def begin(self, settings: Settings) -> None:
-        """Begin a scene with other settings; an error becomes a message.
+    def begin(self, settings: Settings, then: Then | None = None) -> None:
+        """Begin a scene with other settings, and call `then`; an error becomes a message.
 
-        Very many particles are made on a worker thread; meanwhile the present scene is shown.
+        A comparison begins again with the new scene.
         """
-        create, message = partial(start, settings), f"Preparing {expected(settings):,} particles …"
-        if is_long(settings):
-            self.loader.start(create, self._first_request, message, settings)
-        else:
-            self._load(create)
+        method = self.race.method if self.race else None
+
+        def begun() -> None:
+            if method:
+                self._start_race(method)
+            if then is not None:
+                then()
+
+        message = f"Preparing {expected(settings):,} particles …"
+        self._load(partial(start, settings), message, begun, settings)
 
     def restart(self) -> None:
         """Return to the initial state, with the present settings."""
         self.begin(self._next_settings)
 
-    def replace(self, create: Create, message: str, *, long: bool, then: Then) -> None:
-        """Replace the simulation, if the new one can be made; if `long`, on a worker thread.
+    def replace(self, create: Create, message: str, then: Then | None = None) -> None:
+        """Replace the simulation, if the new one can be made, and call `then`.
 
-        `message` is shown meanwhile, and `then` is called afterwards.
+        It is made on a worker thread; meanwhile the present one and `message` are shown.
         """
-        if long:
-            self.loader.start(create, self._first_request, message, then=then)
-        else:
-            self._load(create, then)
+        self._load(create, message, then)
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own settings; method, threads and speed are kept."""
@@ -139,17 +133,14 @@ class Runner:
         """Return the request for a first frame, which is the reference of the energy."""
         return replace(self.engine.request, energies=True)
 
-    def _load(self, create: Create, then: Then | None = None) -> None:
-        self.loader.cancel()
-        try:
-            new = load(create, self._first_request)
-        except REFUSALS as error:
-            self._messages.say(stepping.message_of(error))
-            return
-        self._continue_with(new, then)
+    def _load(
+        self, create: Create, message: str, then: Then | None, settings: Settings | None = None
+    ) -> None:
+        self.loader.start(create, self._first_request, message, settings, then)
+        self._take_loaded()  # it is there in synchronous mode
 
     def _take_loaded(self) -> None:
-        """Continue with a simulation that was made on the worker thread, if there is one."""
+        """Continue with a new simulation, if there is one."""
         new = self.loader.take()
         if isinstance(new, str):
             self._messages.say(new)
@@ -158,8 +149,6 @@ class Runner:
 
     def _continue_with(self, new: LoadedScene, then: Then | None) -> None:
         moved = new.simulation.view != self.engine.view
-        # A loaded state has no initial state that a second simulation could share.
-        method = self.race.method if self.race and then is None else None
         self.end_race()
         self._interaction.reset()
         self.statistics.remember(self._run_name())
@@ -170,8 +159,6 @@ class Runner:
         self.picture = Picture()  # the worker thread may still use the previous one
         self.statistics.restart()
         self.statistics.sum_up(self.frame)
-        if method:
-            self._start_race(method)
         if moved:
             self._camera.look_at(new.simulation.view)
         if then is not None:
@@ -207,14 +194,13 @@ class Runner:
 
         def then() -> None:
             if refusals[0]:
-                self.begin(replace(self.settings, n=n))
                 self._messages.say(f"{refusals[0]} So the scene begins anew.")
+                self.begin(replace(self.settings, n=n))
 
         self.engine.edit(
             lambda simulation: refusals.append(simulation.adjust("n", n)),
             then=then,
             key="n",
-            many=n > stepping.FEW,
         )
 
     def choose_method(self, method: str) -> None:
@@ -234,7 +220,8 @@ class Runner:
     def _switch_rules(self, settings: Settings) -> None:
         if settings.by_article and len(self.frame.walls):
             self._messages.say(f"{NO_WALLS} They are removed.")
-        self._load(partial(switch_rules, settings, self.frame, self.engine.view))
+        create = partial(switch_rules, settings, self.frame, self.engine.view)
+        self.replace(create, "Switching the rules …")
 
     def switch_method(self) -> None:
         """Switch between brute force and quadtree, with the same rules."""
@@ -257,10 +244,10 @@ class Runner:
         if reason := refusal(self.settings.method, method, count):
             self._messages.say(reason)
         else:
-            self.begin(self._next_settings)
-            self._start_race(method)
+            self.begin(self._next_settings, then=partial(self._start_race, method))
 
     def _start_race(self, method: str) -> None:
+        self.end_race()
         reason = refusal(self.settings.method, method, len(self.frame))
         if reason:
             self._messages.say(reason)
@@ -294,19 +281,19 @@ class Runner:
         if statistics.reference is None and (self.paused or not len(statistics.sums)):
             # The reference is this state, not the next one.
             if self.frame.energies is None:
-                engine.look(at_once=False)
+                engine.refresh()
             statistics.sum_up(self.frame)
         steps = 0
         if self.paused:
             self._interaction.place_held()
             for each in self._engines:
-                each.settle()
+                each.poll()
         else:
             steps = engine.advance(elapsed * engine.settings.time_scale)
             if self.race:
                 self.race.advance(elapsed * engine.settings.time_scale, request)
         if changed and not steps:
-            engine.look(at_once=False)
+            engine.refresh()
         self._show_errors()
         self._camera.follow(engine.view)
         self._interaction.follow()
@@ -336,7 +323,7 @@ class Runner:
         """Make one step, and pause."""
         self.paused = True
         for engine in self._engines:
-            engine.step_soon()
+            engine.request_step()
         self._show_errors()
 
     def step_back(self) -> None:

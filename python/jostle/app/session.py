@@ -16,13 +16,13 @@ from jostle.app.draw.painter import Painter
 from jostle.app.draw.view_options import TreeView, ViewOptions
 from jostle.app.measure.traces import Traces
 from jostle.app.runner import Runner
-from jostle.app.simulate import engine as stepping
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation
 from jostle.app.storage.files import Files
 
-EXPLANATION_INTERVAL = 1.0  # seconds between two explanations in scenes of very many particles
+EXPLANATION_INTERVAL = 1.0  # seconds between two explanations in scenes of
+MANY = 50_000  # particles and more
 
 
 class Session:
@@ -36,6 +36,9 @@ class Session:
         Size of the canvas in pixels.
     left
         Margin of the scene at the left, in pixels.
+    synchronous
+        Whether steps, edits and new scenes are computed by the calling thread, for tests and
+        videos; otherwise they are computed on worker threads, and the last finished frame is shown.
 
     Attributes
     ----------
@@ -51,8 +54,10 @@ class Session:
         False if the window is to be closed.
     """
 
-    def __init__(self, simulation: Simulation, size: Size, left: int = 0) -> None:
-        self.engine = Engine(simulation)
+    def __init__(
+        self, simulation: Simulation, size: Size, left: int = 0, *, synchronous: bool = False
+    ) -> None:
+        self.engine = Engine(simulation, synchronous=synchronous)
         self.camera = Camera(size, simulation.view, left=left)
         self.view_options = ViewOptions(tree=TreeView.OUTLINE)
         self.messages = Messages()
@@ -125,7 +130,7 @@ class Session:
     def explanation(self) -> Explanation | None:
         """Return the explanation for the last frame, or an earlier one of very many particles."""
         now = self.messages.now
-        if len(self.frame) <= stepping.FEW or now >= self._explanation_due:
+        if len(self.frame) < MANY or now >= self._explanation_due:
             self._explained_frame, self._explanation_due = self.frame, now + EXPLANATION_INTERVAL
         return self.question.answer(self._explained_frame, self.settings)
 

@@ -52,6 +52,8 @@ class Window:
         Number of steps after which the window closes; None to run until it is closed.
     renderer
         One of `settings.RENDERERS`.
+    synchronous
+        As in `Session`.
 
     Attributes
     ----------
@@ -65,14 +67,16 @@ class Window:
         size: Size = SIZE,
         steps: int | None = None,
         renderer: str = "auto",
+        *,
+        synchronous: bool = False,
     ) -> None:
         self.screen = Screen(size, renderer)
-        self.session = Session(simulation, self.painter.size, left=SPACE)
+        self.session = Session(simulation, self.painter.size, left=SPACE, synchronous=synchronous)
         self.readout = Readout()
         self.builders: list[Builder] = [panels.build, menus.build]
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter)
-        self._backdrop = BackgroundRenderer()
+        self._background = BackgroundRenderer()
         self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
         self._rate: float | None = None
@@ -107,7 +111,7 @@ class Window:
         with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
             closing.callback(self.gui.close)
-            closing.callback(self._backdrop.close)
+            closing.callback(self._background.close)
             closing.callback(self.session.close)
 
     def frame(self, elapsed: float) -> None:
@@ -201,7 +205,7 @@ class Window:
         def draw(painter: Painter, camera: Camera) -> None:
             picture.draw(painter, frame, camera, options)
 
-        self._backdrop.draw(self.painter, session.camera, len(frame), draw)
+        self._background.draw(self.painter, session.camera, len(frame), draw)
 
     def _draw_overlays(self) -> None:
         session, painter = self.session, self.painter

@@ -1,4 +1,4 @@
-"""The largest number of discs at 60 steps a second, with all positions read."""
+"""The largest number of discs at 60 steps per second, with all positions read."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ class Attractors:
         self.update(simulation)
 
     def update(self, simulation: Simulation) -> bool:
-        """Let the simulation feel what a person wants; tell whether the cursor attractors."""
+        """Set the attractors of a simulation; return whether the cursor attracts."""
         active = self.active
         simulation.attract(active)
         return any(attractor.passing for attractor in active)

@@ -7,10 +7,9 @@ very many particles reduce the rate of new frames, but the mouse and the panels 
 from __future__ import annotations
 
 import copy
-import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 
 import pygame
 
@@ -18,13 +17,13 @@ from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import GROUND
 from jostle.app.draw.software import SoftwarePainter
+from jostle.app.simulate.worker import Worker
 
 Draw = Callable[[Painter, Camera], None]
 
 LONG = 0.040  # seconds; slower frames are drawn on the worker thread
 FEW = 20_000  # particles; fewer are always drawn on the UI thread
 MANY = 150_000  # particles; of more, the first frame is drawn on the worker thread
-SWITCH_INTERVAL = 0.001  # seconds after which a thread releases the interpreter
 PAUSE, LONGEST_PAUSE = 4, 512
 LARGEST_ZOOM = 16.0  # a frame scaled further is not shown
 
@@ -39,7 +38,7 @@ class BackgroundRenderer:
             PAUSE,
             0,
         )  # frames on the worker before the UI thread is tried again
-        self._worker: ThreadPoolExecutor | None = None
+        self._worker: Worker | None = None
         self._job: Future[None] | None = None
         self._free, self._done = SoftwarePainter((1, 1)), SoftwarePainter((1, 1))
         self._shown_camera: Camera | None = None  # of the finished frame
@@ -78,14 +77,12 @@ class BackgroundRenderer:
     def close(self) -> None:
         """End the thread."""
         if self._worker is not None:
-            self._worker.shutdown()
+            self._worker.close()
             self._worker = self._job = None
 
     def _start(self, painter: Painter, camera: Camera, draw: Draw) -> None:
         if self._worker is None:
-            # The UI thread waits for the interpreter several times per frame.
-            sys.setswitchinterval(SWITCH_INTERVAL)
-            self._worker = ThreadPoolExecutor(1, "jostle-draw")
+            self._worker = Worker("jostle-draw")
         if self._free.size != painter.size:
             self._free.resize(painter.size)
         canvas, self._job_camera = self._free, copy.copy(camera)

@@ -54,7 +54,7 @@ class Picture:
         self._in_use = threading.Lock()  # by the UI thread or the worker thread
         self.colouring = Colouring()
         self.trails = Trails()
-        self._beads = WallDiscs()
+        self._wall_discs = WallDiscs()
         self._extras = SceneOverlays()
 
     def clear_trails(self) -> None:
@@ -104,7 +104,7 @@ class Picture:
         draw_springs(painter, frame, camera)
         draw_discs(painter, frame, shades, camera)
         draw_spins(painter, frame, camera)
-        self._beads.draw(painter, frame, camera)
+        self._wall_discs.draw(painter, frame, camera)
         draw_walls(painter, frame.walls, camera)
         if options.tree is TreeView.OUTLINE:
             _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)

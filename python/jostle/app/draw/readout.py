@@ -33,12 +33,6 @@ class Readout:
             shown = self._times.get(stage, value)
             self._times[stage] = shown + SMOOTH * (value - shown)
 
-    def forget(self) -> None:
-        """Discard the times, after a change of method or scene."""
-        draw = self._times.get("draw")
-        self._times = {} if draw is None else {"draw": draw}
-        self._due = 0.0
-
     def draw(
         self,
         painter: Painter,

@@ -18,7 +18,8 @@ world_simulation        `jostle.World` as a `Simulation`
 article_simulation      `jostle.article.Simulation` as a `Simulation`
 start, switch_rules     a simulation from settings; the other rules with the same particles
 history                 rewinding: snapshots, and re-simulation of the steps between them
-fixed_timestep, engine  real time to steps of fixed length; steps and edits on a worker thread
+fixed_timestep          real time to steps of fixed length
+worker, engine          a worker thread; steps and edits of a simulation on it
 scene_loader            new simulations, made on a worker thread
 ======================= ========================================================================
 """

@@ -1,53 +1,53 @@
-"""The engine: makes short steps at once, and long ones in a worker thread.
+"""The engine: steps and edits a simulation on a worker thread.
 
-Only one thread at a time uses a simulation. While a long step is under way the window goes on
-with the last frame, and edits wait; so a million particles slow the picture, never the hand.
+Only one thread at a time uses a simulation. The UI thread starts a job (edits, then steps, then a
+frame), continues with the last finished frame, and takes the result later. In synchronous mode, for
+tests and videos, each job is run at its start.
 
-What a step refuses, such as speeds beyond every measure, is kept in `error` and ends nothing.
+An error of a step, such as a speed beyond the limits, is kept in `error`.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 
 from jostle.app.simulate.fixed_timestep import MAX_STEPS, FixedTimestep
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.worker import Worker
 
 Edit = Callable[[Simulation], None]
 Then = Callable[[], None]
 
-SHORT = 0.020  # seconds: steps up to this long are made at once, so that they are never late
-FEW = 50_000  # particles whose edits and first step are short, as far as anybody can tell
-SMOOTH = 0.2  # share of a new measurement
+SMOOTH = 0.2  # weight of a new measurement
 REFUSALS = (ValueError, OverflowError, MemoryError)
 
 
 @dataclass(frozen=True)
 class _Waiting:
-    """An edit, and what the window does when the frame shows it."""
+    """An edit, and what the UI thread does after it."""
 
     work: Edit
     changes: bool
     then: Then | None
     key: str | None
-    many: bool
 
 
 @dataclass(frozen=True)
-class _Done:
-    """What came of work beside the window: nothing of the engine is touched before it is taken."""
+class _Result:
+    """The result of a job; nothing of the engine changes before the UI thread takes it."""
 
     frame: Frame
-    taken: tuple[float, float] | None = None  # seconds of a step alone, and with its hooks
-    error: str = ""
-    then: tuple[Then, ...] = ()
+    steps: tuple[tuple[float, float], ...]  # seconds of each step, alone and with its hooks
+    error: str
+    then: tuple[Then, ...]
 
 
 def message_of(error: BaseException) -> str:
-    """Return what to say of a refusal."""
+    """Return the message of an error."""
     return str(error) or "There is not enough memory for that."
 
 
@@ -57,31 +57,30 @@ class Engine:
     Parameters
     ----------
     simulation
-        What to step. Nobody else may use it from now on, but by `edit`.
-    short
-        Steps up to so many seconds are made at once. Less than usual also means caution: a step
-        whose time is not known yet is then made beside the window too.
+        Used by nothing else from now on, except through `edit`.
+    synchronous
+        Whether jobs are run by the calling thread.
 
     Attributes
     ----------
     frame
-        The last state, for everybody to look at.
+        The last finished state.
     request
-        What the next frames shall hold.
+        What the next frames must contain.
     last_step
-        `advance` makes no more than so many steps; None to go on.
+        Number of steps after which `advance` makes no more; None without a limit.
     last_seconds
-        What the last step took, alone.
+        Time of the last step, alone.
     before, after
-        Called with the simulation around each step, in the thread that steps.
+        Called with the simulation before and after each step, by the thread that steps.
     touched
-        Called with the simulation before a person changes it.
+        Called with the simulation before an edit by the user.
     error
-        Why the last step was refused; nothing goes on until it is taken with `take_error`.
+        Message of a failed step; no further steps are made until `take_error`.
     """
 
-    def __init__(self, simulation: Simulation, short: float = SHORT) -> None:
-        self.short = short
+    def __init__(self, simulation: Simulation, *, synchronous: bool = False) -> None:
+        self.synchronous = synchronous
         self.request = FrameRequest()
         self.before: list[Edit] = []
         self.after: list[Edit] = []
@@ -89,40 +88,31 @@ class Engine:
         self.steps = 0
         self.last_step: int | None = None
         self.last_seconds = 0.0
-        self._worker: ThreadPoolExecutor | None = None
-        self._job: Future[_Done] | None = None
+        self._worker = Worker("jostle-step", synchronous=synchronous)
+        self._job: Future[_Result] | None = None
         self._edits: list[_Waiting] = []
         self.take(simulation)
 
     def take(self, simulation: Simulation, frame: Frame | None = None) -> None:
-        """Go on with another simulation, and its frame if there is one already.
+        """Continue with another simulation, and its frame if there is one.
 
-        A step of the one before that is under way is abandoned, and edits that wait are forgotten.
+        A job of the previous one is abandoned, and its edits are discarded.
         """
         self.abandon()
         self._edits.clear()
-        self._single, self.error = False, ""  # a single step that is asked for; a refusal
+        self._single = self._stale = False  # a single step, or a frame, is requested
+        self._elapsed, self.error = 0.0, ""
         self.simulation = simulation
-        self.settings, self.scene, self.view = (
-            simulation.settings,
-            simulation.scene,
-            simulation.view,
-        )
-        self.time_step, self.adjustable = simulation.time_step, simulation.adjustable
-        self.effective_settings = simulation.effective_settings
-        self._pace = FixedTimestep(simulation.time_step)
-        self._seconds = 0.0  # one step and its frame, smoothed
+        self.scene, self.time_step = simulation.scene, simulation.time_step
+        self._note_settings()
+        self._timestep = FixedTimestep(simulation.time_step)
+        self.step_seconds = 0.0  # of a step with its hooks, smoothed
         self.frame: Frame = simulation.frame(self.request) if frame is None else frame
 
     @property
     def busy(self) -> bool:
-        """Whether a step, or an edit of many particles, is under way beside the window."""
+        """Whether a job is in progress."""
         return self._job is not None and not self._job.done()
-
-    @property
-    def step_seconds(self) -> float:
-        """The smoothed time of a step with all that belongs to it."""
-        return self._seconds
 
     def edit(
         self,
@@ -131,210 +121,172 @@ class Engine:
         changes: bool = True,
         then: Then | None = None,
         key: str | None = None,
-        many: bool = False,
     ) -> None:
-        """Change the simulation: now, or as soon as the step under way is done.
-
-        Edits of very many particles are made beside the window: the frame shows them later.
+        """Change the simulation after the current job; a later frame shows it.
 
         Parameters
         ----------
         changes
-            False for what only reads, or brings back a state that was.
+            False for an edit that only reads, or restores an earlier state.
         then
-            Called in the window, when the frame shows the edit.
+            Called on the UI thread, when the frame shows the edit.
         key
-            An edit that still waits under the same key is left out: this one replaces it.
-        many
-            Whether it brings very many particles.
+            An edit that still waits with the same key is replaced by this one.
         """
         if key is not None:
             self._edits = [edit for edit in self._edits if edit.key != key]
-        self._edits.append(_Waiting(work, changes, then, key, many))
-        self.settle()
+        self._edits.append(_Waiting(work, changes, then, key))
+        self.poll()
 
-    def settle(self) -> None:
-        """Once a frame of a pause: take what was done beside the window, and go on with edits."""
+    def refresh(self) -> None:
+        """Request a frame without a step, after a change of `request`."""
+        self._stale = True
+        self.poll()
+
+    def request_step(self) -> None:
+        """Request a single step."""
+        self._single = True
+        self.poll()
+
+    def poll(self) -> None:
+        """Take a finished job, and start one for what was requested."""
         if not self.busy:
             self._collect()
-            self._settle_edits()
-            if self._single and self._job is None:
-                self._single = False
+            if self._job is None and (self._edits or self._single or self._stale):
                 self._start()
 
-    def look(self, *, at_once: bool = True) -> None:
-        """Renew the frame, where `request` has changed and no step does it.
-
-        Where that need not be `at_once`, very many particles are looked at beside the window.
-        """
-        if self.busy:
-            return
-        self._collect()
-        if at_once or len(self.simulation) <= FEW:
-            self.frame = self.simulation.frame(self.request)
-        else:
-            self._beside()
-
     def advance(self, elapsed: float) -> int:
-        """Take `elapsed` simulated seconds; return the steps that were done since the last call."""
+        """Add `elapsed` simulated seconds; return the steps finished since the last call."""
+        self._elapsed += elapsed
         if self.busy:
-            self._pace.advance(elapsed, lambda: None, most=0)
             return 0
-        before, self._single = self.steps, False
+        before = self.steps
         self._collect()
-        self._settle_edits()
-        if self._job is not None or self.error:  # edits are under way
-            self._pace.advance(elapsed, lambda: None, most=0)
-        elif self._in_the_window():
-            if self._pace.advance(elapsed, self._try_step, most=min(MAX_STEPS, self._left())):
-                self.frame = self.simulation.frame(self.request)
-        else:
-            self._pace.advance(elapsed, self._start, most=min(1, self._left()))
+        if self._job is None:
+            if self._left() and not self.error and self._timestep.is_due(self._elapsed):
+                self._start(self._elapsed)
+                self._elapsed = 0.0
+            else:
+                self.poll()
         return self.steps - before
 
-    def _left(self) -> int:
-        """Return how many steps may still be made."""
-        return MAX_STEPS if self.last_step is None else max(self.last_step - self.steps, 0)
-
-    def _in_the_window(self) -> bool:
-        """Tell whether steps are made at once; the first of many particles is not even tried."""
-        if self._seconds:
-            return self._seconds <= self.short
-        return self.short >= SHORT and len(self.simulation) <= FEW
-
     def step(self) -> None:
-        """Make one step now, however long it takes; what it refuses is raised."""
+        """Make one step on the calling thread; its error is raised."""
         self.wait()
-        self._note_step(*self._step())
+        self._note_step(*_step(self.simulation, self.before, self.after))
         self.frame = self.simulation.frame(self.request)
 
-    def step_soon(self) -> None:
-        """Make one step: now if it is short, else beside the window, as `settle` goes on."""
-        short = self._seconds <= self.short if self._seconds else self.short >= SHORT
-        if not self.busy and short and len(self.simulation) <= FEW:
-            self.wait()
-            self._try_step()
-            self.frame = self.simulation.frame(self.request)
-        else:
-            self._single = True
-            self.settle()
-
     def take_error(self) -> str:
-        """Return why the last step was refused, once."""
+        """Return the message of a failed step, once."""
         error, self.error = self.error, ""
         return error
 
     def wait(self) -> None:
-        """Wait for the step under way, if there is one, and for the edits that wait for it."""
+        """Wait for the current job, and for everything that was requested."""
         self._collect()
-        self._apply_edits()
-        if self._single:
-            self._single = False
-            self._try_step()
-            self.frame = self.simulation.frame(self.request)
+        while self._edits or self._single or self._stale:
+            if self._job is None:
+                self._start()
+            self._collect()
 
     def close(self) -> None:
-        """Wait for the step under way and let the thread go."""
+        """Wait for the current job, and end the thread."""
         try:
             self._collect()
         finally:
-            if self._worker is not None:
-                self._worker.shutdown()
-                self._worker = None
+            self._worker.close()
 
     def abandon(self) -> None:
-        """Let go of what is under way without waiting: it ends by itself, unseen."""
-        if self._worker is not None and self._job is not None and not self._job.done():
-            self._worker.shutdown(wait=False)
-            self._worker = None
+        """Discard the current job without waiting for it."""
+        if self.busy:
+            self._worker.abandon()
         self._job = None
 
-    def _step(self) -> tuple[float, float]:
-        return _step(self.simulation, self.before, self.after)
+    def _left(self) -> int:
+        """Return the number of steps that may be made at once."""
+        return MAX_STEPS if self.last_step is None else max(self.last_step - self.steps, 0)
 
-    def _try_step(self) -> None:
-        """Make one step in the window, unless one was refused."""
-        if not self.error:
-            try:
-                self._note_step(*self._step())
-            except REFUSALS as error:
-                self.error = message_of(error)
-
-    def _note_step(self, alone: float, taken: float) -> None:
+    def _note_step(self, alone: float, whole: float) -> None:
         self.last_seconds = alone
         self.steps += 1
-        self._seconds += (taken - self._seconds) * (SMOOTH if self._seconds else 1.0)
-
-    def _start(self) -> None:
-        """Begin a step beside the window."""
-        self._beside(step=True)
-
-    def _beside(self, edits: Sequence[_Waiting] = (), *, step: bool = False) -> None:
-        """Edit the simulation or step it beside the window, and look at it afterwards.
-
-        The work holds all it needs, so that an abandoned one finds nothing that has changed.
-        """
-        if self._worker is None:
-            self._worker = ThreadPoolExecutor(1, "jostle-step")
-        simulation, request, touched = self.simulation, self.request, tuple(self.touched)
-        before, after = tuple(self.before), tuple(self.after)
-
-        def work() -> _Done:
-            then = _do(simulation, edits, touched)
-            taken, error = None, ""
-            try:
-                taken = _step(simulation, before, after) if step else None
-            except REFUSALS as refusal:
-                error = message_of(refusal)
-            return _Done(simulation.frame(request), taken, error, then)
-
-        self._job = self._worker.submit(work)
-
-    def _collect(self) -> None:
-        """Take what was done beside the window, or wait for it.
-
-        A mistake in it, which is no refusal, is raised here.
-        """
-        if self._job is not None:
-            job, self._job = self._job, None
-            done = job.result()
-            self.frame = done.frame
-            if done.taken is not None:
-                self._note_step(*done.taken)
-            self.error = done.error or self.error
-            self._note_settings()
-            for then in done.then:
-                then()
-
-    def _settle_edits(self) -> None:
-        """Do what waits to be done: at once, or for very many particles beside the window."""
-        if len(self.simulation) <= FEW and not any(edit.many for edit in self._edits):
-            self._apply_edits()
-        elif self._edits and self._job is None:
-            edits, self._edits = self._edits, []
-            self._beside(edits)
-
-    def _apply_edits(self) -> None:
-        """Do at once what waits to be done."""
-        while self._edits:
-            edits, self._edits = self._edits, []
-            then = _do(self.simulation, edits, self.touched)
-            self._note_settings()
-            self.frame = self.simulation.frame(self.request)
-            for act in then:
-                act()
+        self.step_seconds += (whole - self.step_seconds) * (SMOOTH if self.step_seconds else 1.0)
 
     def _note_settings(self) -> None:
-        """Keep what everybody may ask for while the simulation is at work."""
+        """Copy what can be read while the simulation is in use."""
         simulation = self.simulation
         self.settings, self.adjustable = simulation.settings, simulation.adjustable
         self.effective_settings, self.view = simulation.effective_settings, simulation.view
+
+    def _start(self, elapsed: float = 0.0) -> None:
+        """Start a job: the waiting edits, the due or requested steps, and a frame.
+
+        It holds everything that it needs, so it has no effect on the engine if it is abandoned.
+        """
+        edits, self._edits = tuple(self._edits), []
+        single, self._single, self._stale = self._single and not self.error, False, False
+        steps: Callable[[Callable[[], None]], object]
+        if elapsed:
+            steps = partial(self._timestep.advance, elapsed, most=min(MAX_STEPS, self._left()))
+        else:
+            steps = partial(_repeat, int(single))
+        self._job = self._worker.submit(
+            partial(
+                _run,
+                *(self.simulation, self.request, edits, steps),
+                *(tuple(self.before), tuple(self.after), tuple(self.touched)),
+            )
+        )
+        if self.synchronous:
+            self._collect()
+
+    def _collect(self) -> None:
+        """Wait for the current job, and take its result; an unexpected exception is raised."""
+        if self._job is not None:
+            job, self._job = self._job, None
+            result = job.result()
+            self.frame = result.frame
+            for seconds in result.steps:
+                self._note_step(*seconds)
+            self.error = result.error or self.error
+            self._note_settings()
+            for then in result.then:
+                then()
+
+
+def _run(
+    simulation: Simulation,
+    request: FrameRequest,
+    edits: Sequence[_Waiting],
+    steps: Callable[[Callable[[], None]], object],
+    before: Sequence[Edit],
+    after: Sequence[Edit],
+    touched: Sequence[Edit],
+) -> _Result:
+    """Run a job."""
+    for edit in edits:
+        if edit.changes:
+            for hook in touched:
+                hook(simulation)
+        edit.work(simulation)
+    seconds: list[tuple[float, float]] = []
+    error = ""
+    try:
+        steps(lambda: seconds.append(_step(simulation, before, after)))
+    except REFUSALS as refusal:
+        error = message_of(refusal)
+    then = tuple(edit.then for edit in edits if edit.then is not None)
+    return _Result(simulation.frame(request), tuple(seconds), error, then)
+
+
+def _repeat(count: int, step: Callable[[], None]) -> None:
+    for _ in range(count):
+        step()
 
 
 def _step(
     simulation: Simulation, before: Sequence[Edit], after: Sequence[Edit]
 ) -> tuple[float, float]:
-    """Make one step; return its seconds, alone and with all that belongs to it."""
+    """Make one step; return its seconds, alone and with its hooks."""
     start = time.perf_counter()
     for hook in before:
         hook(simulation)
@@ -344,15 +296,3 @@ def _step(
     for hook in after:
         hook(simulation)
     return alone, time.perf_counter() - start
-
-
-def _do(
-    simulation: Simulation, edits: Sequence[_Waiting], touched: Sequence[Edit]
-) -> tuple[Then, ...]:
-    """Do edits in their order; return what the window does next."""
-    for edit in edits:
-        if edit.changes:
-            for hook in touched:
-                hook(simulation)
-        edit.work(simulation)
-    return tuple(edit.then for edit in edits if edit.then is not None)

@@ -17,6 +17,10 @@ class FixedTimestep:
         self._clock = clock
         self._accumulated = 0.0
 
+    def is_due(self, elapsed: float) -> bool:
+        """Return whether a step would be due after `elapsed` more seconds."""
+        return self._accumulated + elapsed >= self._time_step / 2
+
     def advance(self, elapsed: float, step: Callable[[], None], most: int = MAX_STEPS) -> int:
         """Add `elapsed` seconds; call `step` for each due step, at most `most` times.
 

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 
-from jostle.app.simulate import engine
 from jostle.app.simulate.engine import REFUSALS, Then, message_of
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.worker import Worker
 
 Create = Callable[[], Simulation]
+
+MESSAGE_DELAY = 0.3  # seconds after which a message is shown
 
 
 @dataclass(frozen=True)
 class LoadedScene:
-    """A simulation in its initial state, with its first frame."""
+    """A simulation in its initial state, with its first frame and its state as bytes."""
 
     simulation: Simulation
     frame: Frame
@@ -30,16 +34,20 @@ class SceneLoader:
     ----------
     settings
         Of the simulation in progress; None if there is none, or if it is read from a file.
-    message
-        To show meanwhile; empty if there is none.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, synchronous: bool = False) -> None:
         self.settings: Settings | None = None
-        self.message = ""
+        self._message, self._began = "", 0.0
         self._then: Then | None = None
-        self._worker: ThreadPoolExecutor | None = None
+        self._worker = Worker("jostle-load", synchronous=synchronous)
         self._job: Future[LoadedScene] | None = None
+
+    @property
+    def message(self) -> str:
+        """Return the message to show meanwhile, or an empty string."""
+        late = time.perf_counter() - self._began >= MESSAGE_DELAY
+        return self._message if self._job is not None and late else ""
 
     def start(
         self,
@@ -54,19 +62,15 @@ class SceneLoader:
         `then` is called after it has replaced the present one.
         """
         self.cancel()
-        if self._worker is None:
-            self._worker = ThreadPoolExecutor(1, "jostle-make")
-        self.settings, self.message, self._then = settings, message, then
-        self._job = self._worker.submit(load, create, request)
+        self.settings, self._then = settings, then
+        self._message, self._began = message, time.perf_counter()
+        self._job = self._worker.submit(partial(load, create, request))
 
     def cancel(self) -> None:
         """Discard the simulation in progress; its thread ends by itself."""
-        job = self._job
-        if self._worker is not None and job is not None and not (job.done() or job.cancel()):
-            self._worker.shutdown(wait=False)
-            self._worker = None
+        if self._job is not None and not (self._job.done() or self._job.cancel()):
+            self._worker.abandon()
         self._job = self.settings = self._then = None
-        self.message = ""
 
     def take(self) -> tuple[LoadedScene, Then | None] | str | None:
         """Return a finished simulation, or an error message, once; None if there is none."""
@@ -94,8 +98,3 @@ def load(create: Create, request: FrameRequest) -> LoadedScene:
 def expected(settings: Settings) -> int:
     """Return the number of particles that the settings name; the defaults of scenes are small."""
     return (settings.n or 0) + sum(group.count for group in settings.particles)
-
-
-def is_long(settings: Settings) -> bool:
-    """Return whether making it would block the window."""
-    return expected(settings) > engine.FEW

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import copy
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,10 +19,10 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.software import SoftwarePainter
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.runner import Runner
-from jostle.app.simulate import engine
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 from jostle.app.simulate.start import resume
+from jostle.app.simulate.worker import Worker
 from jostle.app.storage.exports import write_gsd, write_positions, write_series
 from jostle.app.storage.paths import new_path, reason_of, write_atomic
 from jostle.app.storage.recording import Recording
@@ -31,7 +31,7 @@ from jostle.app.storage.video_writer import save_png
 
 OUT = Path("out")
 GSD_RATE = 10  # frames per simulated second
-LARGE = 2**20  # bytes; a larger scene file is read on a worker thread
+MANY = 50_000  # particles; screenshots of more are drawn on a worker thread
 
 
 @dataclass
@@ -64,7 +64,7 @@ class Files:
         self.folder = OUT
         self.recording: Recording | None = None
         self.options = RecordingOptions()
-        self._exporter: ThreadPoolExecutor | None = None
+        self._exporter: Worker | None = None
         self._exports: list[Future[str]] = []
         self._listed: tuple[float, list[Path]] | None = None  # time and result of the last search
 
@@ -85,7 +85,7 @@ class Files:
         if self.recording is not None:
             self.recording.close()
         if self._exporter is not None:
-            self._exporter.shutdown()
+            self._exporter.close()
 
     # Scenes
 
@@ -127,7 +127,7 @@ class Files:
             scenes[0].apply_view_options(self._view_options)
             self._messages.say(f"Loaded {path.name}")
 
-        self._runner.replace(read, f"Loading {path.name} …", long=_is_long(path), then=then)
+        self._runner.replace(read, f"Loading {path.name} …", then)
 
     # Screenshots and videos
 
@@ -138,7 +138,7 @@ class Files:
         """
         frame, options = self._runner.frame, copy.copy(self._view_options)
         camera = copy.copy(self._camera) if size is None else self._camera.on(size)
-        many = len(frame) > engine.FEW
+        many = len(frame) > MANY
 
         def write(new: Path) -> None:
             painter = SoftwarePainter(camera.size)
@@ -202,7 +202,7 @@ class Files:
     ) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
         if self._exporter is None:
-            self._exporter = ThreadPoolExecutor(1, "jostle-export")
+            self._exporter = Worker("jostle-export")
         scene = self._runner.engine.scene
 
         def work() -> str:
@@ -233,14 +233,6 @@ class Files:
             messages.say(f"{path}: {error}")
         else:
             messages.say(done.format(path))
-
-
-def _is_long(path: Path) -> bool:
-    """Return whether reading a scene would block the window."""
-    try:
-        return path.stat().st_size > LARGE
-    except OSError:
-        return False  # reading it reports the error
 
 
 def _newest_first(folder: Path) -> list[Path]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -77,9 +76,8 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     """Run one stop: a picture of its end, and a video."""
     began, pictures = time.perf_counter(), 0
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
-    window = Window(start(stop.settings), size, renderer="software")
+    window = Window(start(stop.settings), size, renderer="software", synchronous=True)
     window.session.files.folder = out
-    window.session.engine.short = math.inf  # all steps are made in the window: none comes late
     with contextlib.ExitStack() as ending:
         ending.callback(window.close)
         recorder = ending.enter_context(VideoWriter(path, size, RATE)) if film else None
