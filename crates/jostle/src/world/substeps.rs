@@ -25,9 +25,10 @@ const OVERLAP: f32 = 0.003;
 impl World {
     /// Whether all collisions are elastic, so that nothing comes to rest.
     pub(super) fn is_elastic(&self) -> bool {
-        let elastic = |&restitution: &f32| restitution == 1.0;
+        // Chunks without branches, for vector instructions.
+        let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
-            && self.particles.restitutions.iter().all(elastic)
+            && self.particles.restitutions.chunks(256).all(elastic)
             && self.walls.are_elastic()
     }
 
@@ -87,7 +88,11 @@ impl World {
         for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
             *image_of_list = *image;
             list.clear();
-            list.extend(pairs.iter().filter(|&&pair| overlap(pair, *image)));
+            for &pair in pairs {
+                if overlap(pair, *image) {
+                    list.push(pair);
+                }
+            }
             list.sort_unstable();
         }
         self.contacts.collect(overlaps, particles, moving, restitution, tree.rows(), threads);
