@@ -13,17 +13,7 @@ import pytest
 pytest.importorskip("pygame")
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.shown import ColourBy, Shown, TreeView
-from jostle.app.keep import config
-from jostle.app.keep.config import (
-    WINDOW_RULES,
-    Config,
-    ConfigError,
-    line_of,
-    read_config,
-)
-from jostle.app.keep.scene_file import read_scene, scene_bytes
-from jostle.app.simulate.segments import clear_of
+from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.settings import (
     GROUP_RULES,
     LINE_RULES,
@@ -33,6 +23,16 @@ from jostle.app.simulate.settings import (
     Settings,
 )
 from jostle.app.simulate.start import start
+from jostle.app.simulate.wall_segments import clear_of
+from jostle.app.storage import config
+from jostle.app.storage.config import (
+    WINDOW_RULES,
+    Config,
+    ConfigError,
+    line_of,
+    read_config,
+)
+from jostle.app.storage.scene_file import read_scene, scene_bytes
 
 TOML = "tomllib" if sys.version_info >= (3, 11) else "tomli"
 pytest.importorskip(TOML)
@@ -55,8 +55,8 @@ def refusal(folder: Path, text: str) -> str:
 def test_the_example_makes_the_scene_that_it_describes() -> None:
     config = read_config(EXAMPLE)
     assert (config.settings.scene, config.settings.n, config.size) == ("gas", 1500, (1280, 720))
-    shown = Shown(velocities=True)
-    config.show(shown)
+    shown = ViewOptions(velocities=True)
+    config.apply_view_options(shown)
     assert (shown.tree, shown.colour_by) == (TreeView.OUTLINE, ColourBy.VELOCITY)
     assert not shown.velocities
     simulation = start(config.settings)
@@ -72,7 +72,7 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
-    shown = (field.name for field in fields(Shown))
+    shown = (field.name for field in fields(ViewOptions))
     for name in (*RULES, *GROUP_RULES, *LINE_RULES, *WINDOW_RULES, *shown):
         assert f"`{name}`" in page, name
 
@@ -259,7 +259,7 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     simulation = start(read(tmp_path, text).settings)
     simulation.add_wall(Polyline(((5, 5), (9, 9)), friction=0.5))
     path = tmp_path / "walls.jostle"
-    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), Shown()))
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
     again = read_scene(path).simulation
     assert again.settings == simulation.settings and len(again.settings.walls) == 1
     frame = again.frame()

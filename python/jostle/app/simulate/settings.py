@@ -1,4 +1,4 @@
-"""Settings of a simulation, for the command, files and the sliders."""
+"""The settings of a simulation, for the command line, files and sliders."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 import jostle
-from jostle.app.simulate.rules import (
+from jostle.app.simulate.validation import (
     AnyRule,
     Fields,
     Key,
@@ -32,7 +32,7 @@ METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
 RENDERERS = ("auto", "opengl", "software")
 CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
-MOST_PARTICLES = 100_000_000
+MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
@@ -97,7 +97,7 @@ class Settings:
 TEXT = Rule("a text", lambda value: isinstance(value, str))
 TRUTH = Rule("true or false", lambda value: isinstance(value, bool))
 
-PARTICLES = whole(0, MOST_PARTICLES)
+PARTICLES = whole(0, MAX_PARTICLES)
 SEED = whole(0, 2**63 - 1)
 STEPS = whole(1, 2**31 - 1)
 THREADS = whole(1, 1_024)
