@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use crate::particles::Spin;
+use crate::simd;
 
 /// The state of a particle during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -160,9 +161,9 @@ impl Motions {
     }
 }
 
-/// The velocities or the positions of all particles, in an array of their own.
+/// Two numbers of each particle, as its velocity, in an array of their own.
 #[derive(Debug, Default)]
-pub struct Vectors(Vec<Two>);
+pub struct Vectors(Vec<AtomicU64>);
 
 impl Vectors {
     /// Makes room for `len` vectors; new ones are 0.
@@ -173,13 +174,19 @@ impl Vectors {
     /// The vector of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].vector()
+        simd::numbers_at(&self.0, place)
     }
 
     /// Replaces the vector of the particle at `place`.
     #[inline(always)]
     pub fn set(&self, place: u32, vector: [f32; 2]) {
-        self.0[place as usize].set_vector(vector);
+        simd::set_numbers_at(&self.0, place, vector);
+    }
+
+    /// All vectors, as [`Simd::gather`](crate::simd::Simd::gather) reads them.
+    #[inline(always)]
+    pub fn words(&self) -> &[AtomicU64] {
+        &self.0
     }
 }
 

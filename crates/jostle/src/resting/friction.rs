@@ -3,8 +3,8 @@
 //! The impulse along the surfaces makes them stick, and is at most μ times the impulse along the
 //! normal at that moment.
 
-use super::pairs::{self, Pair, Pass, Phase};
-use crate::contacts::Contact;
+use super::pairs::{self, Pass, Phase};
+use crate::contacts::{self, Contact};
 use crate::motion::Scalars;
 use crate::simd::{LANES, Simd};
 
@@ -19,41 +19,58 @@ pub struct Block {
     effective_masses: [f32; LANES],
     /// Impulses of the impacts and of the resting contacts.
     impulses: [[f32; LANES]; 2],
-}
-
-impl Default for Block {
-    fn default() -> Self {
-        Self {
-            friction: [0.0; LANES],
-            softness: [[0.0; LANES]; 2],
-            effective_masses: [0.0; LANES],
-            impulses: [[0.0; LANES]; 2],
-        }
-    }
+    /// Sums of the impulses of all sub-steps.
+    totals: [f32; LANES],
 }
 
 impl Block {
-    /// Writes the friction of the pair in a lane.
-    pub fn put(&mut self, lane: usize, pair: &Pair, radii: &[f32]) {
-        let softness = [0, 1].map(|k| {
-            let is_point = radii[pair.places[k] as usize] == 0.0;
-            if is_point { 0.0 } else { 2.0 * pair.inverse_masses[k] }
-        });
-        let flying = pair.inverse_masses[0] + pair.inverse_masses[1];
-        self.friction[lane] = pair.friction;
-        self.softness[0][lane] = softness[0];
-        self.softness[1][lane] = softness[1];
-        self.effective_masses[lane] = 1.0 / (flying + (softness[0] + softness[1]));
-        self.impulses[Phase::Rest as usize][lane] = pair.friction_impulse;
+    /// The friction of some contacts, with the impulses of the step before.
+    pub fn new(of: &contacts::Block, list: &[Contact], radii: &[f32]) -> Self {
+        let zeros = [0.0; LANES];
+        let mut block = Self {
+            friction: zeros,
+            softness: [zeros; 2],
+            effective_masses: zeros,
+            impulses: [zeros; 2],
+            totals: zeros,
+        };
+        for (lane, contact) in list[of.range()].iter().enumerate() {
+            let softness = [0, 1].map(|k| {
+                let is_point = radii[contact.places[k] as usize] == 0.0;
+                if is_point { 0.0 } else { 2.0 * contact.inverse_masses[k] }
+            });
+            let flying = contact.inverse_masses[0] + contact.inverse_masses[1];
+            block.friction[lane] = contact.friction;
+            block.softness[0][lane] = softness[0];
+            block.softness[1][lane] = softness[1];
+            block.effective_masses[lane] = 1.0 / (flying + (softness[0] + softness[1]));
+            block.impulses[Phase::Rest as usize][lane] = contact.friction_impulse;
+        }
+        block
+    }
+
+    /// Begins a sub-step in which some contacts rest.
+    #[inline(always)]
+    pub fn begin<S: Simd<f32>>(&mut self, simd: S, resting: u32) {
+        let zero = simd.splat(0.0);
+        let [impacts, impulses] = &mut self.impulses;
+        simd.store(zero, impacts);
+        simd.store(simd.choose(resting, simd.load(impulses), zero), impulses);
+    }
+
+    /// Adds the impulses of a sub-step to the sums.
+    pub fn count(&mut self) {
+        let [impacts, impulses] = &self.impulses;
+        for ((total, impact), rest) in self.totals.iter_mut().zip(impacts).zip(impulses) {
+            *total += impact + rest;
+        }
     }
 
     /// Stores the impulses in the contacts.
-    pub fn store(&self, pairs: &pairs::Block, contacts: &mut [Contact]) {
-        for (lane, &at) in pairs.contacts().iter().enumerate() {
-            let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
-            let contact = &mut contacts[at as usize];
-            contact.friction_impulse = rest;
-            contact.count([0.0, impact + rest]);
+    pub fn store(&self, of: &contacts::Block, list: &mut [Contact]) {
+        for (lane, contact) in list[of.range()].iter_mut().enumerate() {
+            contact.friction_impulse = self.impulses[Phase::Rest as usize][lane];
+            contact.count([0.0, self.totals[lane]]);
         }
     }
 
@@ -70,8 +87,8 @@ impl Block {
     ) -> [S::Block; 4] {
         let phase = pass.phase() as usize;
         let mut both = [[0.0; LANES]; 2];
-        for (speeds, places) in both.iter_mut().zip(&pairs.places) {
-            for (speed, &place) in speeds.iter_mut().zip(places) {
+        for (k, speeds) in both.iter_mut().enumerate() {
+            for (speed, &place) in speeds.iter_mut().zip(pairs.places.of(k)) {
                 *speed = surface_speeds.get(place);
             }
         }
@@ -98,8 +115,8 @@ impl Block {
         for (k, (speed, softness)) in [au, bu].into_iter().zip(&self.softness).enumerate() {
             simd.store(simd.sub(speed, simd.mul(change, simd.load(softness))), &mut both[k]);
         }
-        for (speeds, places) in both.iter().zip(&pairs.places) {
-            for (&speed, &place) in speeds.iter().zip(places) {
+        for (k, speeds) in both.iter().enumerate() {
+            for (&speed, &place) in speeds.iter().zip(pairs.places.of(k)) {
                 surface_speeds.set(place, speed);
             }
         }

@@ -4,11 +4,12 @@
 //! result. Colours are assigned greedily in the canonical order of the pairs, which comes from
 //! positions.
 
-use std::ops::Range;
+mod blocks;
 
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
+pub use blocks::{Block, Blocks};
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
@@ -46,25 +47,22 @@ pub struct Contact {
     pub touched: bool,
 }
 
-/// The ranges of all colours; the last one is to be solved in sequence.
-pub type Colours = [Range<usize>; COLOURS + 1];
+/// Kinds of contacts in a colour, in their order.
+const KINDS: usize = 3;
 
-/// Where in the list of contacts each colour ends.
-#[derive(Clone, Copy, Debug)]
-struct Ends([usize; COLOURS + 1]);
+/// Those of particles that have contacts of uneven masses.
+const UNEVEN_KIND: usize = 0;
 
-impl Default for Ends {
-    fn default() -> Self {
-        Self([0; COLOURS + 1])
-    }
-}
+/// Those of particles that are near each other as the step begins, and the others. Blocks of the
+/// latter often have no contact that rests.
+const NEAR_KIND: usize = 1;
+const FAR_KIND: usize = 2;
 
-impl Ends {
-    fn ranges(&self) -> Colours {
-        let mut start = 0;
-        self.0.map(|end| std::mem::replace(&mut start, end)..end)
-    }
-}
+/// Gap, as a share of the sum of radii, up to which particles are near.
+const NEAR: f32 = 0.1;
+
+/// Where in the list of contacts each kind of each colour starts.
+type Starts = [[usize; KINDS]; COLOURS + 1];
 
 impl Default for Contact {
     /// The normal of coincident centres is +x.
@@ -86,13 +84,12 @@ impl Default for Contact {
     }
 }
 
-impl Contact {
-    /// Whether the masses of the two, if both move, are very different.
-    fn is_uneven(&self) -> bool {
-        let [a, b] = self.inverse_masses;
-        a.min(b) > 0.0 && a.max(b) > UNEVEN * a.min(b)
-    }
+/// Whether the masses of two particles that move are very different.
+fn are_uneven([a, b]: [f32; 2]) -> bool {
+    a.max(b) > UNEVEN * a.min(b)
+}
 
+impl Contact {
     /// Adds impulses to the sums of this step.
     #[inline(always)]
     pub fn count(&mut self, impulses: [f32; 2]) {
@@ -131,13 +128,14 @@ impl Contact {
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
-    /// Sorted by colour, inside a colour in canonical order.
+    /// Sorted by colour and kind, and then in canonical order.
     pub list: Vec<Contact>,
-    /// Ends of the colours in `list`; the last one is to be solved in sequence.
-    ends: Ends,
+    /// The same for vector instructions, during a step.
+    pub blocks: Blocks,
     /// Where in `list` each contact stands, in canonical order.
     order: Vec<u32>,
-    colours: Vec<u8>,
+    /// The colour and kind of each contact, in canonical order.
+    colours: Vec<[u8; 2]>,
     sources: Vec<(u32, u32)>,
     spare: Vec<Contact>,
     taken: Vec<u64>,
@@ -184,7 +182,8 @@ impl Contacts {
     ) {
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
-        let mut starts = self.colour(lists, solved, movable);
+        self.find_uneven(lists, &particles.masses, movable);
+        let mut starts = self.colour(lists, solved, particles, movable);
         // Where each contact comes from: its place, which list, which pair of it.
         self.order.clear();
         self.sources.resize(self.colours.len(), (0, 0));
@@ -194,13 +193,15 @@ impl Contacts {
                 if !solved(pair) {
                     continue;
                 }
-                let Some(&colour) = colours.next() else { break };
-                let at = &mut starts[usize::from(colour)];
+                let Some(&[colour, kind]) = colours.next() else { break };
+                let at = &mut starts[usize::from(colour)][usize::from(kind)];
                 self.order.push(*at as u32);
                 self.sources[*at] = (which as u32, index as u32);
                 *at += 1;
             }
         }
+        // They have become the ends.
+        let ends = starts.map(|kinds| [kinds[UNEVEN_KIND], kinds[FAR_KIND]]);
         let Self { list, sources, previous, .. } = self;
         list.resize(sources.len(), Contact::default());
         parallel::for_chunks_of_two(threads, list, sources, |_, list, sources| {
@@ -225,16 +226,32 @@ impl Contacts {
                 };
             }
         });
-        self.find_uneven(movable.len());
+        self.blocks.fill(&self.list, &ends, movable.len() as u32);
     }
 
     /// Finds the particles that have contacts of uneven masses.
-    fn find_uneven(&mut self, places: usize) {
-        let Self { list, uneven, .. } = self;
-        uneven.clear();
-        for contact in list.iter().filter(|contact| contact.is_uneven()) {
-            uneven.resize(places, false);
-            contact.places.into_iter().for_each(|place| uneven[place as usize] = true);
+    fn find_uneven(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        masses: &[f32],
+        movable: &[bool],
+    ) {
+        self.uneven.clear();
+        let movable_masses = || masses.iter().zip(movable).filter(|(_, moves)| **moves);
+        let (least, most) = movable_masses()
+            .fold((f32::MAX, 0.0f32), |(least, most), (&mass, _)| {
+                (least.min(mass), most.max(mass))
+            });
+        // Most worlds need no further test.
+        if most <= UNEVEN * least * (1.0 - 4.0 * f32::EPSILON) {
+            return;
+        }
+        for &pair in lists.iter().flat_map(|(_, pairs)| pairs) {
+            let [a, b] = pair.map(|place| place as usize);
+            if movable[a] && movable[b] && are_uneven([1.0 / masses[a], 1.0 / masses[b]]) {
+                self.uneven.resize(movable.len(), false);
+                (self.uneven[a], self.uneven[b]) = (true, true);
+            }
         }
     }
 
@@ -248,46 +265,56 @@ impl Contacts {
         !self.uneven.is_empty()
     }
 
-    /// Gives each pair that is to be solved its colour, and returns where in the list each
-    /// colour starts.
+    /// Gives each pair that is to be solved its colour and kind, and returns where in the list each
+    /// of these starts.
     fn colour(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         solved: impl Fn(&[u32; 2]) -> bool,
+        particles: &Particles,
         movable: &[bool],
-    ) -> [usize; COLOURS + 1] {
+    ) -> Starts {
         // Immovable particles take no colour: any number of contacts may share one.
         let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
-        self.taken.clear();
-        self.taken.resize(if any { movable.len() } else { 0 }, 0);
-        self.colours.clear();
-        let mut counts = [0usize; COLOURS + 1];
-        for pair in lists.iter().flat_map(|(_, pairs)| pairs).filter(|pair| solved(pair)) {
-            let [a, b] = pair.map(|place| place as usize);
-            let taken = self.taken[a] | self.taken[b];
-            let colour = taken.trailing_ones() as usize;
-            let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
-            self.taken[a] |= if movable[a] { bit } else { 0 };
-            self.taken[b] |= if movable[b] { bit } else { 0 };
-            counts[colour] += 1;
-            self.colours.push(colour as u8);
+        let Self { taken, colours, uneven, .. } = self;
+        taken.clear();
+        taken.resize(if any { movable.len() } else { 0 }, 0);
+        colours.clear();
+        let is_uneven = |place: usize| uneven.get(place).is_some_and(|&uneven| uneven);
+        let mut counts = [[0usize; KINDS]; COLOURS + 1];
+        for (image, pairs) in lists {
+            for pair in pairs.iter().filter(|pair| solved(pair)) {
+                let [a, b] = pair.map(|place| place as usize);
+                let all = taken[a] | taken[b];
+                let colour = all.trailing_ones() as usize;
+                let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
+                taken[a] |= if movable[a] { bit } else { 0 };
+                taken[b] |= if movable[b] { bit } else { 0 };
+                let kind = if is_uneven(a) || is_uneven(b) {
+                    UNEVEN_KIND
+                } else if colour == COLOURS || are_near(particles, [a, b], *image) {
+                    NEAR_KIND
+                } else {
+                    FAR_KIND
+                };
+                counts[colour][kind] += 1;
+                colours.push([colour as u8, kind as u8]);
+            }
         }
         let mut sum = 0;
-        let starts = counts.map(|count| {
-            sum += count;
-            sum - count
-        });
-        for (end, (start, count)) in self.ends.0.iter_mut().zip(starts.into_iter().zip(counts)) {
-            *end = start + count;
-        }
-        starts
+        counts.map(|kinds| {
+            kinds.map(|count| {
+                sum += count;
+                sum - count
+            })
+        })
     }
 
     /// Swaps the lists with those of `other`, except the impulses for warm starting.
     pub fn exchange(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.list, &mut other.list);
         std::mem::swap(&mut self.order, &mut other.order);
-        std::mem::swap(&mut self.ends, &mut other.ends);
+        self.blocks.clear();
     }
 
     /// Removes the contacts of removed particles and updates the places of the others.
@@ -321,7 +348,7 @@ impl Contacts {
         self.order.clear();
         self.order.extend(0..list.len() as u32);
         self.list = list;
-        self.ends = Ends::default();
+        self.blocks.clear();
         self.sources.clear();
         self.remember(places);
     }
@@ -360,11 +387,6 @@ impl Contacts {
     /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
         self.canonical().filter(|contact| contact.touched || contact.impulse > 0.0)
-    }
-
-    /// The ranges of `list` that have one colour.
-    pub fn colours(&self) -> Colours {
-        self.ends.ranges()
     }
 
     /// Calls `act` on every contact, in any order; it may only write the contact.
@@ -410,6 +432,14 @@ impl Contacts {
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
         self.canonical().filter(|contact| contact.touched)
     }
+}
+
+/// Whether two particles are near each other.
+fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool {
+    let [p, q] = [a, b].map(|place| particles.positions[place]);
+    let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+    let most = (1.0 + NEAR) * (particles.radii[a] + particles.radii[b]);
+    x * x + y * y < most * most
 }
 
 /// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
