@@ -47,7 +47,7 @@ const FREE: f32 = 0.99;
 const WORTH_LISTING: usize = 16;
 
 /// Blocks in one task of a thread.
-const BLOCKS_OF_A_THREAD: usize = 128;
+const BLOCKS_OF_A_THREAD: usize = 64;
 
 /// Smaller radii, as a share of the coordinates, count as this where discs are pushed out of walls.
 const WIDE: f64 = 1e-5;
@@ -242,7 +242,7 @@ impl Correction {
         let inside = &inside;
         for colour in &contacts.blocks.colours {
             let (of, blocks) = (&contacts.blocks.list[colour.all()], &self.blocks[colour.all()]);
-            let is_serial = colour.is_serial || blocks.len() <= 2 * BLOCKS_OF_A_THREAD;
+            let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
             let threads = if is_serial { Some(1) } else { threads };
             let size = if is_serial { blocks.len() } else { BLOCKS_OF_A_THREAD };
             parallel::for_each(

@@ -58,7 +58,7 @@ const LEAST_RELAXATION: f32 = 1.7;
 const IMPACT_ITERATIONS: usize = 4;
 
 /// Blocks in one task of a thread.
-const BLOCKS_OF_A_THREAD: usize = 128;
+const BLOCKS_OF_A_THREAD: usize = 64;
 
 /// What the resting contacts of a sub-step depend on.
 pub struct Support<'a> {
@@ -304,7 +304,7 @@ impl Resting {
                 let range = if which == Which::All { colour.all() } else { colour.uneven() };
                 let blocks = &mut blocks[range.clone()];
                 // Few blocks are not worth a word to other threads.
-                let is_serial = colour.is_serial || blocks.len() <= 2 * BLOCKS_OF_A_THREAD;
+                let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
                 let threads = if is_serial { Some(1) } else { threads };
                 let mut frictions = frictions.get_mut(range).unwrap_or_default();
                 let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).map(|blocks| {
