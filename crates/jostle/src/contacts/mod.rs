@@ -9,6 +9,7 @@ mod blocks;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
+use crate::simd::LANES;
 pub use blocks::{Block, Blocks};
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
@@ -61,8 +62,14 @@ const FAR_KIND: usize = 2;
 /// Gap, as a share of the sum of radii, up to which particles are near.
 const NEAR: f32 = 0.1;
 
-/// Where in the list of contacts each kind of each colour starts.
-type Starts = [[usize; KINDS]; COLOURS + 1];
+/// The number of contacts of each kind of each colour.
+type Counts = [[usize; KINDS]; COLOURS + 1];
+
+/// Marks lanes without a contact.
+const NONE: u32 = u32::MAX;
+
+/// Blocks that a thread fills at a time.
+const BLOCKS_OF_A_THREAD: usize = 64;
 
 impl Default for Contact {
     /// The normal of coincident centres is +x.
@@ -128,16 +135,20 @@ impl Contact {
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
-    /// Sorted by colour and kind, and then in canonical order.
-    pub list: Vec<Contact>,
-    /// The same for vector instructions, during a step.
+    /// Those that lasted, in canonical order, between steps.
+    list: Vec<Contact>,
+    /// All contacts, during a step.
     pub blocks: Blocks,
-    /// Where in `list` each contact stands, in canonical order.
-    order: Vec<u32>,
+    /// The lane of each contact, counted over all blocks, in canonical order.
+    lanes: Vec<u32>,
     /// The colour and kind of each contact, in canonical order.
     colours: Vec<[u8; 2]>,
-    sources: Vec<(u32, u32)>,
+    /// Where the contact of each lane comes from: which list, and which pair of it.
+    sources: Vec<[u32; 2]>,
+    /// Whether the canonical order is that of the keys: there are no contacts with images.
+    is_sorted: bool,
     spare: Vec<Contact>,
+    unsorted: Vec<Contact>,
     taken: Vec<u64>,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
@@ -183,50 +194,50 @@ impl Contacts {
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
         self.find_uneven(lists, &particles.masses, movable);
-        let mut starts = self.colour(lists, solved, particles, movable);
-        // Where each contact comes from: its place, which list, which pair of it.
-        self.order.clear();
-        self.sources.resize(self.colours.len(), (0, 0));
+        self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
+        let counts = self.colour(lists, solved, particles, movable);
+        let mut next = self.blocks.arrange(&counts);
+        self.list.clear();
+        self.lanes.clear();
+        self.sources.clear();
+        self.sources.resize(self.blocks.list.len() * LANES, [NONE; 2]);
         let mut colours = self.colours.iter();
         for (which, (_, pairs)) in lists.iter().enumerate() {
-            for (index, pair) in pairs.iter().enumerate() {
-                if !solved(pair) {
-                    continue;
-                }
-                let Some(&[colour, kind]) = colours.next() else { break };
-                let at = &mut starts[usize::from(colour)][usize::from(kind)];
-                self.order.push(*at as u32);
-                self.sources[*at] = (which as u32, index as u32);
-                *at += 1;
+            for (index, _) in pairs.iter().enumerate().filter(|(_, pair)| solved(pair)) {
+                let Some(&colour) = colours.next() else { break };
+                let lane = next.take(colour);
+                self.lanes.push(lane as u32);
+                self.sources[lane] = [which as u32, index as u32];
             }
         }
-        // They have become the ends.
-        let ends = starts.map(|kinds| [kinds[UNEVEN_KIND], kinds[FAR_KIND]]);
-        let Self { list, sources, previous, .. } = self;
-        list.resize(sources.len(), Contact::default());
-        parallel::for_chunks_of_two(threads, list, sources, |_, list, sources| {
-            for (contact, &mut (which, index)) in list.iter_mut().zip(sources) {
-                let (image, pairs) = &lists[which as usize];
-                let places = pairs[index as usize];
-                let [i, j] = places.map(|place| place as usize);
-                let own = particles.restitutions[i] * particles.restitutions[j];
-                let here = *image == [0.0; 2];
-                let previous =
-                    if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
-                *contact = Contact {
-                    places,
-                    image: *image,
-                    reach: particles.radii[i] + particles.radii[j],
-                    restitution: restitution * own,
-                    inverse_masses: [inverse_mass(i), inverse_mass(j)],
-                    friction: particles.pair_friction(i, j),
-                    impulse: previous[0],
-                    friction_impulse: previous[1],
-                    ..Contact::default()
-                };
+        let Self { blocks, sources, previous, .. } = self;
+        let contact = |[which, index]: [u32; 2]| {
+            let (image, pairs) = lists.get(which as usize)?;
+            let places = pairs[index as usize];
+            let [i, j] = places.map(|place| place as usize);
+            let own = particles.restitutions[i] * particles.restitutions[j];
+            let here = *image == [0.0; 2];
+            let previous = if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
+            Some(Contact {
+                places,
+                image: *image,
+                reach: particles.radii[i] + particles.radii[j],
+                restitution: restitution * own,
+                inverse_masses: [inverse_mass(i), inverse_mass(j)],
+                friction: particles.pair_friction(i, j),
+                impulse: previous[0],
+                friction_impulse: previous[1],
+                ..Contact::default()
+            })
+        };
+        let (size, spare) = (BLOCKS_OF_A_THREAD, movable.len() as u32);
+        let threads = if blocks.list.len() <= size { Some(1) } else { threads };
+        let parts = blocks.list.chunks_mut(size).zip(sources.chunks(size * LANES));
+        parallel::for_each(threads, parts, |(blocks, sources)| {
+            for (block, sources) in blocks.iter_mut().zip(sources.chunks(LANES)) {
+                block.fill(spare, |lane| contact(sources[lane]));
             }
         });
-        self.blocks.fill(&self.list, &ends, movable.len() as u32);
     }
 
     /// Finds the particles that have contacts of uneven masses.
@@ -265,15 +276,14 @@ impl Contacts {
         !self.uneven.is_empty()
     }
 
-    /// Gives each pair that is to be solved its colour and kind, and returns where in the list each
-    /// of these starts.
+    /// Gives each pair that is to be solved its colour and kind, and counts them.
     fn colour(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         solved: impl Fn(&[u32; 2]) -> bool,
         particles: &Particles,
         movable: &[bool],
-    ) -> Starts {
+    ) -> Counts {
         // Immovable particles take no colour: any number of contacts may share one.
         let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
         let Self { taken, colours, uneven, .. } = self;
@@ -301,19 +311,12 @@ impl Contacts {
                 colours.push([colour as u8, kind as u8]);
             }
         }
-        let mut sum = 0;
-        counts.map(|kinds| {
-            kinds.map(|count| {
-                sum += count;
-                sum - count
-            })
-        })
+        counts
     }
 
     /// Swaps the lists with those of `other`, except the impulses for warm starting.
     pub fn exchange(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.list, &mut other.list);
-        std::mem::swap(&mut self.order, &mut other.order);
         self.blocks.clear();
     }
 
@@ -328,7 +331,7 @@ impl Contacts {
             })
             .collect();
         let stays = |contact: &Contact| contact.places.iter().all(|&place| keep[place as usize]);
-        let mut kept: Vec<Contact> = self.canonical().copied().filter(stays).collect();
+        let mut kept: Vec<Contact> = self.list.iter().copied().filter(stays).collect();
         for contact in &mut kept {
             contact.places = contact.places.map(|place| renamed[place as usize]);
         }
@@ -337,7 +340,7 @@ impl Contacts {
 
     /// Adds contacts; `places` is the number of particles.
     pub fn insert(&mut self, new: impl Iterator<Item = Contact>, places: usize) {
-        let all = self.canonical().copied().chain(new).map(Contact::ascending);
+        let all = self.list.iter().copied().chain(new).map(Contact::ascending);
         let mut list: Vec<Contact> = all.collect();
         list.sort_unstable_by_key(Contact::key);
         self.recall(list, places);
@@ -345,11 +348,8 @@ impl Contacts {
 
     /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
     pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
-        self.order.clear();
-        self.order.extend(0..list.len() as u32);
         self.list = list;
         self.blocks.clear();
-        self.sources.clear();
         self.remember(places);
     }
 
@@ -361,11 +361,13 @@ impl Contacts {
         particles: &Particles,
         places: usize,
     ) {
-        let mut both = std::mem::take(&mut self.spare);
-        both.clear();
-        both.extend(self.lasting().copied().map(Contact::ascending));
-        let len = both.len();
-        both.extend(bounced.map(|(pair, image, totals)| {
+        let Self { list, blocks, lanes, spare, unsorted, .. } = self;
+        let lasting = lanes.iter().filter_map(|&lane| {
+            let lane = lane as usize;
+            blocks.list[lane / LANES].lasting(lane % LANES).map(Contact::ascending)
+        });
+        spare.clear();
+        spare.extend(bounced.map(|(pair, image, totals)| {
             let [i, j] = pair.map(|place| place as usize);
             Contact {
                 places: pair,
@@ -377,16 +379,23 @@ impl Contacts {
                 ..Contact::default()
             }
         }));
-        let (lasting, bounced) = both.split_at_mut(len);
-        let mut list = std::mem::take(&mut self.list);
-        merge(lasting, bounced, &mut list);
-        self.spare = both;
-        self.recall(list, places);
+        sort(spare);
+        list.clear();
+        if self.is_sorted {
+            merge(lasting, spare.iter().copied(), list);
+        } else {
+            unsorted.clear();
+            unsorted.extend(lasting);
+            sort(unsorted);
+            merge(unsorted.iter().copied(), spare.iter().copied(), list);
+        }
+        self.blocks.clear();
+        self.remember(places);
     }
 
     /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
-        self.canonical().filter(|contact| contact.touched || contact.impulse > 0.0)
+        self.list.iter().filter(|contact| contact.touched || contact.impulse > 0.0)
     }
 
     /// Calls `act` on every contact, in any order; it may only write the contact.
@@ -397,14 +406,13 @@ impl Contacts {
     /// Stores the resting impulses by place, for warm starting in the next step. Returns the
     /// first contact whose impulse is not finite, if any.
     pub fn remember(&mut self, places: usize) -> Option<&Contact> {
-        let Self { list, order, previous: Previous { starts, seconds, impulses }, .. } = self;
+        let Self { list, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
         starts.resize(places + 1, 0);
         seconds.clear();
         impulses.clear();
         let mut overflow = None;
-        for &at in order.iter() {
-            let contact = &list[at as usize];
+        for contact in &*list {
             if contact.impulse == f32::INFINITY {
                 overflow = overflow.or(Some(contact));
             }
@@ -423,14 +431,9 @@ impl Contacts {
         overflow
     }
 
-    /// All contacts in canonical order.
-    fn canonical(&self) -> impl Iterator<Item = &Contact> {
-        self.order.iter().map(|&at| &self.list[at as usize])
-    }
-
     /// The contacts that pushed, in canonical order, as the last step left them.
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
-        self.canonical().filter(|contact| contact.touched)
+        self.list.iter().filter(|contact| contact.touched)
     }
 }
 
@@ -442,32 +445,34 @@ fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool 
     x * x + y * y < most * most
 }
 
-/// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
-/// kept, with the sums of the impulses of both.
-fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
-    let key = Contact::key;
-    let sort = |list: &mut [Contact]| {
-        if !list.is_sorted_by_key(key) {
-            list.sort_unstable_by_key(key);
-        }
-    };
-    sort(first);
-    sort(second);
-    to.clear();
-    let (mut first, mut second) = (first.iter().peekable(), second.iter().peekable());
+/// Sorts contacts by their keys. Those in the right order, equal ones also, stay where they are.
+fn sort(list: &mut [Contact]) {
+    if !list.is_sorted_by_key(Contact::key) {
+        list.sort_unstable_by_key(Contact::key);
+    }
+}
+
+/// Appends two sorted lists to a third. Of the same contact in both, that of the first list is kept,
+/// with the sums of the impulses of both.
+fn merge(
+    first: impl Iterator<Item = Contact>,
+    second: impl Iterator<Item = Contact>,
+    to: &mut Vec<Contact>,
+) {
+    let (mut first, mut second) = (first.peekable(), second.peekable());
     loop {
         let next = match (first.peek(), second.peek()) {
-            (Some(a), Some(b)) if key(b) < key(a) => second.next(),
+            (Some(a), Some(b)) if b.key() < a.key() => second.next(),
             (Some(_), _) => first.next(),
             (None, _) => second.next(),
         };
         let Some(next) = next else { return };
         match to.last_mut() {
-            Some(last) if key(last) == key(next) => {
+            Some(last) if last.key() == next.key() => {
                 last.touched |= next.touched;
                 last.count(next.totals);
             }
-            _ => to.push(*next),
+            _ => to.push(next),
         }
     }
 }

@@ -90,15 +90,15 @@ pub struct Correction {
 impl Correction {
     /// Begins a step.
     pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles) {
-        let (list, radii) = (&contacts.list, &particles.radii);
+        let all = contacts.blocks.list.iter();
         self.blocks.clear();
-        self.blocks.extend(contacts.blocks.list.iter().map(|of| Block::new(of, list, radii)));
+        self.blocks.extend(all.map(|of| Block::new(of, &particles.radii)));
     }
 
     /// Notes in the contacts which of them have overlapped in the step.
     pub fn end_step(&self, contacts: &mut Contacts) {
-        for (block, of) in self.blocks.iter().zip(&contacts.blocks.list) {
-            block.store(of, &mut contacts.list);
+        for (block, to) in self.blocks.iter().zip(&mut contacts.blocks.list) {
+            block.store(to);
         }
     }
 

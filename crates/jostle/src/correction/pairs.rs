@@ -1,7 +1,7 @@
 //! Moving the pairs of a colour apart, sixteen at a time.
 
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
-use crate::contacts::{self, Contact};
+use crate::contacts;
 use crate::motion::Vectors;
 use crate::simd::{LANES, Number, Simd, Work, for_each_lane};
 
@@ -29,7 +29,7 @@ pub struct Block {
 
 impl Block {
     /// The constants of some contacts.
-    pub fn new(of: &contacts::Block, list: &[Contact], radii: &[f32]) -> Self {
+    pub fn new(of: &contacts::Block, radii: &[f32]) -> Self {
         let zeros = [0.0; LANES];
         let mut block = Self {
             offset: [zeros; 2],
@@ -41,28 +41,28 @@ impl Block {
             near: 0,
             overlapped: 0,
         };
-        for (lane, contact) in list[of.range()].iter().enumerate() {
-            let [p, q] = contact.places.map(|place| radii[place as usize]);
+        of.each_lane(|lane| {
+            let [p, q] = [0, 1].map(|k| radii[of.places.of(k)[lane] as usize]);
             // Points have no size: that of the other particle counts.
             let smaller = if p.min(q) > 0.0 { p.min(q) } else { p.max(q) };
             let diameter = 2.0 * smaller;
-            let least = contact.reach - (SLOP + TOLERANCE) * diameter;
+            let least = of.reaches[lane] - (SLOP + TOLERANCE) * diameter;
             block.near_squares[lane] = least * least;
-            block.targets[lane] = contact.reach - SLOP * diameter;
+            block.targets[lane] = of.reaches[lane] - SLOP * diameter;
             block.most[lane] = MOST * diameter;
-            [block.shares[0][lane], block.shares[1][lane]] = match contact.inverse_masses {
+            let inverse_masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
+            [block.shares[0][lane], block.shares[1][lane]] = match inverse_masses {
                 [0.0, _] => [0.0, 1.0],
                 [_, 0.0] => [1.0, 0.0],
                 _ => [0.5, 0.5],
             };
-        }
+        });
         block
     }
 
     /// Notes in the contacts which overlapped.
-    pub fn store(&self, of: &contacts::Block, list: &mut [Contact]) {
-        let list = &mut list[of.range()];
-        for_each_lane(self.overlapped, |lane| list[lane].touched = true);
+    pub fn store(&self, to: &mut contacts::Block) {
+        to.touched |= self.overlapped;
     }
 
     /// Updates the offsets to the positions, and which pairs are near.

@@ -4,7 +4,7 @@
 //! normal at that moment.
 
 use super::pairs::{self, Pass, Phase};
-use crate::contacts::{self, Contact};
+use crate::contacts;
 use crate::motion::Scalars;
 use crate::simd::{LANES, Simd};
 
@@ -25,27 +25,25 @@ pub struct Block {
 
 impl Block {
     /// The friction of some contacts, with the impulses of the step before.
-    pub fn new(of: &contacts::Block, list: &[Contact], radii: &[f32]) -> Self {
+    pub fn new(of: &contacts::Block, radii: &[f32]) -> Self {
         let zeros = [0.0; LANES];
         let mut block = Self {
-            friction: zeros,
+            friction: of.frictions,
             softness: [zeros; 2],
             effective_masses: zeros,
-            impulses: [zeros; 2],
+            impulses: [zeros, of.impulses[1]],
             totals: zeros,
         };
-        for (lane, contact) in list[of.range()].iter().enumerate() {
+        of.each_lane(|lane| {
+            let masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
             let softness = [0, 1].map(|k| {
-                let is_point = radii[contact.places[k] as usize] == 0.0;
-                if is_point { 0.0 } else { 2.0 * contact.inverse_masses[k] }
+                let is_point = radii[of.places.of(k)[lane] as usize] == 0.0;
+                if is_point { 0.0 } else { 2.0 * masses[k] }
             });
-            let flying = contact.inverse_masses[0] + contact.inverse_masses[1];
-            block.friction[lane] = contact.friction;
-            block.softness[0][lane] = softness[0];
-            block.softness[1][lane] = softness[1];
+            [block.softness[0][lane], block.softness[1][lane]] = softness;
+            let flying = masses[0] + masses[1];
             block.effective_masses[lane] = 1.0 / (flying + (softness[0] + softness[1]));
-            block.impulses[Phase::Rest as usize][lane] = contact.friction_impulse;
-        }
+        });
         block
     }
 
@@ -67,11 +65,9 @@ impl Block {
     }
 
     /// Stores the impulses in the contacts.
-    pub fn store(&self, of: &contacts::Block, list: &mut [Contact]) {
-        for (lane, contact) in list[of.range()].iter_mut().enumerate() {
-            contact.friction_impulse = self.impulses[Phase::Rest as usize][lane];
-            contact.count([0.0, self.totals[lane]]);
-        }
+    pub fn store(&self, to: &mut contacts::Block) {
+        to.impulses[1] = self.impulses[Phase::Rest as usize];
+        to.totals[1] = self.totals;
     }
 
     /// Corrects the impulses of friction, or only applies those that they have. Returns the new

@@ -260,26 +260,25 @@ impl Resting {
     /// Begins a step with the impulses of the step before.
     pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles, has_friction: bool) {
         let Self { blocks, limits, frictions, .. } = self;
-        let (of, list) = (&contacts.blocks.list, &contacts.list);
+        let all = &contacts.blocks.list;
         blocks.clear();
-        blocks.extend(of.iter().map(|of| Block::new(of, list)));
+        blocks.extend(all.iter().map(Block::new));
         limits.clear();
-        limits.extend(of.iter().map(|of| Limits::new(of, list)));
+        limits.extend(all.iter().map(Limits::new));
         frictions.clear();
         if has_friction {
-            let radii = &particles.radii;
-            frictions.extend(of.iter().map(|of| friction::Block::new(of, list, radii)));
+            frictions.extend(all.iter().map(|of| friction::Block::new(of, &particles.radii)));
         }
     }
 
     /// Stores the impulses of the step in the contacts.
     pub fn end_step(&self, contacts: &mut Contacts) {
-        let Contacts { list, blocks: of, .. } = contacts;
-        for ((limits, block), of) in self.limits.iter().zip(&self.blocks).zip(&of.list) {
-            limits.store(block, of, list);
+        let all = &mut contacts.blocks.list;
+        for ((limits, block), to) in self.limits.iter().zip(&self.blocks).zip(&mut *all) {
+            limits.store(block, to);
         }
-        for (friction, of) in self.frictions.iter().zip(&of.list) {
-            friction.store(of, list);
+        for (friction, to) in self.frictions.iter().zip(all) {
+            friction.store(to);
         }
     }
 

@@ -2,7 +2,7 @@
 //! moves.
 
 use super::{friction, relaxation};
-use crate::contacts::{self, Contact};
+use crate::contacts;
 use crate::motion::{Scalars, Vectors};
 use crate::simd::{LANES, Number, PairPlaces, Simd, Work};
 
@@ -57,26 +57,22 @@ impl Pass {
 
 impl Block {
     /// The contacts, with the impulses of the step before.
-    pub fn new(of: &contacts::Block, list: &[Contact]) -> Self {
+    pub fn new(of: &contacts::Block) -> Self {
         let mut block = Self {
-            places: of.places,
-            normal: [[0.0; LANES]; 2],
-            inverse_masses: [[0.0; LANES]; 2],
+            // That of coincident centres.
+            normal: [[1.0; LANES], [0.0; LANES]],
+            inverse_masses: of.inverse_masses,
             effective_masses: [0.0; LANES],
             relaxed_masses: [0.0; LANES],
             least_speeds: [[f32::MIN; LANES]; 2],
-            impulses: [[0.0; LANES]; 2],
+            impulses: [[0.0; LANES], of.impulses[0]],
+            places: of.places,
             resting: 0,
         };
-        for (lane, contact) in list[of.range()].iter().enumerate() {
-            for k in [0, 1] {
-                block.normal[k][lane] = contact.normal[k];
-                block.inverse_masses[k][lane] = contact.inverse_masses[k];
-            }
-            let [a, b] = contact.inverse_masses;
-            block.effective_masses[lane] = 1.0 / (a + b);
-            block.relaxed_masses[lane] = block.effective_masses[lane] * relaxation([a, b]);
-            block.impulses[Phase::Rest as usize][lane] = contact.impulse;
+        for lane in 0..LANES {
+            let masses = [of.inverse_masses[0][lane], of.inverse_masses[1][lane]];
+            block.effective_masses[lane] = 1.0 / (masses[0] + masses[1]);
+            block.relaxed_masses[lane] = block.effective_masses[lane] * relaxation(masses);
         }
         block
     }

@@ -4,7 +4,7 @@
 
 use super::pairs::Block;
 use super::{FARTHEST, TOUCHING, friction};
-use crate::contacts::{self, Contact};
+use crate::contacts;
 use crate::motion::Vectors;
 use crate::simd::{LANES, Number, PairPlaces, Simd, Work};
 use crate::trajectory::rest_speeds;
@@ -13,7 +13,6 @@ use crate::trajectory::rest_speeds;
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))] // Each column in a cache line of its own.
 pub struct Limits {
-    restitutions: [f32; LANES],
     /// See [`rest_speeds`].
     rest_speeds: [[f32; LANES]; 2],
     /// Along the normal, of all sub-steps.
@@ -24,20 +23,18 @@ pub struct Limits {
 
 impl Limits {
     /// Those of some contacts.
-    pub fn new(of: &contacts::Block, list: &[Contact]) -> Self {
+    pub fn new(of: &contacts::Block) -> Self {
         let zeros = [0.0; LANES];
-        let mut limits =
-            Self { restitutions: zeros, rest_speeds: [zeros; 2], totals: zeros, pushed: 0 };
+        let mut limits = Self { rest_speeds: [zeros; 2], totals: zeros, pushed: 0 };
         let mut last = (f32::NAN, [0.0; 2]);
-        for (lane, contact) in list[of.range()].iter().enumerate() {
-            let restitution = contact.restitution;
+        of.each_lane(|lane| {
+            let restitution = of.restitutions[lane];
             // Most contacts have the same.
             if restitution != last.0 {
                 last = (restitution, rest_speeds(f64::from(restitution)).map(|v| v as f32));
             }
-            limits.restitutions[lane] = restitution;
             [limits.rest_speeds[0][lane], limits.rest_speeds[1][lane]] = last.1;
-        }
+        });
         limits
     }
 
@@ -52,13 +49,10 @@ impl Limits {
     }
 
     /// Stores the impulses in the contacts.
-    pub fn store(&self, block: &Block, of: &contacts::Block, list: &mut [Contact]) {
-        for (lane, contact) in list[of.range()].iter_mut().enumerate() {
-            contact.impulse = block.impulses[1][lane];
-            contact.friction_impulse = 0.0;
-            contact.count([self.totals[lane], 0.0]);
-            contact.touched |= self.pushed >> lane & 1 == 1;
-        }
+    pub fn store(&self, block: &Block, to: &mut contacts::Block) {
+        to.impulses = [block.impulses[1], [0.0; LANES]];
+        to.totals[0] = self.totals;
+        to.touched |= self.pushed;
     }
 }
 
@@ -160,10 +154,10 @@ fn start<S: Simd<f32>>(
     let speed = simd.sqrt(simd.add(simd.mul(u, u), simd.mul(v, v)));
     let is_steady = simd.at_most(simd.mul(speed, h), simd.mul(simd.splat(0.5), reach));
     let resting =
-        is_near & (is_touching | is_slow) & is_steady & simd.less(zero, approach) & of.lanes();
+        is_near & (is_touching | is_slow) & is_steady & simd.less(zero, approach) & of.lanes;
 
     let fast = resting & is_touching & simd.less(normal_speed, minus_approach);
-    let minus_restitution = simd.sub(simd.splat(-0.0), simd.load(&limits.restitutions));
+    let minus_restitution = simd.sub(simd.splat(-0.0), simd.load(&of.restitutions));
     let slow_bounce =
         simd.choose(is_touching, simd.least(normal_speed, zero), simd.splat(f32::MIN));
     let bounce = simd.choose(fast, simd.mul(minus_restitution, normal_speed), slow_bounce);
