@@ -57,11 +57,11 @@ impl Block {
     }
 
     /// Adds the impulses of a sub-step to the sums.
-    pub fn count(&mut self) {
-        let [impacts, impulses] = &self.impulses;
-        for ((total, impact), rest) in self.totals.iter_mut().zip(impacts).zip(impulses) {
-            *total += impact + rest;
-        }
+    #[inline(always)]
+    pub fn count<S: Simd<f32>>(&mut self, simd: S) {
+        let [impact, rest] = [simd.load(&self.impulses[0]), simd.load(&self.impulses[1])];
+        let sum = simd.add(simd.load(&self.totals), simd.add(impact, rest));
+        simd.store(sum, &mut self.totals);
     }
 
     /// Stores the impulses in the contacts.
@@ -82,15 +82,11 @@ impl Block {
         pass: Pass,
     ) -> [S::Block; 4] {
         let phase = pass.phase() as usize;
-        let mut both = [[0.0; LANES]; 2];
-        for (k, speeds) in both.iter_mut().enumerate() {
-            for (speed, &place) in speeds.iter_mut().zip(pairs.places.of(k)) {
-                *speed = surface_speeds.get(place);
-            }
-        }
-        let [au, bu] = both.map(|column| simd.load(&column));
+        let [au, zero] = simd.gather(surface_speeds.words(), &pairs.places, 0);
+        let [bu, _] = simd.gather(surface_speeds.words(), &pairs.places, 1);
         let [ax, ay, bx, by] = velocities;
-        let [tx, ty] = [pairs.normal[1].map(|y| -y), pairs.normal[0]].map(|t| simd.load(&t));
+        let tx = simd.sub(simd.splat(-0.0), simd.load(&pairs.normal[1]));
+        let ty = simd.load(&pairs.normal[0]);
         let impulses = &mut self.impulses[phase];
         let old = simd.load(impulses);
         let change = if pass == Pass::Start {
@@ -108,14 +104,10 @@ impl Block {
             let most = simd.splat(f32::MAX);
             simd.most(simd.least(simd.sub(new, old), most), simd.splat(f32::MIN))
         };
-        for (k, (speed, softness)) in [au, bu].into_iter().zip(&self.softness).enumerate() {
-            simd.store(simd.sub(speed, simd.mul(change, simd.load(softness))), &mut both[k]);
-        }
-        for (k, speeds) in both.iter().enumerate() {
-            for (&speed, &place) in speeds.iter().zip(pairs.places.of(k)) {
-                surface_speeds.set(place, speed);
-            }
-        }
+        let au = simd.sub(au, simd.mul(change, simd.load(&self.softness[0])));
+        let bu = simd.sub(bu, simd.mul(change, simd.load(&self.softness[1])));
+        simd.scatter([au, zero], surface_speeds.words(), &pairs.places, 0);
+        simd.scatter([bu, zero], surface_speeds.words(), &pairs.places, 1);
         pairs.pushed(simd, velocities, [tx, ty], change)
     }
 }

@@ -272,7 +272,9 @@ impl Resting {
     }
 
     /// Stores the impulses of the step in the contacts.
-    pub fn end_step(&self, contacts: &mut Contacts) {
+    pub fn end_step(&mut self, contacts: &mut Contacts) {
+        let Self { limits, blocks, frictions, .. } = self;
+        Counts { limits, blocks, frictions }.run();
         let all = &mut contacts.blocks.list;
         for ((limits, block), to) in self.limits.iter().zip(&self.blocks).zip(&mut *all) {
             limits.store(block, to);
@@ -295,7 +297,7 @@ impl Resting {
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         let threads = scene.threads;
-        let Self { velocities, surface_speeds, blocks, limits, frictions, walls, .. } = self;
+        let Self { velocities, surface_speeds, blocks, frictions, walls, .. } = self;
         let (velocities, surface_speeds) = (&*velocities, &*surface_speeds);
         let (is_fast, uneven_walls) = (self.is_fast, self.uneven_walls);
         let mut sweep = |pass, which| {
@@ -356,8 +358,6 @@ impl Resting {
                 solve_walls(walls, Pass::Relaxed, Which::Uneven);
             }
         }
-        Counts { limits, blocks }.run();
-        frictions.iter_mut().for_each(friction::Block::count);
         for walls in &*walls {
             walls.store(scene.rows[walls.place as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.place as usize];
@@ -409,7 +409,7 @@ impl Resting {
             let count = blocks.len().min(frictions.len());
             (blocks, frictions.split_off_mut(..count).unwrap_or_default())
         });
-        let parts = blocks.zip(limits.chunks(size)).zip(all_of.chunks(size));
+        let parts = blocks.zip(limits.chunks_mut(size)).zip(all_of.chunks(size));
         let any = AtomicBool::new(false);
         parallel::for_each(threads, parts, |(((blocks, frictions), limits), of)| {
             let starts =

@@ -41,6 +41,9 @@ impl Limits {
     /// Adds the impulses of a sub-step.
     #[inline(always)]
     fn count<S: Simd<f32>>(&mut self, simd: S, block: &Block) {
+        if block.resting == 0 {
+            return;
+        }
         let [impact, rest] = [simd.load(&block.impulses[0]), simd.load(&block.impulses[1])];
         let sum = simd.add(simd.load(&self.totals), simd.add(impact, rest));
         simd.store(sum, &mut self.totals);
@@ -56,10 +59,10 @@ impl Limits {
     }
 }
 
-/// Finds the contacts that rest.
+/// Counts the impulses of the sub-step before, and finds the contacts that rest.
 pub struct Starts<'a> {
     pub of: &'a [contacts::Block],
-    pub limits: &'a [Limits],
+    pub limits: &'a mut [Limits],
     pub blocks: &'a mut [Block],
     /// The friction of each block; empty if there is none.
     pub frictions: &'a mut [friction::Block],
@@ -87,7 +90,10 @@ impl Work<f32> for Starts<'_> {
     fn run<S: Simd<f32>>(self, simd: S) -> bool {
         let mut is_fast = false;
         let mut frictions = self.frictions.iter_mut();
-        for ((block, limits), of) in self.blocks.iter_mut().zip(self.limits).zip(self.of) {
+        for ((block, limits), of) in self.blocks.iter_mut().zip(&mut *self.limits).zip(self.of) {
+            // The impulses of the sub-step before, which are in the cache now.
+            limits.count(simd, block);
+            let has_rested = block.resting != 0;
             let all = All {
                 positions: self.positions,
                 velocities: self.velocities,
@@ -96,6 +102,9 @@ impl Work<f32> for Starts<'_> {
             };
             is_fast |= start(simd, block, limits, of, &all);
             if let Some(friction) = frictions.next() {
+                if has_rested {
+                    friction.count(simd);
+                }
                 friction.begin(simd, block.resting);
             }
         }
@@ -178,6 +187,8 @@ fn difference<S: Simd<f32>>(simd: S, of: &Vectors, places: &PairPlaces) -> [S::B
 pub struct Counts<'a> {
     pub limits: &'a mut [Limits],
     pub blocks: &'a [Block],
+    /// The friction of each block; empty if there is none.
+    pub frictions: &'a mut [friction::Block],
 }
 
 impl Counts<'_> {
@@ -193,8 +204,11 @@ impl Work<f32> for Counts<'_> {
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
         for (limits, block) in self.limits.iter_mut().zip(self.blocks) {
+            limits.count(simd, block);
+        }
+        for (friction, block) in self.frictions.iter_mut().zip(self.blocks) {
             if block.resting != 0 {
-                limits.count(simd, block);
+                friction.count(simd);
             }
         }
     }

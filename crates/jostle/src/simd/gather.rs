@@ -1,11 +1,12 @@
 //! Pairs of float32 that lie apart in memory, read into vectors and written from them.
 //!
 //! Each pair is one word, which is read and written as a whole, so that threads may share them. The
-//! instructions of the processor for this are slower than single reads.
+//! instructions of the processor that gather and scatter are slower than single reads and writes.
 #![allow(unsafe_code)]
 // The compiler knows that SSE2 is there and calls for no `unsafe` where the others need it.
 #![allow(unused_unsafe)]
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -68,17 +69,54 @@ pub unsafe fn scatter_128(
     }
 }
 
+/// As [`two`], with AVX: without a detour over the integer registers, on which the compiler insists for
+/// atomic words. On x86 each of these reads is a relaxed atomic load.
+#[inline(always)]
+unsafe fn two_avx(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m128d {
+    let [first, second] = [places[lane % LANES], places[(lane + 1) % LANES]];
+    let pairs: __m128d;
+    unsafe {
+        asm!(
+            "vmovsd {pairs}, qword ptr [{from} + 8 * {first}]",
+            "vmovhpd {pairs}, {pairs}, qword ptr [{from} + 8 * {second}]",
+            pairs = out(xmm_reg) pairs,
+            from = in(reg) from.as_ptr(),
+            first = in(reg) first as usize,
+            second = in(reg) second as usize,
+            options(pure, readonly, nostack, preserves_flags),
+        );
+    }
+    pairs
+}
+
+/// The reverse: two relaxed atomic stores.
+#[inline(always)]
+unsafe fn set_two_avx(pairs: __m128d, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
+    let [first, second] = [places[lane % LANES], places[(lane + 1) % LANES]];
+    unsafe {
+        asm!(
+            "vmovlpd qword ptr [{to} + 8 * {first}], {pairs}",
+            "vmovhpd qword ptr [{to} + 8 * {second}], {pairs}",
+            pairs = in(xmm_reg) pairs,
+            to = in(reg) to.as_ptr(),
+            first = in(reg) first as usize,
+            second = in(reg) second as usize,
+            options(nostack, preserves_flags),
+        );
+    }
+}
+
 /// The pairs of a lane, of the next, and of those four lanes on.
 #[inline(always)]
 unsafe fn four(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m256d {
-    unsafe { _mm256_set_m128d(two(from, places, lane + 4), two(from, places, lane)) }
+    unsafe { _mm256_set_m128d(two_avx(from, places, lane + 4), two_avx(from, places, lane)) }
 }
 
 #[inline(always)]
 unsafe fn set_four(pairs: __m256d, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
     unsafe {
-        set_two(_mm256_castpd256_pd128(pairs), to, places, lane);
-        set_two(_mm256_extractf128_pd::<1>(pairs), to, places, lane + 4);
+        set_two_avx(_mm256_castpd256_pd128(pairs), to, places, lane);
+        set_two_avx(_mm256_extractf128_pd::<1>(pairs), to, places, lane + 4);
     }
 }
 
