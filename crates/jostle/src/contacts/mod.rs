@@ -248,13 +248,13 @@ impl Contacts {
         movable: &[bool],
     ) {
         self.uneven.clear();
-        let movable_masses = || masses.iter().zip(movable).filter(|(_, moves)| **moves);
-        let (least, most) = movable_masses()
-            .fold((f32::MAX, 0.0f32), |(least, most), (&mass, _)| {
-                (least.min(mass), most.max(mass))
-            });
-        // Most worlds need no further test.
-        if most <= UNEVEN * least * (1.0 - 4.0 * f32::EPSILON) {
+        if lists.iter().all(|(_, pairs)| pairs.is_empty()) {
+            return;
+        }
+        // Most worlds need no further test. Numbers above 0 have the order of their bits.
+        let bits = masses.iter().map(|mass| mass.to_bits());
+        let [least, most] = [bits.clone().fold(u32::MAX, u32::min), bits.fold(0, u32::max)];
+        if f32::from_bits(most) <= UNEVEN * f32::from_bits(least) * (1.0 - 4.0 * f32::EPSILON) {
             return;
         }
         for &pair in lists.iter().flat_map(|(_, pairs)| pairs) {
