@@ -174,6 +174,18 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
             "line 3: walls[0].friction is -1; it must be a number from 0",
         ),
         (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nvelocity = 3",
+            "line 3: walls[0].velocity is 3; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nperiod = 0",
+            "line 3: walls[0].period is 0; it must be a number from 0.001",
+        ),
+        (
+            "container_restitution = [1, 1, 2, 1]",
+            "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or",
+        ),
+        (
             "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
             "line 2: walls[0].bounce is not a property of walls",
         ),
@@ -268,6 +280,49 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     for one in (simulation, again):
         one.step()
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_walls_of_a_file_may_move_there_and_back(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 20
+[[walls]]
+points = [[10, 10], [60, 10], [60, 40]]
+velocity = [30, 0]
+period = 1
+[[walls]]
+points = [[5, 50], [20, 50]]
+"""
+    simulation = start(read(tmp_path, text).settings)
+    begin = simulation.frame().walls
+    for _ in range(30):
+        simulation.step()
+    there = simulation.frame().walls
+    np.testing.assert_allclose(there[:2], begin[:2] + np.array([15, 0]), atol=1e-4)
+    np.testing.assert_array_equal(there[2], begin[2])
+    simulation.attract(())  # the motor is not one of the user's attractors
+    simulation.remove_walls([0])
+    path = tmp_path / "moving.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    for one in (simulation, again):
+        for _ in range(30):
+            one.step()
+        np.testing.assert_allclose(one.frame().walls[0], begin[1], atol=1e-4)
+    np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 20\ncontainer_restitution = '
+    simulation = start(read(tmp_path, text + "[0.5, 1, 0.25, 0]").settings)
+    assert simulation.world.container_restitution.tolist() == [0.5, 1, 0.25, 0]
+    assert simulation.adjust("container", "torus") is None
+    simulation.step()
+    path = tmp_path / "sides.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings
+    one = start(read(tmp_path, text + "0.5").settings)
+    assert one.world.container_restitution.tolist() == [0.5] * 4
 
 
 def test_groups_of_a_file_do_not_overlap_its_walls(tmp_path: Path) -> None:

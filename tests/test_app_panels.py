@@ -15,10 +15,11 @@ from jostle.app import panels  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 from jostle.app.draw.view_options import ColourBy, TreeView  # noqa: E402
 from jostle.app.gui.host import Gui  # noqa: E402
+from jostle.app.panels import settings_panel  # noqa: E402
 from jostle.app.panels.sliders import Range  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
 from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.settings import RULES, Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 
 FRAME = 1 / 60
@@ -488,3 +489,10 @@ def test_two_selected_particles_are_asked_about(desk) -> None:
     assert desk.session.explanation is not None
     desk.click("why")
     assert desk.session.explanation is None
+
+
+@pytest.mark.parametrize("line", settings_panel.LINES, ids=lambda line: line.name)
+def test_a_slider_stays_within_the_limits_of_its_setting(line: settings_panel.Line) -> None:
+    rule = RULES[line.field]
+    for end in (line.span.low, line.span.high):
+        assert rule.fits(int(end) if line.span.whole else end)

@@ -50,6 +50,22 @@ pub const MAX_WALLS: usize = 4;
 /// Times that a particle may travel around a torus in a step at most.
 pub const MOST_TOURS: f32 = 125.0;
 
+/// A rectangle.
+struct Inner {
+    low: [f32; 2],
+    high: [f32; 2],
+}
+
+impl Inner {
+    /// Whether it contains a disc.
+    #[inline(always)]
+    fn contains(&self, position: [f32; 2], radius: f32) -> bool {
+        let along =
+            |k: usize| (self.low[k] + radius < position[k]) & (position[k] < self.high[k] - radius);
+        along(0) & along(1)
+    }
+}
+
 impl Container {
     /// Whether there are walls.
     pub fn has_walls(&self) -> bool {
@@ -170,20 +186,24 @@ impl Container {
     /// The nearest position that the container allows.
     #[inline(always)]
     pub fn clamp(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
-        if let Self::Box { min, max } = self {
-            // A test in float32, with a margin for rounding, is nearly always sufficient.
-            let well_inside = |axis: usize| {
-                let [low, high] = [min[axis], max[axis]];
-                let margin = radius + 1e-6 * (low.abs() + high.abs());
-                low + margin < position[axis] && position[axis] < high - margin
-            };
-            if well_inside(0) & well_inside(1) {
-                return position;
-            }
+        // A test in float32, with a margin for rounding, is nearly always sufficient.
+        if self.inner().contains(position, radius) {
+            return position;
         }
         self.clamp_exactly(position, radius)
     }
 
+    /// A region in which particles are certainly inside the container.
+    #[inline(always)]
+    fn inner(&self) -> Inner {
+        let Self::Box { min, max } = self else {
+            return Inner { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2] };
+        };
+        let margin = |k: usize| 1e-6 * (min[k].abs() + max[k].abs());
+        Inner { low: [0, 1].map(|k| min[k] + margin(k)), high: [0, 1].map(|k| max[k] - margin(k)) }
+    }
+
+    #[inline(never)]
     fn clamp_exactly(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
         match self {
             Self::Box { min, max } => {

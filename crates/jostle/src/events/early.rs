@@ -132,15 +132,31 @@ impl Window<'_> {
     /// False only if a disc certainly does not touch a wall in the next `span` seconds, without
     /// events.
     #[inline(always)]
-    pub fn may_touch_wall(&self, own: &Now, span: f32) -> bool {
-        let Container::Box { min, max } = self.flight.container else { return true };
+    pub fn may_touch_wall(&self, now: &Now, span: f32) -> bool {
+        let Now { position, velocity, radius, .. } = *now;
+        !self.flight.walls.is_empty() || self.may_touch_side([position, velocity], radius, span)
+    }
+
+    /// The same for the first segment of a disc and the container.
+    #[inline(always)]
+    pub fn may_hit_container(&self, start: &Start) -> bool {
+        let Start { position, velocity, radius, .. } = *start;
+        self.may_touch_side([position, velocity], radius, self.end as f32)
+    }
+
+    #[inline(always)]
+    fn may_touch_side(&self, [position, velocity]: [[f32; 2]; 2], radius: f32, span: f32) -> bool {
+        let Container::Box { min, max } = self.flight.container else {
+            return self.flight.container.has_walls();
+        };
         let near = |k: usize| {
             let fall = 0.5 * self.flight.gravity[k].abs() as f32 * span * span;
-            let far = own.velocity[k].abs() * span + fall + own.radius;
-            let far = far * (1.0 + MARGIN) + MARGIN * own.position[k].abs();
-            !(own.position[k] - min[k] > far && max[k] - own.position[k] > far)
+            let far = velocity[k].abs() * span + fall + radius;
+            let far = far * (1.0 + MARGIN) + MARGIN * position[k].abs();
+            // Not a number, where there are overflows, counts as near.
+            !((position[k] - min[k] > far) & (max[k] - position[k] > far))
         };
-        !self.flight.walls.is_empty() | near(0) | near(1)
+        near(0) | near(1)
     }
 }
 

@@ -1,6 +1,5 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
-use super::early::MARGIN;
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::flow::{Flow, Kick};
@@ -194,23 +193,6 @@ impl Window<'_> {
         let end = self.end as f32;
         let far = ((u * u + v * v).sqrt() + 0.5 * (x * x + y * y).sqrt() * end) * end;
         !self.flight.walls.is_far(index, position, far * (1.0 + 4.0 * f32::EPSILON))
-    }
-
-    /// A test in float32 that is false only if a disc certainly does not get to a flat wall of the
-    /// container.
-    pub fn may_hit_container(&self, start: &Start) -> bool {
-        let Container::Box { min, max } = self.flight.container else {
-            return self.flight.container.has_walls();
-        };
-        let Start { position, velocity, radius, .. } = *start;
-        let end = self.end as f32;
-        let near = |k: usize| {
-            let fall = 0.5 * self.flight.gravity[k].abs() as f32 * end * end;
-            let far = velocity[k].abs() * end + fall;
-            let far = (far + radius) * (1.0 + MARGIN) + MARGIN * position[k].abs();
-            !(position[k] - min[k] > far && max[k] - position[k] > far)
-        };
-        near(0) | near(1)
     }
 
     /// Moves a disc that nothing accelerates to the end of the window.

@@ -61,46 +61,48 @@ impl World {
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn bound(&mut self, dt: f32) {
         let threads = self.threads();
-        let super::Memory { reaches, forces, usual_speed, .. } = &mut self.memory;
+        let super::Memory { reaches, forces, usual_speed, shapes, .. } = &mut self.memory;
         let (particles, settings) = (&self.particles, &self.settings);
         let usual = (*usual_speed * dt).min(settings.container.reach());
         let accelerations = &forces.accelerations;
+        let pulled = |place: usize| aside(accelerations.get(place), None, dt).unwrap_or(0.0);
         let [gx, gy] = settings.gravity;
         let fall = 0.5 * dt * dt * (gx * gx + gy * gy).sqrt();
         // Particles that merge are not searched again.
         let is_merging = settings.on_touch == OnTouch::Merge;
         let longest = if is_merging { f32::INFINITY } else { settings.container.reach() };
         let len = particles.len();
-        reaches.resize(len, 0.0);
-        let is_cut = AtomicBool::new(false);
-        parallel::for_chunks(threads, reaches, |first, reaches| {
-            for (reach, place) in reaches.iter_mut().zip(first..) {
-                let [u, v] = particles.velocities[place];
-                let own = (u * u + v * v).sqrt() * dt * 1.000_01;
-                let (least, pulled) = if particles.movable[place] {
-                    (usual, aside(accelerations.get(place), None, dt).unwrap_or(0.0) + fall)
-                } else {
-                    (0.0, 0.0)
-                };
-                *reach = (own.max(least) + pulled).min(longest);
-                if *reach < own + pulled {
-                    is_cut.store(true, Ordering::Relaxed);
-                }
-            }
-        });
-        self.memory.bounded = !is_cut.into_inner();
-        let super::Memory { reaches, shapes, .. } = &mut self.memory;
         shapes.centers.clone_from(&particles.positions);
         shapes.half_sizes = None;
         fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
         let radii = shapes.radii.rows_mut();
         radii.resize(len, 0.0);
-        parallel::for_chunks(threads, radii, |first, radii| {
-            for (radius, place) in radii.iter_mut().zip(first..) {
-                let rounding = rounding(particles.positions[place], &settings.container);
-                *radius = particles.radii[place] + reaches[place] + rounding;
+        reaches.resize(len, 0.0);
+        let is_cut = AtomicBool::new(false);
+        let sides = torus_sides(&settings.container);
+        parallel::for_chunks_of_two(threads, reaches, radii, |first, reaches, radii| {
+            let bounds = reaches.iter_mut().zip(radii);
+            let columns = particles.velocities[first..].iter().zip(&particles.positions[first..]);
+            let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
+            let mut any_cut = false;
+            let all = bounds.zip(columns).zip(own).zip(first..);
+            for ((((reach, radius), (&[u, v], &center)), (&own_radius, &is_movable)), place) in all
+            {
+                let own = (u * u + v * v).sqrt() * dt * 1.000_01;
+                let mut aside = fall;
+                if !accelerations.is_empty() {
+                    aside += pulled(place);
+                }
+                let (least, aside) = if is_movable { (usual, aside) } else { (0.0, 0.0) };
+                *reach = (own.max(least) + aside).min(longest);
+                any_cut |= *reach < own + aside;
+                *radius = own_radius + *reach + rounding_of(center, sides);
+            }
+            if any_cut {
+                is_cut.store(true, Ordering::Relaxed);
             }
         });
+        self.memory.bounded = !is_cut.into_inner();
     }
 
     /// The speed that bounds allow for.
@@ -148,32 +150,44 @@ impl World {
 }
 
 /// The mean of some numbers, none negative; the same whatever their order.
-fn mean(numbers: impl Iterator<Item = f32> + Clone) -> f64 {
-    let largest = f64::from(largest(numbers.clone()));
+fn mean(numbers: impl ExactSizeIterator<Item = f32> + Clone) -> f64 {
+    let (largest, count) = (f64::from(largest(numbers.clone())), numbers.len());
     if largest == 0.0 {
         return 0.0;
     }
-    // Whole numbers have sums without rounding.
+    // Whole numbers have sums without rounding. To add 2⁵² rounds a number below 2³¹ and puts it into
+    // the last bits.
     let scale = f64::from(i32::MAX) / largest;
-    let add =
-        |(sum, count), number| (sum + i64::from((f64::from(number) * scale) as i32), count + 1);
-    let (sum, count) = numbers.fold((0, 0u32), add);
-    sum as f64 / scale / f64::from(count)
+    let add = |sum: u64, number| sum + ((f64::from(number) * scale + WHOLE).to_bits() - WHOLE_BITS);
+    numbers.fold(0, add) as f64 / scale / count as f64
 }
+
+/// Numbers from this one on, 2⁵², are whole.
+const WHOLE: f64 = (1u64 << 52) as f64;
+const WHOLE_BITS: u64 = WHOLE.to_bits();
 
 /// The largest of some numbers, none negative, which have the order of their bits; 0 if there are
 /// none.
 pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
-    f32::from_bits(numbers.map(f32::to_bits).fold(0, u32::max))
+    f32::from_bits(numbers.map(|number| number.to_bits() as i32).fold(0, i32::max) as u32)
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side.
-pub(super) fn rounding([x, y]: [f32; 2], container: &Container) -> f32 {
-    let [width, height] = match container {
-        Container::Torus { size } => *size,
-        _ => [0.0; 2],
-    };
-    f32::EPSILON * (x.abs() + y.abs() + width + height)
+pub(super) fn rounding(position: [f32; 2], container: &Container) -> f32 {
+    rounding_of(position, torus_sides(container))
+}
+
+#[inline(always)]
+fn rounding_of([x, y]: [f32; 2], sides: f32) -> f32 {
+    f32::EPSILON * (x.abs() + y.abs() + sides)
+}
+
+/// Sum of the sides of a torus; 0 for other containers.
+fn torus_sides(container: &Container) -> f32 {
+    match container {
+        Container::Torus { size: [width, height] } => width + height,
+        _ => 0.0,
+    }
 }
 
 /// Area of the smallest AABB around some points.

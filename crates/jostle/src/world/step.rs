@@ -29,6 +29,9 @@ const WORTH_SHARING: usize = 5000;
 /// Fewer particles than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 24_000;
 
+/// Particles that one thread stores at a time.
+const STORED: usize = 1 << 14;
+
 impl World {
     /// Advances the world by `steps` times `dt` seconds. `watch` is called when a stage ends. After
     /// a refused or interrupted step the world has the state before that step; previous steps
@@ -364,28 +367,23 @@ impl World {
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&memory.motions, &self.wall_pushes);
         let any = AtomicBool::new(false);
-        let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
-        parallel::for_chunks_of_two(
-            threads,
-            positions,
-            residuals,
-            |first, positions, residuals| {
-                let columns = positions.iter_mut().zip(residuals).zip(first as u32..);
-                for ((position, residual), place) in columns {
-                    let motion = motions.get(place);
-                    if !is_finite(&motion, &wall_pushes[place as usize]) {
+        let chunks = || (0..).step_by(STORED);
+        let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
+        let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
+        parallel::for_each(threads, columns, |(((positions, residuals), velocities), first)| {
+            let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
+            for (((position, residual), velocity), place) in columns {
+                let mut motion = motions.get(place);
+                let wall_pushes = &wall_pushes[place as usize];
+                if !(is_allowed(&motion) & (*wall_pushes == [0.0; MAX_WALLS])) {
+                    if !is_finite(&motion, wall_pushes) {
                         any.store(true, Atomic::Relaxed);
                     }
-                    let inside = allowed(motion.position);
-                    let is_kept = inside == motion.position;
-                    let kept = if is_kept { motion.residual } else { [0.0; 2] };
-                    (*position, *residual) = settings.container.wrap_exact(inside, kept);
+                    clamp(&mut motion);
                 }
-            },
-        );
-        parallel::for_chunks(threads, velocities, |first, velocities| {
-            for (velocity, place) in velocities.iter_mut().zip(first as u32..) {
-                *velocity = allowed(motions.velocity(place));
+                (*position, *residual) =
+                    settings.container.wrap_exact(motion.position, motion.residual);
+                *velocity = motion.velocity;
             }
         });
         parallel::for_chunks(threads, spins, |first, spins| {
@@ -432,6 +430,23 @@ impl World {
         let (index, id) = (row as usize, self.ids.of(row));
         Error::NotFinite { argument, index, id, value: value.to_string() }
     }
+}
+
+/// Whether all numbers are finite and not too large.
+#[inline(always)]
+fn is_allowed(Motion { position: [x, y], velocity: [u, v], .. }: &Motion) -> bool {
+    let is_small = |value: &f32| value.abs() <= FARTHEST;
+    is_small(x) & is_small(y) & is_small(u) & is_small(v)
+}
+
+/// Makes numbers that are too large the largest allowed ones.
+fn clamp(motion: &mut Motion) {
+    let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
+    if allowed(motion.position) != motion.position {
+        motion.residual = [0.0; 2];
+    }
+    motion.position = allowed(motion.position);
+    motion.velocity = allowed(motion.velocity);
 }
 
 /// Whether a step may end with these numbers.

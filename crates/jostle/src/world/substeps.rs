@@ -25,9 +25,10 @@ const OVERLAP: f32 = 0.003;
 impl World {
     /// Whether all collisions are elastic, so that nothing comes to rest.
     pub(super) fn is_elastic(&self) -> bool {
-        let elastic = |&restitution: &f32| restitution == 1.0;
+        // Chunks without branches, for vector instructions.
+        let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
-            && self.particles.restitutions.iter().all(elastic)
+            && self.particles.restitutions.chunks(256).all(elastic)
             && self.walls.are_elastic()
     }
 
@@ -87,7 +88,11 @@ impl World {
         for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
             *image_of_list = *image;
             list.clear();
-            list.extend(pairs.iter().filter(|&&pair| overlap(pair, *image)));
+            for &pair in pairs {
+                if overlap(pair, *image) {
+                    list.push(pair);
+                }
+            }
             list.sort_unstable();
         }
         self.contacts.collect(overlaps, particles, moving, restitution, tree.rows(), threads);
@@ -144,6 +149,10 @@ impl World {
             particles,
             clock,
         };
+        if may_rest {
+            memory.resting.begin_step(&self.contacts, particles, has_friction);
+        }
+        memory.correction.begin_step(&self.contacts, particles);
         for substep in 0..substeps {
             interrupt::check()?;
             let (at_start, at_end) = (walls(clock(substep)), walls(clock(substep + 1)));
@@ -179,8 +188,7 @@ impl World {
                     restitution: settings.restitution,
                     threads,
                 };
-                self.contacts.each(threads, |contact| contact.measure(motions));
-                let contacts = &mut self.contacts;
+                let contacts = &self.contacts;
                 let (normal, friction) = (&mut self.wall_pushes[..], &mut self.wall_frictions[..]);
                 let impulses = &mut memory.wall_impulses;
                 let new = &mut memory.new_wall_pushes;
@@ -218,11 +226,15 @@ impl World {
             };
             memory.events.fly(&flight, &mut bounds)?;
             watch(Stage::Events);
-            let (contacts, container) = (&mut self.contacts, &settings.container);
+            let (contacts, container) = (&self.contacts, &settings.container);
             memory.correction.run(contacts, motions, particles, (container, at_end), threads);
             merge::note(&mut memory.meetings, motions, threads);
             watch(Stage::Correction);
         }
+        if may_rest {
+            memory.resting.end_step(&mut self.contacts);
+        }
+        memory.correction.end_step(&mut self.contacts);
         Ok(())
     }
 

@@ -74,6 +74,7 @@ TIME = (
     Line("speed", "time_scale", Range(0.05, 4.0, log=True), _times, 1.0),
     Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
 )
+LINES = (COUNT, *TREE, *WORLD, *TIME)
 
 
 def build_tree(session: Session, gui: Gui) -> None:

@@ -39,7 +39,11 @@ class WallSegments:
         friction = np.nan if line.friction is None else line.friction
         restitution = np.append(world.wall_restitution, np.full(len(new), line.restitution))
         frictions = np.append(world.wall_friction, np.full(len(new), friction))
+        rows = np.arange(len(world.walls), len(world.walls) + len(new))
         self._set(world, np.concatenate([world.walls, new]), restitution, frictions)
+        if any(line.velocity) and len(new):
+            motor = jostle.Motor(walls=rows, velocity=line.velocity, period=line.period)
+            world.forces = (*world.forces, motor)
         self.own += len(new) if own else 0
 
     def remove(self, world: jostle.World, rows: ArrayLike) -> None:

@@ -73,6 +73,8 @@ class WorldSimulation:
                 setattr(self.world, name, value)
         if settings.friction is not None:
             self._set_friction(settings.friction)
+        if settings.container_restitution is not None:
+            self.world.container_restitution = settings.container_restitution
         self._initial = InitialRegion.of(self.world.container, view, settings.n)
         self.emitters: Emitters | None = None
         if settings.world_size != 1.0 or settings.container is not None:
@@ -277,6 +279,8 @@ class WorldSimulation:
                 self._segments.add(self.world, line, own=True)
             except ValueError as error:
                 raise ValueError(f"walls[{number}] cannot be added: {error}") from error
+        # The motors of moving walls are forces of the world.
+        self._attractions = AttractorForces(len(self.world.forces))
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws."""

@@ -4,11 +4,13 @@
 //! result. Colours are assigned greedily in the canonical order of the pairs, which comes from
 //! positions.
 
-use std::ops::Range;
+mod blocks;
 
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
+use crate::simd::LANES;
+pub use blocks::{Block, Blocks};
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
@@ -46,25 +48,28 @@ pub struct Contact {
     pub touched: bool,
 }
 
-/// The ranges of all colours; the last one is to be solved in sequence.
-pub type Colours = [Range<usize>; COLOURS + 1];
+/// Kinds of contacts in a colour, in their order.
+const KINDS: usize = 3;
 
-/// Where in the list of contacts each colour ends.
-#[derive(Clone, Copy, Debug)]
-struct Ends([usize; COLOURS + 1]);
+/// Those of particles that have contacts of uneven masses.
+const UNEVEN_KIND: usize = 0;
 
-impl Default for Ends {
-    fn default() -> Self {
-        Self([0; COLOURS + 1])
-    }
-}
+/// Those of particles that are near each other as the step begins, and the others. Blocks of the
+/// latter often have no contact that rests.
+const NEAR_KIND: usize = 1;
+const FAR_KIND: usize = 2;
 
-impl Ends {
-    fn ranges(&self) -> Colours {
-        let mut start = 0;
-        self.0.map(|end| std::mem::replace(&mut start, end)..end)
-    }
-}
+/// Gap, as a share of the sum of radii, up to which particles are near.
+const NEAR: f32 = 0.1;
+
+/// The number of contacts of each kind of each colour.
+type Counts = [[usize; KINDS]; COLOURS + 1];
+
+/// Marks lanes without a contact.
+const NONE: u32 = u32::MAX;
+
+/// Blocks that a thread fills at a time.
+const BLOCKS_OF_A_THREAD: usize = 64;
 
 impl Default for Contact {
     /// The normal of coincident centres is +x.
@@ -86,13 +91,12 @@ impl Default for Contact {
     }
 }
 
-impl Contact {
-    /// Whether the masses of the two, if both move, are very different.
-    fn is_uneven(&self) -> bool {
-        let [a, b] = self.inverse_masses;
-        a.min(b) > 0.0 && a.max(b) > UNEVEN * a.min(b)
-    }
+/// Whether the masses of two particles that move are very different.
+fn are_uneven([a, b]: [f32; 2]) -> bool {
+    a.max(b) > UNEVEN * a.min(b)
+}
 
+impl Contact {
     /// Adds impulses to the sums of this step.
     #[inline(always)]
     pub fn count(&mut self, impulses: [f32; 2]) {
@@ -131,15 +135,20 @@ impl Contact {
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
-    /// Sorted by colour, inside a colour in canonical order.
-    pub list: Vec<Contact>,
-    /// Ends of the colours in `list`; the last one is to be solved in sequence.
-    ends: Ends,
-    /// Where in `list` each contact stands, in canonical order.
-    order: Vec<u32>,
-    colours: Vec<u8>,
-    sources: Vec<(u32, u32)>,
+    /// Those that lasted, in canonical order, between steps.
+    list: Vec<Contact>,
+    /// All contacts, during a step.
+    pub blocks: Blocks,
+    /// The lane of each contact, counted over all blocks, in canonical order.
+    lanes: Vec<u32>,
+    /// The colour and kind of each contact, in canonical order.
+    colours: Vec<[u8; 2]>,
+    /// Where the contact of each lane comes from: which list, and which pair of it.
+    sources: Vec<[u32; 2]>,
+    /// Whether the canonical order is that of the keys: there are no contacts with images.
+    is_sorted: bool,
     spare: Vec<Contact>,
+    unsorted: Vec<Contact>,
     taken: Vec<u64>,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
@@ -184,57 +193,76 @@ impl Contacts {
     ) {
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
-        let mut starts = self.colour(lists, solved, movable);
-        // Where each contact comes from: its place, which list, which pair of it.
-        self.order.clear();
-        self.sources.resize(self.colours.len(), (0, 0));
+        self.find_uneven(lists, &particles.masses, movable);
+        self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
+        let counts = self.colour(lists, solved, particles, movable);
+        let mut next = self.blocks.arrange(&counts);
+        self.list.clear();
+        self.lanes.clear();
+        self.sources.clear();
+        self.sources.resize(self.blocks.list.len() * LANES, [NONE; 2]);
         let mut colours = self.colours.iter();
         for (which, (_, pairs)) in lists.iter().enumerate() {
-            for (index, pair) in pairs.iter().enumerate() {
-                if !solved(pair) {
-                    continue;
-                }
+            for (index, _) in pairs.iter().enumerate().filter(|(_, pair)| solved(pair)) {
                 let Some(&colour) = colours.next() else { break };
-                let at = &mut starts[usize::from(colour)];
-                self.order.push(*at as u32);
-                self.sources[*at] = (which as u32, index as u32);
-                *at += 1;
+                let lane = next.take(colour);
+                self.lanes.push(lane as u32);
+                self.sources[lane] = [which as u32, index as u32];
             }
         }
-        let Self { list, sources, previous, .. } = self;
-        list.resize(sources.len(), Contact::default());
-        parallel::for_chunks_of_two(threads, list, sources, |_, list, sources| {
-            for (contact, &mut (which, index)) in list.iter_mut().zip(sources) {
-                let (image, pairs) = &lists[which as usize];
-                let places = pairs[index as usize];
-                let [i, j] = places.map(|place| place as usize);
-                let own = particles.restitutions[i] * particles.restitutions[j];
-                let here = *image == [0.0; 2];
-                let previous =
-                    if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
-                *contact = Contact {
-                    places,
-                    image: *image,
-                    reach: particles.radii[i] + particles.radii[j],
-                    restitution: restitution * own,
-                    inverse_masses: [inverse_mass(i), inverse_mass(j)],
-                    friction: particles.pair_friction(i, j),
-                    impulse: previous[0],
-                    friction_impulse: previous[1],
-                    ..Contact::default()
-                };
+        let Self { blocks, sources, previous, .. } = self;
+        let contact = |[which, index]: [u32; 2]| {
+            let (image, pairs) = lists.get(which as usize)?;
+            let places = pairs[index as usize];
+            let [i, j] = places.map(|place| place as usize);
+            let own = particles.restitutions[i] * particles.restitutions[j];
+            let here = *image == [0.0; 2];
+            let previous = if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
+            Some(Contact {
+                places,
+                image: *image,
+                reach: particles.radii[i] + particles.radii[j],
+                restitution: restitution * own,
+                inverse_masses: [inverse_mass(i), inverse_mass(j)],
+                friction: particles.pair_friction(i, j),
+                impulse: previous[0],
+                friction_impulse: previous[1],
+                ..Contact::default()
+            })
+        };
+        let (size, spare) = (BLOCKS_OF_A_THREAD, movable.len() as u32);
+        let threads = if blocks.list.len() <= size { Some(1) } else { threads };
+        let parts = blocks.list.chunks_mut(size).zip(sources.chunks(size * LANES));
+        parallel::for_each(threads, parts, |(blocks, sources)| {
+            for (block, sources) in blocks.iter_mut().zip(sources.chunks(LANES)) {
+                block.fill(spare, |lane| contact(sources[lane]));
             }
         });
-        self.find_uneven(movable.len());
     }
 
     /// Finds the particles that have contacts of uneven masses.
-    fn find_uneven(&mut self, places: usize) {
-        let Self { list, uneven, .. } = self;
-        uneven.clear();
-        for contact in list.iter().filter(|contact| contact.is_uneven()) {
-            uneven.resize(places, false);
-            contact.places.into_iter().for_each(|place| uneven[place as usize] = true);
+    fn find_uneven(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        masses: &[f32],
+        movable: &[bool],
+    ) {
+        self.uneven.clear();
+        if lists.iter().all(|(_, pairs)| pairs.is_empty()) {
+            return;
+        }
+        // Most worlds need no further test. Numbers above 0 have the order of their bits.
+        let bits = masses.iter().map(|mass| mass.to_bits());
+        let [least, most] = [bits.clone().fold(u32::MAX, u32::min), bits.fold(0, u32::max)];
+        if f32::from_bits(most) <= UNEVEN * f32::from_bits(least) * (1.0 - 4.0 * f32::EPSILON) {
+            return;
+        }
+        for &pair in lists.iter().flat_map(|(_, pairs)| pairs) {
+            let [a, b] = pair.map(|place| place as usize);
+            if movable[a] && movable[b] && are_uneven([1.0 / masses[a], 1.0 / masses[b]]) {
+                self.uneven.resize(movable.len(), false);
+                (self.uneven[a], self.uneven[b]) = (true, true);
+            }
         }
     }
 
@@ -248,46 +276,48 @@ impl Contacts {
         !self.uneven.is_empty()
     }
 
-    /// Gives each pair that is to be solved its colour, and returns where in the list each
-    /// colour starts.
+    /// Gives each pair that is to be solved its colour and kind, and counts them.
     fn colour(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         solved: impl Fn(&[u32; 2]) -> bool,
+        particles: &Particles,
         movable: &[bool],
-    ) -> [usize; COLOURS + 1] {
+    ) -> Counts {
         // Immovable particles take no colour: any number of contacts may share one.
         let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
-        self.taken.clear();
-        self.taken.resize(if any { movable.len() } else { 0 }, 0);
-        self.colours.clear();
-        let mut counts = [0usize; COLOURS + 1];
-        for pair in lists.iter().flat_map(|(_, pairs)| pairs).filter(|pair| solved(pair)) {
-            let [a, b] = pair.map(|place| place as usize);
-            let taken = self.taken[a] | self.taken[b];
-            let colour = taken.trailing_ones() as usize;
-            let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
-            self.taken[a] |= if movable[a] { bit } else { 0 };
-            self.taken[b] |= if movable[b] { bit } else { 0 };
-            counts[colour] += 1;
-            self.colours.push(colour as u8);
+        let Self { taken, colours, uneven, .. } = self;
+        taken.clear();
+        taken.resize(if any { movable.len() } else { 0 }, 0);
+        colours.clear();
+        let is_uneven = |place: usize| uneven.get(place).is_some_and(|&uneven| uneven);
+        let mut counts = [[0usize; KINDS]; COLOURS + 1];
+        for (image, pairs) in lists {
+            for pair in pairs.iter().filter(|pair| solved(pair)) {
+                let [a, b] = pair.map(|place| place as usize);
+                let all = taken[a] | taken[b];
+                let colour = all.trailing_ones() as usize;
+                let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
+                taken[a] |= if movable[a] { bit } else { 0 };
+                taken[b] |= if movable[b] { bit } else { 0 };
+                let kind = if is_uneven(a) || is_uneven(b) {
+                    UNEVEN_KIND
+                } else if colour == COLOURS || are_near(particles, [a, b], *image) {
+                    NEAR_KIND
+                } else {
+                    FAR_KIND
+                };
+                counts[colour][kind] += 1;
+                colours.push([colour as u8, kind as u8]);
+            }
         }
-        let mut sum = 0;
-        let starts = counts.map(|count| {
-            sum += count;
-            sum - count
-        });
-        for (end, (start, count)) in self.ends.0.iter_mut().zip(starts.into_iter().zip(counts)) {
-            *end = start + count;
-        }
-        starts
+        counts
     }
 
     /// Swaps the lists with those of `other`, except the impulses for warm starting.
     pub fn exchange(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.list, &mut other.list);
-        std::mem::swap(&mut self.order, &mut other.order);
-        std::mem::swap(&mut self.ends, &mut other.ends);
+        self.blocks.clear();
     }
 
     /// Removes the contacts of removed particles and updates the places of the others.
@@ -301,7 +331,7 @@ impl Contacts {
             })
             .collect();
         let stays = |contact: &Contact| contact.places.iter().all(|&place| keep[place as usize]);
-        let mut kept: Vec<Contact> = self.canonical().copied().filter(stays).collect();
+        let mut kept: Vec<Contact> = self.list.iter().copied().filter(stays).collect();
         for contact in &mut kept {
             contact.places = contact.places.map(|place| renamed[place as usize]);
         }
@@ -310,7 +340,7 @@ impl Contacts {
 
     /// Adds contacts; `places` is the number of particles.
     pub fn insert(&mut self, new: impl Iterator<Item = Contact>, places: usize) {
-        let all = self.canonical().copied().chain(new).map(Contact::ascending);
+        let all = self.list.iter().copied().chain(new).map(Contact::ascending);
         let mut list: Vec<Contact> = all.collect();
         list.sort_unstable_by_key(Contact::key);
         self.recall(list, places);
@@ -318,11 +348,8 @@ impl Contacts {
 
     /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
     pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
-        self.order.clear();
-        self.order.extend(0..list.len() as u32);
         self.list = list;
-        self.ends = Ends::default();
-        self.sources.clear();
+        self.blocks.clear();
         self.remember(places);
     }
 
@@ -334,11 +361,13 @@ impl Contacts {
         particles: &Particles,
         places: usize,
     ) {
-        let mut both = std::mem::take(&mut self.spare);
-        both.clear();
-        both.extend(self.lasting().copied().map(Contact::ascending));
-        let len = both.len();
-        both.extend(bounced.map(|(pair, image, totals)| {
+        let Self { list, blocks, lanes, spare, unsorted, .. } = self;
+        let lasting = lanes.iter().filter_map(|&lane| {
+            let lane = lane as usize;
+            blocks.list[lane / LANES].lasting(lane % LANES).map(Contact::ascending)
+        });
+        spare.clear();
+        spare.extend(bounced.map(|(pair, image, totals)| {
             let [i, j] = pair.map(|place| place as usize);
             Contact {
                 places: pair,
@@ -350,21 +379,23 @@ impl Contacts {
                 ..Contact::default()
             }
         }));
-        let (lasting, bounced) = both.split_at_mut(len);
-        let mut list = std::mem::take(&mut self.list);
-        merge(lasting, bounced, &mut list);
-        self.spare = both;
-        self.recall(list, places);
+        sort(spare);
+        list.clear();
+        if self.is_sorted {
+            merge(lasting, spare.iter().copied(), list);
+        } else {
+            unsorted.clear();
+            unsorted.extend(lasting);
+            sort(unsorted);
+            merge(unsorted.iter().copied(), spare.iter().copied(), list);
+        }
+        self.blocks.clear();
+        self.remember(places);
     }
 
     /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
-        self.canonical().filter(|contact| contact.touched || contact.impulse > 0.0)
-    }
-
-    /// The ranges of `list` that have one colour.
-    pub fn colours(&self) -> Colours {
-        self.ends.ranges()
+        self.list.iter().filter(|contact| contact.touched || contact.impulse > 0.0)
     }
 
     /// Calls `act` on every contact, in any order; it may only write the contact.
@@ -375,14 +406,13 @@ impl Contacts {
     /// Stores the resting impulses by place, for warm starting in the next step. Returns the
     /// first contact whose impulse is not finite, if any.
     pub fn remember(&mut self, places: usize) -> Option<&Contact> {
-        let Self { list, order, previous: Previous { starts, seconds, impulses }, .. } = self;
+        let Self { list, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
         starts.resize(places + 1, 0);
         seconds.clear();
         impulses.clear();
         let mut overflow = None;
-        for &at in order.iter() {
-            let contact = &list[at as usize];
+        for contact in &*list {
             if contact.impulse == f32::INFINITY {
                 overflow = overflow.or(Some(contact));
             }
@@ -401,43 +431,48 @@ impl Contacts {
         overflow
     }
 
-    /// All contacts in canonical order.
-    fn canonical(&self) -> impl Iterator<Item = &Contact> {
-        self.order.iter().map(|&at| &self.list[at as usize])
-    }
-
     /// The contacts that pushed, in canonical order, as the last step left them.
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
-        self.canonical().filter(|contact| contact.touched)
+        self.list.iter().filter(|contact| contact.touched)
     }
 }
 
-/// Sorts two lists and writes both to a third. Of the same contact in both, the first list's is
-/// kept, with the sums of the impulses of both.
-fn merge(first: &mut [Contact], second: &mut [Contact], to: &mut Vec<Contact>) {
-    let key = Contact::key;
-    let sort = |list: &mut [Contact]| {
-        if !list.is_sorted_by_key(key) {
-            list.sort_unstable_by_key(key);
-        }
-    };
-    sort(first);
-    sort(second);
-    to.clear();
-    let (mut first, mut second) = (first.iter().peekable(), second.iter().peekable());
+/// Whether two particles are near each other.
+fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool {
+    let [p, q] = [a, b].map(|place| particles.positions[place]);
+    let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+    let most = (1.0 + NEAR) * (particles.radii[a] + particles.radii[b]);
+    x * x + y * y < most * most
+}
+
+/// Sorts contacts by their keys. Those in the right order, equal ones also, stay where they are.
+fn sort(list: &mut [Contact]) {
+    if !list.is_sorted_by_key(Contact::key) {
+        list.sort_unstable_by_key(Contact::key);
+    }
+}
+
+/// Appends two sorted lists to a third. Of the same contact in both, that of the first list is kept,
+/// with the sums of the impulses of both.
+fn merge(
+    first: impl Iterator<Item = Contact>,
+    second: impl Iterator<Item = Contact>,
+    to: &mut Vec<Contact>,
+) {
+    let (mut first, mut second) = (first.peekable(), second.peekable());
     loop {
         let next = match (first.peek(), second.peek()) {
-            (Some(a), Some(b)) if key(b) < key(a) => second.next(),
+            (Some(a), Some(b)) if b.key() < a.key() => second.next(),
             (Some(_), _) => first.next(),
             (None, _) => second.next(),
         };
         let Some(next) = next else { return };
         match to.last_mut() {
-            Some(last) if key(last) == key(next) => {
+            Some(last) if last.key() == next.key() => {
                 last.touched |= next.touched;
                 last.count(next.totals);
             }
-            _ => to.push(*next),
+            _ => to.push(next),
         }
     }
 }

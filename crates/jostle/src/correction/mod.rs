@@ -3,16 +3,19 @@
 //! equally, whatever their masses: otherwise the overlap of light particles between heavy ones
 //! would decrease very slowly.
 
-use std::cell::Cell;
-use std::sync::atomic::{AtomicBool, Ordering};
+mod pairs;
 
-use crate::contacts::{COLOURS, Contact, Contacts};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::contacts::Contacts;
 use crate::container::{Container, size};
 use crate::motion::{Motions, Vectors, exact};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{Vector, vector};
 use crate::walls::Around;
+use pairs::{Block, Measure, Separate};
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
 /// contacts persist.
@@ -36,8 +39,15 @@ const ITERATIONS: usize = 6;
 /// beyond [`SLOP`].
 const TOLERANCE: f32 = 0.001;
 
-/// Pairs that are tested before the first of them is moved apart.
-const TESTED_AT_ONCE: usize = 32;
+/// Share of the square of a distance from walls within which rounding does not matter.
+const FREE: f32 = 0.99;
+
+/// Displacements in an iteration, one for so many particles, from which on it is worth to find those
+/// that are far from all walls first.
+const WORTH_LISTING: usize = 16;
+
+/// Blocks in one task of a thread.
+const BLOCKS_OF_A_THREAD: usize = 64;
 
 /// Smaller radii, as a share of the coordinates, count as this where discs are pushed out of walls.
 const WIDE: f64 = 1e-5;
@@ -63,35 +73,40 @@ const DIRECTIONS: [[f32; 2]; 16] = [
     [-0.382_683_43, -0.923_879_5],
 ];
 
-/// Two particles that overlap, or may overlap after the correction of other pairs.
-#[derive(Clone, Copy, Debug)]
-struct Near {
-    places: [u32; 2],
-    /// From the first to the second, before the correction.
-    offset: [f32; 2],
-    reach: f32,
-    /// The diameter of the smaller particle.
-    diameter: f32,
-    /// The share of each in the displacement.
-    shares: [f32; 2],
-}
-
 /// Scratch.
 #[derive(Debug, Default)]
 pub struct Correction {
     /// Displacements by the correction; 0 before and after it.
     displacements: Vectors,
-    near: Vec<Near>,
-    /// Where in `near` each colour ends.
-    ends: Vec<usize>,
+    /// The state before the correction.
+    positions: Vectors,
+    residuals: Vectors,
+    /// Squares of displacements that walls certainly allow; empty if unknown.
+    free_squares: Vec<f32>,
+    /// The contacts of the step.
+    blocks: Vec<Block>,
 }
 
 impl Correction {
+    /// Begins a step.
+    pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles) {
+        let all = contacts.blocks.list.iter();
+        self.blocks.clear();
+        self.blocks.extend(all.map(|of| Block::new(of, &particles.radii)));
+    }
+
+    /// Notes in the contacts which of them have overlapped in the step.
+    pub fn end_step(&self, contacts: &mut Contacts) {
+        for (block, to) in self.blocks.iter().zip(&mut contacts.blocks.list) {
+            block.store(to);
+        }
+    }
+
     /// Corrects the positions of the particles of `contacts`, and of particles that overlap the
     /// container or a wall.
     pub fn run(
         &mut self,
-        contacts: &mut Contacts,
+        contacts: &Contacts,
         motions: &Motions,
         particles: &Particles,
         (container, walls): (&Container, Around<'_>),
@@ -134,129 +149,112 @@ impl Correction {
             let is_kept = |k: usize| allowed[k] == wanted[k];
             [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
         };
-        self.displacements.resize(particles.len());
-        self.list(contacts, motions, radii);
-        let mut sweeps = 0;
-        while sweeps < ITERATIONS && self.separate(inside, threads) {
-            sweeps += 1;
+        if self.blocks.is_empty() {
+            return;
         }
-        if sweeps > 0 {
-            for place in self.near.iter().flat_map(|near| near.places) {
-                let by = self.displacements.get(place);
-                if by != [0.0; 2] {
-                    motions.displace(place, by);
-                    clamp(place);
-                    self.displacements.set(place, [0.0; 2]);
-                }
+        self.measure(contacts, motions, particles.len(), threads);
+        self.free_squares.clear();
+        for iteration in 0..ITERATIONS {
+            let moved = self.separate(contacts, inside, threads);
+            if iteration == 0 && moved >= particles.len() / WORTH_LISTING {
+                self.find_free(motions, radii, (container, walls), threads);
+            }
+            match (moved, iteration) {
+                (0, 0) => return,
+                (0, _) => break,
+                _ => {}
             }
         }
-    }
-
-    /// Lists the pairs to correct, colour by colour.
-    fn list(&mut self, contacts: &mut Contacts, motions: &Motions, radii: &[f32]) {
-        self.near.clear();
-        self.ends.clear();
-        for range in contacts.colours() {
-            for contact in &mut contacts.list[range] {
-                let Contact { places, image, reach, inverse_masses, .. } = *contact;
-                let [a, b] = places.map(|place| motions.position(place));
-                let [c, d] = places.map(|place| motions.residual(place));
-                let offset = [0, 1].map(|k| (b[k] - a[k] + image[k]) + (d[k] - c[k]));
-                let square = offset[0] * offset[0] + offset[1] * offset[1];
-                contact.touched |= square < reach * reach;
-                let near = (1.0 + NEAR) * reach;
-                if square < near * near {
-                    let [p, q] = places.map(|place| radii[place as usize]);
-                    // Points have no size: that of the other particle counts.
-                    let smaller = if p.min(q) > 0.0 { p.min(q) } else { p.max(q) };
-                    let shares = match inverse_masses {
-                        [0.0, _] => [0.0, 1.0],
-                        [_, 0.0] => [1.0, 0.0],
-                        _ => [0.5, 0.5],
-                    };
-                    let diameter = 2.0 * smaller;
-                    self.near.push(Near { places, offset, reach, diameter, shares });
-                }
+        let displacements = &self.displacements;
+        parallel::for_rows(threads, particles.len(), |place| {
+            let place = place as u32;
+            let by = displacements.get(place);
+            if by != [0.0; 2] {
+                motions.displace(place, by);
+                clamp(place);
+                displacements.set(place, [0.0; 2]);
             }
-            self.ends.push(self.near.len());
-        }
+        });
     }
 
-    /// Moves those of a few pairs apart that overlap. Returns whether there are any.
-    fn separate_some(&self, near: &[Near], inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) -> bool {
-        let mut overlapping = [0; TESTED_AT_ONCE];
-        let mut count = 0;
-        for (at, near) in near.iter().enumerate() {
-            // Without branches, because they would often be predicted wrongly.
-            overlapping[count] = at;
-            count += usize::from(near.overlaps(&self.displacements));
+    /// Finds the pairs that are near.
+    fn measure(
+        &mut self,
+        contacts: &Contacts,
+        motions: &Motions,
+        places: usize,
+        threads: Option<usize>,
+    ) {
+        let Self { displacements, positions, residuals, blocks, .. } = self;
+        // One more for lanes without a pair.
+        for vectors in [displacements, &mut *positions, &mut *residuals] {
+            vectors.resize(places + 1);
+            vectors.set(places as u32, [0.0; 2]);
         }
-        for &at in &overlapping[..count] {
-            near[at].separate(&self.displacements, inside);
-        }
-        count > 0
+        let (positions, residuals) = (&*positions, &*residuals);
+        parallel::for_rows(threads, places, |place| {
+            let place = place as u32;
+            positions.set(place, motions.position(place));
+            residuals.set(place, motions.residual(place));
+        });
+        let of = &contacts.blocks.list;
+        let threads = if of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { threads };
+        let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).zip(of.chunks(BLOCKS_OF_A_THREAD));
+        parallel::for_each(threads, parts, |(blocks, of)| {
+            Measure { of, blocks, positions, residuals }.run();
+        });
     }
 
-    /// Moves all overlapping pairs apart, colour after colour. Returns whether there are any.
+    /// Finds the particles that are at least their radius away from all walls. Nearly all are.
+    fn find_free(
+        &mut self,
+        motions: &Motions,
+        radii: &[f32],
+        (container, walls): (&Container, Around<'_>),
+        threads: Option<usize>,
+    ) {
+        self.free_squares.resize(radii.len(), 0.0);
+        parallel::for_chunks(threads, &mut self.free_squares, |first, squares| {
+            for (square, place) in squares.iter_mut().zip(first..) {
+                let (position, radius) = (motions.position(place as u32), radii[place]);
+                let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
+                    && container.is_far(position.map(f64::from), f64::from(radius), {
+                        [f64::from(radius); 2]
+                    });
+                *square = if is_free { FREE * radius * radius } else { 0.0 };
+            }
+        });
+    }
+
+    /// Moves all overlapping pairs apart, colour after colour. Returns how many there are.
     fn separate(
         &self,
+        contacts: &Contacts,
         inside: impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
         threads: Option<usize>,
-    ) -> bool {
-        let any = AtomicBool::new(false);
-        let mut start = 0;
-        for (colour, &end) in self.ends.iter().enumerate() {
-            let near = &self.near[std::mem::replace(&mut start, end)..end];
-            if near.is_empty() {
-                continue;
-            }
-            let threads = if colour == COLOURS { Some(1) } else { threads };
-            parallel::for_slices(threads, near, |near| {
-                let parts = near.chunks(TESTED_AT_ONCE);
-                let moved = parts.map(|part| self.separate_some(part, &inside));
-                any.fetch_or(moved.fold(false, |any, moves| any | moves), Ordering::Relaxed);
-            });
+    ) -> usize {
+        let count = AtomicUsize::new(0);
+        let (displacements, inside) = (&self.displacements, |place: u32, by: [f32; 2]| {
+            let free = self.free_squares.get(place as usize);
+            let is_free = free.is_some_and(|free| by[0] * by[0] + by[1] * by[1] < *free);
+            if is_free { by } else { inside(place, by) }
+        });
+        let inside = &inside;
+        for colour in &contacts.blocks.colours {
+            let (of, blocks) = (&contacts.blocks.list[colour.all()], &self.blocks[colour.all()]);
+            let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
+            let threads = if is_serial { Some(1) } else { threads };
+            let size = if is_serial { blocks.len() } else { BLOCKS_OF_A_THREAD };
+            parallel::for_each(
+                threads,
+                of.chunks(size).zip(blocks.chunks(size)),
+                |(of, blocks)| {
+                    let moved = Separate { of, blocks, displacements, inside }.run();
+                    count.fetch_add(moved, Ordering::Relaxed);
+                },
+            );
         }
-        any.into_inner()
-    }
-}
-
-impl Near {
-    /// The offset at present, and its square.
-    #[inline(always)]
-    fn offset(&self, displacements: &Vectors) -> ([f32; 2], f32) {
-        let [a, b] = self.places.map(|place| displacements.get(place));
-        let offset = [0, 1].map(|k| self.offset[k] + (b[k] - a[k]));
-        (offset, offset[0] * offset[0] + offset[1] * offset[1])
-    }
-
-    /// Whether the two overlap too much.
-    #[inline(always)]
-    fn overlaps(&self, displacements: &Vectors) -> bool {
-        let least = self.reach - (SLOP + TOLERANCE) * self.diameter;
-        self.offset(displacements).1 < least * least
-    }
-
-    /// Moves two particles apart.
-    #[inline(always)]
-    fn separate(&self, displacements: &Vectors, inside: &impl Fn(u32, [f32; 2]) -> [f32; 2]) {
-        let (offset, square) = self.offset(displacements);
-        let length = square.sqrt();
-        let normal = if length > 0.0 {
-            offset.map(|v| v / length)
-        } else {
-            DIRECTIONS[self.places[1].abs_diff(self.places[0]) as usize % DIRECTIONS.len()]
-        };
-        // Of pairs in sequence, those before may have moved these two apart.
-        let excess = (self.reach - SLOP * self.diameter - length).max(0.0);
-        for (k, sign) in [(0, -1.0), (1, 1.0)] {
-            let by = (SOFTNESS * excess * self.shares[k]).min(MOST * self.diameter);
-            if by != 0.0 {
-                let old = displacements.get(self.places[k]);
-                let new = [0, 1].map(|axis| old[axis] + sign * by * normal[axis]);
-                displacements.set(self.places[k], inside(self.places[k], new));
-            }
-        }
+        count.into_inner()
     }
 }
 
