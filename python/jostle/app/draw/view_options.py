@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from enum import Enum
 from typing import TYPE_CHECKING
+
+from jostle.app.simulate.settings import TRUTH
+from jostle.app.simulate.validation import Rule, one_of
 
 if TYPE_CHECKING:  # Python has it from 3.11 on
     from typing import Self
@@ -63,3 +67,13 @@ class ViewOptions:
     panels: bool = True
     statistics: bool = True
     help: bool = False
+
+
+def option_rules(spell: Callable[[Enum], str]) -> dict[str, Rule]:
+    """Return the rule of each view option in a file, in which `spell` writes a choice."""
+    return {
+        option.name: one_of(*map(spell, type(option.default)))
+        if isinstance(option.default, Enum)
+        else TRUTH
+        for option in fields(ViewOptions)
+    }

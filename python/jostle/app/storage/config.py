@@ -10,17 +10,16 @@ import importlib
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
 from jostle.app.draw.camera import Size
-from jostle.app.draw.view_options import ViewOptions
+from jostle.app.draw.view_options import ViewOptions, option_rules
 from jostle.app.simulate.settings import (
     RENDERERS,
     SETTINGS,
-    TRUTH,
     Settings,
     degenerate_walls,
     settings_of,
@@ -52,12 +51,7 @@ WINDOW_RULES: dict[str, Rule] = {
     "size": each(whole(SMALLEST, LARGEST), "width", "height"),
     "renderer": one_of(*RENDERERS),
 }
-SHOWN_RULES: dict[str, Rule] = {
-    switch.name: one_of(*(kind.name.lower() for kind in type(switch.default)))
-    if isinstance(switch.default, Enum)
-    else TRUTH
-    for switch in fields(ViewOptions)
-}
+SHOWN_RULES = option_rules(lambda choice: choice.name.lower())
 ENTRIES = Fields(
     {
         **SETTINGS.rules,

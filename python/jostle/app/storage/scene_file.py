@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.view_options import ViewOptions
+from jostle.app.draw.view_options import ViewOptions, option_rules
 from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
 from jostle.app.simulate.settings import SETTINGS, TRUTH, settings_of, unknown_scene
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import resume
 from jostle.app.simulate.state_validation import bytes_of
-from jostle.app.simulate.validation import Fields, each, one_of, real, require, whole
+from jostle.app.simulate.validation import Fields, each, real, require, whole
 
 SUFFIX = ".jostle"
 KIND = "scene"
@@ -31,16 +31,7 @@ CAMERA = Fields(
         "at_home": TRUTH,
     }
 )
-SHOWN = Fields(
-    {
-        switch.name: one_of(*(kind.value for kind in type(switch.default)))
-        if isinstance(switch.default, Enum)
-        else TRUTH
-        for switch in fields(ViewOptions)
-    },
-    "a switch",
-    complete=False,
-)
+SHOWN = Fields(option_rules(lambda choice: str(choice.value)), "a switch", complete=False)
 FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
 
 
