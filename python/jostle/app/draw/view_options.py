@@ -29,7 +29,7 @@ class _Cycle(Enum):
         return options[(options.index(self) + 1) % len(options)]
 
 
-_LABELS = {"what differs": "automatic", "each its own": "random"}
+_LABELS = {"what differs": "automatic", "each its own": "random", "velocity": "speed"}
 
 
 class TreeView(_Cycle):
