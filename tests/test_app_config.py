@@ -302,7 +302,7 @@ points = [[5, 50], [20, 50]]
     simulation.attract(())  # the motor is not one of the attractions that are placed anew
     simulation.remove_walls([0])
     path = tmp_path / "moving.jostle"
-    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), Shown()))
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
     again = read_scene(path).simulation
     for one in (simulation, again):
         for _ in range(30):
@@ -318,7 +318,7 @@ def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
     assert simulation.adjust("container", "torus") is None
     simulation.step()
     path = tmp_path / "sides.jostle"
-    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), Shown()))
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
     again = read_scene(path).simulation
     assert again.settings == simulation.settings
     one = start(read(tmp_path, text + "0.5").settings)

@@ -280,7 +280,7 @@ class WorldSimulation:
             except ValueError as error:
                 raise ValueError(f"walls[{number}] cannot be added: {error}") from error
         # The motors of walls that move are the world's own.
-        self._attractions = Attractions(len(self.world.forces))
+        self._attractions = AttractorForces(len(self.world.forces))
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws."""
