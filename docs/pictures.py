@@ -19,7 +19,7 @@ from jostle.app.gui.layout import COLUMN, STATISTICS
 PICTURES = Path(__file__).parent / "pictures"
 
 RUNS = {
-    "pile": ["pile", "--steps", "400"],
+    "pile": ["pile", "--steps", "240"],
     "clusters": ["clusters", "--steps", "20"],
 }
 """Name of a picture: the arguments of `jostle run` that end in it."""

@@ -398,6 +398,8 @@ def _check_extra(*modules: str) -> None:
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     for module in ("pygame", "imageio_ffmpeg", *modules):
         if importlib.util.find_spec(module) is None:
+            if module == "imgui_bundle" and sys.version_info < (3, 11):
+                _refuse("the window needs Python 3.11 or newer; --headless records a video")
             _refuse(_INSTALL.format(module.replace("_", "-")))
 
 

@@ -28,6 +28,7 @@ def pairs_of(n: int) -> int:
 
 def scientific(value: float) -> str:
     """Return four digits, and a power of ten if the number is large."""
+    value += 0.0  # no negative zero
     mantissa, _, power = f"{value:.3e}".partition("e")
     return f"{value:,.1f}" if abs(value) < 1e5 else f"{mantissa} e{int(power)}"
 
