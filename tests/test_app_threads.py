@@ -51,7 +51,7 @@ def held_up(driver: Driver) -> Callable[[], None]:
 
 
 def settled(driver: Driver) -> None:
-    """Wait for what is under way, and show it."""
+    """Wait for the current jobs, and show their results."""
     driver.session.runner.loader.wait()
     driver.frames(1, 0.0)
     driver.session.engine.wait()
@@ -302,6 +302,7 @@ def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_pa
     session.files.save(path)
     session.camera.zoom_at((300, 300), 2.0)
     session.runner.begin(Settings("pile", 30))
+    settled(driver)
     session.files.load(path)
     assert session.message == "Loading saved.jostle …" and session.engine.scene == "pile"
     settled(driver)

@@ -137,7 +137,8 @@ class Runner:
         self, create: Create, message: str, then: Then | None, settings: Settings | None = None
     ) -> None:
         self.loader.start(create, self._first_request, message, settings, then)
-        self._take_loaded()  # it is there in synchronous mode
+        if self.engine.synchronous:
+            self._take_loaded()
 
     def _take_loaded(self) -> None:
         """Continue with a new simulation, if there is one."""
