@@ -354,6 +354,19 @@ pub fn nearest<T: Scalar>(
     Ok(found)
 }
 
+/// Values written between two checks for an interruption.
+const FILLED: usize = 1 << 18;
+
+/// As [`memory::filled`], with checks for an interruption: the first use of new memory may take long.
+fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
+    let mut values = memory::with_room(len)?;
+    while values.len() < len {
+        stop.check()?;
+        values.resize(len.min(values.len() + FILLED), value.clone());
+    }
+    Ok(values)
+}
+
 /// As [`nearest`]; `look` lets a point see the shapes that there are, and `shape_of` tells them by
 /// their ids.
 ///
@@ -372,8 +385,8 @@ pub fn nearest_by<T: Scalar>(
     let stop = Stop::current();
     let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
     let len = k * points.len();
-    let distances = memory::filled(len, T::INFINITY)?;
-    let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };
+    let distances = filled(len, T::INFINITY, &stop)?;
+    let mut all = Neighbors { distances, ids: filled(len, -1, &stop)?, tests: 0 };
     let found = parallel::map(threads, parts.len(), |part| {
         // One list for all questions: small allocations would not notice that memory ends.
         let (mut neighbors, mut ends) = (Vec::new(), memory::with_room(parts[part].len())?);
