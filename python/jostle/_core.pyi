@@ -3810,7 +3810,7 @@ def describe_scene(name: str) -> str:
     --------
     >>> import jostle
     >>> print(jostle.scenes.describe("billiards"))
-    A cue ball with side spin breaks a rack of balls. Follow how its momentum and its spin spread over all.
+    A cue ball with side spin breaks a rack of balls. Its momentum and its spin spread over all balls.
     """
 
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World:

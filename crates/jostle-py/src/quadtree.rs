@@ -220,10 +220,7 @@ impl PyQuadtree {
         let other = other.map(|other| self.partner(other)).transpose()?;
         let found = detached(py, || {
             let mut found = match other {
-                None => with_tree!(&self.tree, tree => match mask {
-                    None => pairs::within(tree, max_pairs),
-                    Some(mask) => pairs::within_mask(tree, mask, max_pairs),
-                }),
+                None => with_tree!(&self.tree, tree => pairs::within(tree, mask, max_pairs)),
                 Some(other) => between(&self.tree, &other.get().tree, mask, max_pairs),
             }?;
             if sort {
@@ -719,21 +716,9 @@ impl PyQuadtree {
 
 fn between(a: &Tree, b: &Tree, mask: Option<u32>, max_pairs: usize) -> jostle::Result<Found> {
     match (a, b) {
-        (Tree::Single(a), Tree::Single(b)) => between_alike(a, b, mask, max_pairs),
-        (Tree::Double(a), Tree::Double(b)) => between_alike(a, b, mask, max_pairs),
+        (Tree::Single(a), Tree::Single(b)) => pairs::between(a, b, mask, max_pairs),
+        (Tree::Double(a), Tree::Double(b)) => pairs::between(a, b, mask, max_pairs),
         // Refused before.
         _ => Ok(Found::default()),
-    }
-}
-
-fn between_alike<T: Scalar>(
-    a: &jostle::Quadtree<T>,
-    b: &jostle::Quadtree<T>,
-    mask: Option<u32>,
-    max_pairs: usize,
-) -> jostle::Result<Found> {
-    match mask {
-        None => pairs::between(a, b, max_pairs),
-        Some(mask) => pairs::between_mask(a, b, mask, max_pairs),
     }
 }

@@ -3,7 +3,7 @@
 use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
-use jostle::scenes::{GaltonBoard, Nozzle};
+use jostle::scenes::{Emitter, GaltonBoard};
 use jostle::{Collisions, Id, Scalar, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
@@ -161,7 +161,7 @@ pub fn galton_board(py: Python<'_>, all: GaltonBoard) -> PyResult<Bound<'_, PyAn
 }
 
 /// `jostle.scenes.Nozzle`.
-pub fn nozzle<'py>(py: Python<'py>, of: &Nozzle) -> PyResult<Bound<'py, PyAny>> {
+pub fn nozzle<'py>(py: Python<'py>, of: &Emitter) -> PyResult<Bound<'py, PyAny>> {
     static NOZZLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pair = |[a, b]: [f32; 2]| (decimal(a), decimal(b));
     let [position, velocity, radii] = [of.position, of.velocity, of.radii].map(pair);

@@ -47,7 +47,7 @@ pub fn names() -> Vec<&'static str> {
 /// --------
 /// >>> import jostle
 /// >>> print(jostle.scenes.describe("billiards"))
-/// A cue ball with side spin breaks a rack of balls. Follow how its momentum and its spin spread over all.
+/// A cue ball with side spin breaks a rack of balls. Its momentum and its spin spread over all balls.
 #[pyfunction]
 pub fn describe(name: &Bound<'_, PyAny>) -> PyResult<&'static str> {
     Ok(scene(name)?.about)
@@ -193,7 +193,7 @@ pub fn fountains<'py>(
     py: Python<'py>,
     n: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-    let nozzles = scenes::fountains(particles(n)?).map_err(refused)?;
+    let nozzles = scenes::emitters(particles(n)?).map_err(refused)?;
     nozzles.iter().map(|nozzle| results::nozzle(py, nozzle)).collect()
 }
 

@@ -235,5 +235,5 @@ fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u3
     }
     let settings = Settings { threads: THREADS, ..Settings::default() };
     let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
-    Ok(pairs::between(&a, &b, DEFAULT_MAX_PAIRS)?.pairs)
+    Ok(pairs::between(&a, &b, None, DEFAULT_MAX_PAIRS)?.pairs)
 }

@@ -321,11 +321,10 @@ impl<T: Scalar> Layers<T> {
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
-        let rows = match (a == b, mask) {
-            (true, None) => pairs::within(&first.tree, left),
-            (true, Some(mask)) => pairs::within_mask(&first.tree, mask, left),
-            (false, None) => pairs::between(&first.tree, &second.tree, left),
-            (false, Some(mask)) => pairs::between_mask(&first.tree, &second.tree, mask, left),
+        let rows = if a == b {
+            pairs::within(&first.tree, mask, left)
+        } else {
+            pairs::between(&first.tree, &second.tree, mask, left)
         };
         let rows = rows.map_err(|error| match error {
             Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },

@@ -6,7 +6,7 @@ use super::moving::Clock;
 use super::{FIRST, Walls};
 use crate::container::size;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Shape};
+use crate::geometry::{Bounds, Shape};
 use crate::motion::exact;
 use crate::pairs::{self, Filters, JoinScratch};
 use crate::parallel;
@@ -82,7 +82,7 @@ impl Near {
         };
         *found = pairs
             .map_err(|error| match error {
-                Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
+                Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { limit: max_pairs },
                 other => other,
             })?
             .pairs;
@@ -357,7 +357,7 @@ impl Walls {
         mut act: impl FnMut(u32),
     ) {
         let margin = margin + MARGIN * size(min, 0.0).max(size(max, 0.0));
-        let bounds = Cover::of(&Shape {
+        let bounds = Bounds::of(&Shape {
             min: min.map(|v| v as f32),
             max: max.map(|v| v as f32),
             half_size: [0.0; 2],
