@@ -1,22 +1,22 @@
 //! The allocator of the extension module.
 //!
-//! A small allocation that fails ends the process. Near the limit of memory it may fail only because
-//! another thread holds, for a moment, a large allocation that it is about to refuse (see
-//! `jostle::memory`). So small allocations wait for that thread.
+//! A failed small allocation aborts the process. Near the limit of memory it may fail only because
+//! another thread briefly has a large allocation that it will free (see `jostle::memory`). So small
+//! allocations are retried.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
 use std::thread;
 use std::time::Duration;
 
-/// Larger allocations fail at once: the core makes an error of the failure.
+/// Larger allocations are not retried: the core returns an error if they fail.
 const SMALL: usize = 1 << 16;
 
-/// Times that a small allocation is tried again, and the time between them.
+/// Number of retries of a small allocation, and the time between them.
 const TRIES: usize = 100;
 const WAIT: Duration = Duration::from_millis(1);
 
-/// The system's allocator. Small allocations that fail are tried again.
+/// The system's allocator with retries of small allocations.
 struct Retrying;
 
 #[global_allocator]
