@@ -42,8 +42,8 @@ test: setup  ## run every test: Rust, Python and the examples in the documents
 	cargo test --package jostle
 	$(BIN)/python -m pytest $(or $(ARGS),--numprocesses auto --dist worksteal)
 
-search: setup  ## search 1,000 random scenes for discs that hang in the air; ARGS=10000 for more
-	$(BIN)/python tests/random_scenes.py $(ARGS)
+search: setup  ## search 1,000 random scenes for discs that hang in the air (ARGS=10000: more; ARGS=polygons: see CONTRIBUTING)
+	$(if $(filter polygons,$(ARGS)),$(POLYGONS),$(BIN)/python tests/random_scenes.py $(ARGS))
 
 arcade: $(VENV)/wheel  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
 	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \
@@ -78,6 +78,9 @@ wheel: $(VENV)/run  ## build an optimised wheel to distribute into dist
 clean:  ## remove everything that was built
 	rm -rf $(VENV) $(ARCADE) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# 100,000 random polygons of walls, which no disc may leave.
+POLYGONS = cargo test --package jostle --test all nothing_leaves_many_polygons -- --ignored
 
 # All parts of the benchmarks, if no part is named.
 asked = $(or $(1),$(if $(ARGS),,all))

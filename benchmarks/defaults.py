@@ -24,12 +24,12 @@ import jostle
 from jostle.bench.machine import Results, Row, describe, slug
 from jostle.bench.timing import interleaved
 from jostle.tune import records
-from jostle.tune.contenders import Method, Setting, contender, defaults
+from jostle.tune.candidates import Method, Setting, candidate, defaults
 from jostle.tune.findings import crossing, two_digits
 from jostle.tune.report import in_ms
 from jostle.tune.sample import TIME_STEP, Sample
 from jostle.tune.sweep import THOROUGH, Tuner, Tuning
-from jostle.tune.timing import Race, Ratio
+from jostle.tune.timing import InterleavedTiming, Ratio
 
 Rows = list[Row]
 
@@ -117,7 +117,7 @@ def brute_limit(scenes: list[str], rounds: int) -> Rows:
     for scene in scenes:
         samples = {n: Sample.of(scene, n) for n in FEW}
         settings = [Setting(n, 1.0, *defaults(), method) for n in FEW for method in methods]
-        race = Race({s: contender(samples[s.n], s, "pairs", 1) for s in settings})
+        race = InterleavedTiming({s: candidate(samples[s.n], s, "pairs", 1) for s in settings})
         race.run(rounds)
         found = crossing(race.outcomes)
         rows.append(

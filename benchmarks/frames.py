@@ -15,7 +15,7 @@ import time
 os.environ.setdefault("SDL_VIDEODRIVER", "offscreen")
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
-from jostle.app.draw.renderers import NoRendererError
+from jostle.app.draw.screen import NoRendererError
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.start import start
 from jostle.app.window import Window

@@ -97,10 +97,6 @@ def fast_rects(tree: Any, rects: Points) -> Any:
     return [tree.query_np(tuple(rect))[0] for rect in rects.tolist()]
 
 
-def fast_nearest(tree: Any, points: Points) -> Any:
-    return [tree.nearest_neighbors_np(tuple(point), WANTED)[0] for point in points.tolist()]
-
-
 def shapely_tree(points: Points) -> Any:
     import shapely
 
@@ -129,8 +125,28 @@ def inside(tree: jostle.Quadtree, rects: Points) -> jostle.Hits:
     return hits
 
 
-def near(tree: jostle.Quadtree, points: Points) -> jostle.Neighbors:
-    return tree.nearest(points, WANTED)
+def nearest(wanted: int) -> tuple[Rival, ...]:
+    """Return who finds this number of neighbours."""
+
+    def near(tree: jostle.Quadtree, points: Points) -> jostle.Neighbors:
+        return tree.nearest(points, wanted)
+
+    def scipy_near(tree: Any, points: Points) -> Any:
+        return tree.query(points, wanted)
+
+    def scipy_ids(found: Any) -> list[Any]:
+        return list(found[1].reshape(-1, wanted))
+
+    def fast_near(tree: Any, points: Points) -> Any:
+        return [tree.nearest_neighbors_np(tuple(point), wanted)[0] for point in points.tolist()]
+
+    one_by_one = "nearest_neighbors_np one by one"
+    return (
+        Rival("jostle", "jostle", "", ours, near, lambda found: list(found.ids)),
+        Rival("jostle, float32", "jostle", "", ours_single, near, lambda found: list(found.ids)),
+        Rival("SciPy cKDTree", "scipy", "query", scipy_tree, scipy_near, scipy_ids),
+        Rival("fastquadtree", "fastquadtree", one_by_one, fast_tree, fast_near, list),
+    )
 
 
 RIVALS = {
@@ -141,26 +157,8 @@ RIVALS = {
         Rival("shapely STRtree", "shapely", "query", shapely_tree, shapely_rects, shapely_ids),
         Rival("fastquadtree", "fastquadtree", "query_np one by one", fast_tree, fast_rects, list),
     ),
-    "nearest": (
-        Rival("jostle", "jostle", "", ours, near, lambda found: list(found.ids)),
-        Rival("jostle, float32", "jostle", "", ours_single, near, lambda found: list(found.ids)),
-        Rival(
-            "SciPy cKDTree",
-            "scipy",
-            "query",
-            scipy_tree,
-            lambda tree, points: tree.query(points, WANTED),
-            lambda found: list(found[1]),
-        ),
-        Rival(
-            "fastquadtree",
-            "fastquadtree",
-            "nearest_neighbors_np one by one",
-            fast_tree,
-            fast_nearest,
-            list,
-        ),
-    ),
+    "nearest one": nearest(1),
+    "nearest": nearest(WANTED),
 }
 
 
@@ -173,7 +171,8 @@ def race(rounds: int, largest: int) -> Iterator[list[Row]]:
         points = scene(count, 0)
         yield timed("rectangles", points, rectangles(count), rounds, same_ids)
         asked = scene(QUESTIONS, 1)
-        yield timed("nearest", points, asked, rounds, partial(same_distances, points, asked))
+        for kind in ("nearest one", "nearest"):
+            yield timed(kind, points, asked, rounds, partial(same_distances, points, asked))
         yield cast(points, rounds)
 
 

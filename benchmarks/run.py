@@ -53,23 +53,23 @@ def run_pairs(options: Options) -> Rows:
     """All overlapping pairs, beside other libraries."""
     counts = [count for count in PAIR_COUNTS if count <= options.largest]
     for scene in PAIR_SCENES:
-        yield from pairs.race(scene, counts, options.rounds, options.patience, told=told)
+        yield from pairs.compare(scene, counts, options.rounds, options.patience, report=told)
     counts = [count for count in POINT_COUNTS if count <= options.largest]
     rivals = [rival for rival in pairs.installed() if rival.name in POINT_RIVALS]
     patience = POINT_PATIENCE * options.patience
-    yield from pairs.race("points", counts, options.rounds, patience, rivals=rivals, told=told)
+    yield from pairs.compare("points", counts, options.rounds, patience, rivals=rivals, report=told)
 
 
 def run_step(options: Options) -> Rows:
     """One frame of a simulation, beside pymunk, Box2D and the article."""
     counts = [count for count in STEP_COUNTS if count <= options.largest]
     for scene in steps.SCENES:
-        yield from steps.race(scene, counts, options.rounds, options.patience, told=told)
+        yield from steps.compare(scene, counts, options.rounds, options.patience, report=told)
 
 
 def run_held(options: Options) -> Rows:
     """How many discs are held at 60 steps a second."""
-    for row in held.searches(told=told):
+    for row in held.searches(report=told):
         yield [row]
 
 

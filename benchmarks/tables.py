@@ -215,6 +215,7 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
         name: ("queries", lambda rows, kind=kind: by_count(scene(kind)(rows), frame))
         for name, kind in (
             ("query-rectangles", "rectangles"),
+            ("query-nearest-one", "nearest one"),
             ("query-nearest", "nearest"),
             ("query-rays", "rays"),
         )

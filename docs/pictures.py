@@ -14,7 +14,7 @@ from pathlib import Path
 import imageio_ffmpeg
 from PIL import Image
 
-from jostle.app.gui.layout import COLUMN, FIGURES
+from jostle.app.gui.layout import COLUMN, STATISTICS
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -25,7 +25,7 @@ RUNS = {
 """Name of a picture: the arguments of `jostle run` that end in it."""
 
 TUNINGS = {"tune-gas": ["gas"]}
-"""Beginning of the names of pictures: the arguments of `jostle tune` that draw them."""
+"""Reference of the names of pictures: the arguments of `jostle tune` that draw them."""
 
 STILLS = [
     *("first-look", "pile", "rules", "race", "heat", "trails", "stars"),
@@ -40,7 +40,8 @@ TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
 """Names of the pictures of both."""
 
 ANIMATION = (
-    f"crop=in_w-{COLUMN + FIGURES}:in_h-36:{COLUMN}:0,fps=12,scale=320:-1:flags=area,split[a][b];"
+    f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,"
+    "fps=12,scale=320:-1:flags=area,split[a][b];"
     "[a]palettegen=max_colors=48:stats_mode=diff[palette];"
     "[b][palette]paletteuse=dither=none:diff_mode=rectangle"
 )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from jostle.app.draw.camera import Camera
-from jostle.app.simulate.simulation import Facts, Frame, Touching
+from jostle.app.simulate.simulation import Frame, FrameContacts, StepStats
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)
@@ -63,14 +63,14 @@ def frame_of(positions, radii=5.0, *, time: float = 0.0, **columns) -> Frame:
         "movable": column("movable", True, np.bool_),
         "born": column("born", 0.0, np.float64),
         "tags": np.asarray(tags, np.int64),
-        "facts": Facts(time=time),
+        "stats": StepStats(time=time),
     }
     return Frame(**frame, **columns)
 
 
-def touching_of(pairs, normals, depths, impulses=(), walls=()) -> Touching:
+def touching_of(pairs, normals, depths, impulses=(), walls=()) -> FrameContacts:
     """Contacts as a frame has them; of each with a wall: row, normal, impulse."""
-    return Touching(
+    return FrameContacts(
         np.array(pairs, np.int64).reshape(-1, 2),
         np.array(normals, np.float32).reshape(-1, 2),
         np.array(depths, np.float32),

@@ -10,9 +10,9 @@ pytest.importorskip("pygame")
 import jostle
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.containers import InitialRegion, bounds, moved_inside
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.start import resume, start
-from jostle.app.simulate.walls import Home, bounds, brought_in
 from jostle.app.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
 
 CONTAINERS = [
@@ -33,7 +33,7 @@ def is_inside(simulation: WorldSimulation) -> bool:
     frame = simulation.frame()
     radii = frame.radii.astype(np.float64)
     places = frame.positions.astype(np.float64)
-    return bool(np.allclose(brought_in(places, radii, frame.container), places, atol=1e-3))
+    return bool(np.allclose(moved_inside(places, radii, frame.container), places, atol=1e-3))
 
 
 # ---- the number of particles ---------------------------------------------------------------------
@@ -98,11 +98,11 @@ def test_where_there_is_no_room_nothing_changes_and_it_is_said(n: int) -> None:
 def test_a_session_begins_anew_where_there_is_no_room() -> None:
     session = Session(gas(200), (800, 600))
     session.engine.step()
-    session.adjust("n", 190)
-    assert len(session.frame) == 190 and session.frame.facts.time > 0
-    session.adjust("n", 2_000)
+    session.runner.adjust("n", 190)
+    assert len(session.frame) == 190 and session.frame.stats.time > 0
+    session.runner.adjust("n", 2_000)
     assert len(session.frame) == session.settings.n == 2_000
-    assert session.frame.facts.time == 0 and "begins anew" in session.notice
+    assert session.frame.stats.time == 0 and "begins anew" in session.message
     session.close()
 
 
@@ -113,7 +113,7 @@ def test_a_session_begins_anew_where_there_is_no_room() -> None:
 @pytest.mark.parametrize("kind", ["box", "circle", "torus", "none"])
 def test_walls_of_another_kind_have_the_same_room(container, kind: str) -> None:
     view = bounds(container) or (0.0, 0.0, 100.0, 50.0)
-    fitted, seen = Home.of(container, view, None).fitted(kind, 1.0)
+    fitted, seen = InitialRegion.of(container, view, None).fitted(kind, 1.0)
     assert (kind == "none") == (fitted is None)
 
     def area(walls) -> float:
@@ -127,15 +127,15 @@ def test_walls_of_another_kind_have_the_same_room(container, kind: str) -> None:
     walls = bounds(fitted)
     if walls is not None:
         assert np.array(seen) == pytest.approx(np.array(walls), rel=1e-5)
-    back, _ = Home.of(container, view, None).fitted(None, 1.0)
+    back, _ = InitialRegion.of(container, view, None).fitted(None, 1.0)
     assert bounds(back) == pytest.approx(bounds(container)) if container else back is None
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=str)
 def test_what_is_outside_comes_in_and_what_is_inside_stays(container) -> None:
     places = np.random.default_rng(0).uniform(-100, 200, (500, 2))
-    inside = brought_in(places, np.full(500, 2.0), container)
-    assert brought_in(inside, np.full(500, 2.0), container) == pytest.approx(inside)
+    inside = moved_inside(places, np.full(500, 2.0), container)
+    assert moved_inside(inside, np.full(500, 2.0), container) == pytest.approx(inside)
     unmoved = (inside == places).all(axis=1)
     assert unmoved.any() and (container is None or not unmoved.all())
 
@@ -192,13 +192,13 @@ def test_walls_are_the_same_after_going_back_to_a_state() -> None:
 def test_the_camera_shows_the_world_that_has_grown() -> None:
     session = Session(gas(100), (800, 600))
     scale = session.camera.scale
-    session.paused = True
-    session.adjust("world_size", 2.0)
+    session.runner.paused = True
+    session.runner.adjust("world_size", 2.0)
     session.advance(0.0)
     assert session.camera.scale == pytest.approx(scale / 2)
     session.camera.zoom_at((400, 300), 2.0)
     zoomed = session.camera.scale
-    session.adjust("world_size", 1.0)
+    session.runner.adjust("world_size", 1.0)
     session.advance(0.0)
     assert session.camera.scale == zoomed  # who looks closely goes on looking there
     session.close()
@@ -231,11 +231,11 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
 def test_rules_change_without_a_new_beginning(name: str, value: object) -> None:
     session = Session(gas(50), (800, 600))
     session.engine.step()
-    time = session.frame.facts.time
-    session.adjust(name, value)
+    time = session.frame.stats.time
+    session.runner.adjust(name, value)
     world = session.engine.simulation.world
     assert getattr(world, name) == value and getattr(session.settings, name) == value
-    assert session.frame.facts.time == time
+    assert session.frame.stats.time == time
     session.close()
 
 
@@ -261,6 +261,6 @@ def test_the_article_has_the_number_and_the_display_asked_for() -> None:
 def test_the_article_begins_anew_with_another_number() -> None:
     session = Session(start(Settings("article", 40, method="article-quadtree")), (800, 600))
     session.engine.step()
-    session.adjust("n", 60)
-    assert len(session.frame) == 60 and session.frame.facts.time == 0
+    session.runner.adjust("n", 60)
+    assert len(session.frame) == 60 and session.frame.stats.time == 0
     session.close()

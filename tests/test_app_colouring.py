@@ -11,7 +11,7 @@ from app_overlays import frame_of
 
 from jostle.app.draw.colouring import Colouring
 from jostle.app.draw.palette import FIXED_SHADE, SHADES
-from jostle.app.draw.shown import ColourBy
+from jostle.app.draw.view_options import ColourBy
 
 PLACES = [(10, 10), (20, 20), (30, 30)]
 SPEEDS = [(0, 0), (3, 0), (0, 9)]

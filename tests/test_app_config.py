@@ -13,17 +13,7 @@ import pytest
 pytest.importorskip("pygame")
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.shown import ColourBy, Shown, TreeView
-from jostle.app.keep import config
-from jostle.app.keep.config import (
-    WINDOW_RULES,
-    Config,
-    ConfigError,
-    line_of,
-    read_config,
-)
-from jostle.app.keep.scene_file import read_scene, scene_bytes
-from jostle.app.simulate.segments import clear_of
+from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.settings import (
     GROUP_RULES,
     LINE_RULES,
@@ -33,6 +23,16 @@ from jostle.app.simulate.settings import (
     Settings,
 )
 from jostle.app.simulate.start import start
+from jostle.app.simulate.wall_segments import clear_of
+from jostle.app.storage import config
+from jostle.app.storage.config import (
+    WINDOW_RULES,
+    Config,
+    ConfigError,
+    line_of,
+    read_config,
+)
+from jostle.app.storage.scene_file import read_scene, scene_bytes
 
 TOML = "tomllib" if sys.version_info >= (3, 11) else "tomli"
 pytest.importorskip(TOML)
@@ -55,8 +55,8 @@ def refusal(folder: Path, text: str) -> str:
 def test_the_example_makes_the_scene_that_it_describes() -> None:
     config = read_config(EXAMPLE)
     assert (config.settings.scene, config.settings.n, config.size) == ("gas", 1500, (1280, 720))
-    shown = Shown(velocities=True)
-    config.show(shown)
+    shown = ViewOptions(velocities=True)
+    config.apply_view_options(shown)
     assert (shown.tree, shown.colour_by) == (TreeView.OUTLINE, ColourBy.VELOCITY)
     assert not shown.velocities
     simulation = start(config.settings)
@@ -72,7 +72,7 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
-    shown = (field.name for field in fields(Shown))
+    shown = (field.name for field in fields(ViewOptions))
     for name in (*RULES, *GROUP_RULES, *LINE_RULES, *WINDOW_RULES, *shown):
         assert f"`{name}`" in page, name
 
@@ -174,6 +174,18 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
             "line 3: walls[0].friction is -1; it must be a number from 0",
         ),
         (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nvelocity = 3",
+            "line 3: walls[0].velocity is 3; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nperiod = 0",
+            "line 3: walls[0].period is 0; it must be a number from 0.001",
+        ),
+        (
+            "container_restitution = [1, 1, 2, 1]",
+            "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or",
+        ),
+        (
             "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
             "line 2: walls[0].bounce is not a property of walls",
         ),
@@ -259,7 +271,7 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     simulation = start(read(tmp_path, text).settings)
     simulation.add_wall(Polyline(((5, 5), (9, 9)), friction=0.5))
     path = tmp_path / "walls.jostle"
-    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), Shown()))
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
     again = read_scene(path).simulation
     assert again.settings == simulation.settings and len(again.settings.walls) == 1
     frame = again.frame()
@@ -268,6 +280,49 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     for one in (simulation, again):
         one.step()
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_walls_of_a_file_may_move_there_and_back(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 20
+[[walls]]
+points = [[10, 10], [60, 10], [60, 40]]
+velocity = [30, 0]
+period = 1
+[[walls]]
+points = [[5, 50], [20, 50]]
+"""
+    simulation = start(read(tmp_path, text).settings)
+    begin = simulation.frame().walls
+    for _ in range(30):
+        simulation.step()
+    there = simulation.frame().walls
+    np.testing.assert_allclose(there[:2], begin[:2] + np.array([15, 0]), atol=1e-4)
+    np.testing.assert_array_equal(there[2], begin[2])
+    simulation.attract(())  # the motor is not one of the attractions that are placed anew
+    simulation.remove_walls([0])
+    path = tmp_path / "moving.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    for one in (simulation, again):
+        for _ in range(30):
+            one.step()
+        np.testing.assert_allclose(one.frame().walls[0], begin[1], atol=1e-4)
+    np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 20\ncontainer_restitution = '
+    simulation = start(read(tmp_path, text + "[0.5, 1, 0.25, 0]").settings)
+    assert simulation.world.container_restitution.tolist() == [0.5, 1, 0.25, 0]
+    assert simulation.adjust("container", "torus") is None
+    simulation.step()
+    path = tmp_path / "sides.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings
+    one = start(read(tmp_path, text + "0.5").settings)
+    assert one.world.container_restitution.tolist() == [0.5] * 4
 
 
 def test_groups_of_a_file_are_beside_its_walls(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import sys
 from collections.abc import Iterator
@@ -11,13 +12,12 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
-from jostle.app.draw import backdrop, renderers  # noqa: E402
-from jostle.app.draw.backdrop import Backdrop  # noqa: E402
+from jostle.app.draw import background_render, screen  # noqa: E402
+from jostle.app.draw.background_render import BackgroundRenderer  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
 from jostle.app.draw.palette import GROUND  # noqa: E402
-from jostle.app.draw.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
-from jostle.app.gui import host as gui  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
@@ -59,7 +59,7 @@ def test_where_changes_are_judged_there_is_opengl() -> None:
     assert Screen(SIZE, "opengl").painter.name == "opengl"
 
 
-def test_a_processor_that_plays_a_card_is_used_only_when_it_is_asked_for(
+def test_software_opengl_is_used_only_when_it_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     opengl = pytest.importorskip("jostle.app.draw.opengl")
@@ -67,16 +67,16 @@ def test_a_processor_that_plays_a_card_is_used_only_when_it_is_asked_for(
         name = Screen(SIZE, "opengl").painter.renderer
     except NoRendererError as error:
         pytest.skip(str(error))
-    monkeypatch.setattr(opengl, "_PLAYED", (name.lower(),))
+    monkeypatch.setattr(opengl, "_EMULATORS", (name.lower(),))
     assert Screen(SIZE, "auto").painter.name == "software"
     assert Screen(SIZE, "opengl").painter.name == "opengl"
-    monkeypatch.setattr(opengl, "_PLAYED", ())
+    monkeypatch.setattr(opengl, "_EMULATORS", ())
     assert Screen(SIZE, "auto").painter.name == "opengl"
     assert Screen(SIZE, "software").painter.name == "software"
 
 
 def test_without_moderngl_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(renderers, "_MODERNGL", False)
+    monkeypatch.setattr(screen, "_MODERNGL", False)
     assert Screen(SIZE, "auto").painter.name == "software"
     with pytest.raises(NoRendererError, match="moderngl, which is not installed"):
         Screen(SIZE, "opengl")
@@ -94,12 +94,18 @@ def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch
         Screen(SIZE, "opengl")
 
 
-def test_without_imgui_there_is_the_readout(open_window, monkeypatch) -> None:
-    monkeypatch.setattr(gui, "_THERE", False)
-    window = open_window()
-    assert window.gui is None
-    window.frame(FRAME)
-    assert picture_of(window.painter).std() > 1
+def test_without_imgui_the_command_names_the_package(monkeypatch, capsys) -> None:
+    from jostle import cli
+
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name: find(name) if name != "imgui_bundle" else None
+    )
+    monkeypatch.setattr(cli, "_has_display", lambda: True)
+    monkeypatch.setattr(sys, "argv", ["jostle", "run", "gas"])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert "needs imgui-bundle" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
@@ -119,8 +125,7 @@ def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
         window.frame(FRAME)
         assert window.painter.size == window.session.camera.size == size
         assert picture_of(window.painter).std() > 1
-    if window.gui is not None:
-        assert built and built[0] == (window.session, window.gui)
+    assert built and built[0] == (window.session, window.gui)
 
 
 # ---- failures ------------------------------------------------------------------------------------
@@ -137,13 +142,13 @@ def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window)
         raise moderngl.Error("GL_CONTEXT_LOST")
 
     window.painter.show = lost
-    window.session.paused = True
+    window.session.runner.paused = True
     window.frame(FRAME)
     assert window.painter.name == "software"
-    assert "graphics card has failed" in window.session.notice
+    assert "graphics card has failed" in window.session.message
     assert window.session.engine.steps == steps
     assert (window.session.frame.positions == frame.positions).all()
-    window.session.paused = False
+    window.session.runner.paused = False
     for _ in range(3):
         window.frame(FRAME)
     assert window.session.engine.steps > steps
@@ -186,14 +191,14 @@ def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatc
         pygame.event.Event(pygame.MOUSEMOTION, pos=(100, 50), rel=(1, 0), buttons=(0, 0, 0))
     )
     window.frame(FRAME)
-    assert window.session.cursor == (200, 100)
+    assert window.session.interaction.cursor == (200, 100)
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
 def test_panels_nobody_touches_are_built_every_other_frame(open_window, renderer: str) -> None:
     pytest.importorskip("imgui_bundle")
     window, built = open_window(renderer=renderer), []
-    window.session.paused = True
+    window.session.runner.paused = True
     window.builders.append(lambda session, host: built.append(True))
     for _ in range(30):
         window.frame(FRAME)
@@ -212,17 +217,17 @@ def test_panels_nobody_touches_are_built_every_other_frame(open_window, renderer
 
 
 @pytest.fixture
-def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[Backdrop]:
+def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
     """A backdrop to which every picture is a long one."""
-    monkeypatch.setattr(backdrop, "FEW", -1)
-    monkeypatch.setattr(backdrop, "MANY", -1)
-    monkeypatch.setattr(backdrop, "LONG", -1.0)
-    slow = Backdrop()
+    monkeypatch.setattr(background_render, "FEW", -1)
+    monkeypatch.setattr(background_render, "MANY", -1)
+    monkeypatch.setattr(background_render, "LONG", -1.0)
+    slow = BackgroundRenderer()
     yield slow
     slow.close()
 
 
-def test_a_long_picture_is_drawn_beside_the_window(beside: Backdrop) -> None:
+def test_a_long_picture_is_drawn_beside_the_window(beside: BackgroundRenderer) -> None:
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
     camera.scale, camera.center = 1.0, (320.0, 180.0)
     beside.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
@@ -253,7 +258,7 @@ def test_a_long_picture_is_drawn_beside_the_window(beside: Backdrop) -> None:
     assert tuple(picture_of(painter)[30, 30]) == (0, 200, 0)
 
 
-def test_what_goes_wrong_beside_the_window_is_told(beside: Backdrop) -> None:
+def test_what_goes_wrong_beside_the_window_is_told(beside: BackgroundRenderer) -> None:
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
 
     def wrong(target, seer) -> None:
@@ -267,18 +272,18 @@ def test_what_goes_wrong_beside_the_window_is_told(beside: Backdrop) -> None:
 
 
 def test_few_particles_are_always_drawn_at_once() -> None:
-    quick = Backdrop()
+    quick = BackgroundRenderer()
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
     quick._seconds = 10.0
     quick.draw(painter, camera, 100, lambda target, seer: target.fill((9, 9, 9)))
-    assert (picture_of(painter) == 9).all() and not quick.beside
+    assert (picture_of(painter) == 9).all() and not quick.in_background
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
 def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) -> None:
     window = open_window(200_000, renderer=renderer)
     window.frame(FRAME)
-    assert window._backdrop.beside  # later pictures may be quick enough for the window
+    assert window._backdrop.in_background  # later pictures may be quick enough for the window
     for _ in range(2):
         window.frame(FRAME)
     window._backdrop.wait()

@@ -10,14 +10,14 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
-from jostle.app.draw.shown import ColourBy, TreeView  # noqa: E402
-from jostle.app.keep import exports, files  # noqa: E402
-from jostle.app.keep.paths import new_path, write_whole  # noqa: E402
+from jostle.app.draw.view_options import ColourBy, TreeView  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
 from jostle.app.simulate.packing import pack, seal, unpack, unseal  # noqa: E402
 from jostle.app.simulate.settings import Group, Settings  # noqa: E402
-from jostle.app.simulate.simulation import Pull  # noqa: E402
+from jostle.app.simulate.simulation import Attractor  # noqa: E402
 from jostle.app.simulate.start import resume, start  # noqa: E402
+from jostle.app.storage import exports, files  # noqa: E402
+from jostle.app.storage.paths import new_path, write_atomic  # noqa: E402
 
 SCENES = [
     Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
@@ -55,7 +55,7 @@ def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     for _ in range(5):
         simulation.step()
     simulation.remove([2, 5])
-    simulation.attract((Pull(3.0, (10.0, 20.0)), Pull(2.0, tag=7)))
+    simulation.attract((Attractor(3.0, (10.0, 20.0)), Attractor(2.0, tag=7)))
     simulation.add([(50.0, 60.0)], [(1.0, 2.0)], 5.0, 2.0)
     simulation.step()
     again = resume(settings, simulation.save())
@@ -202,16 +202,19 @@ def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, se
     for _ in range(5):
         first.engine.step()
     first.camera.zoom_at((100, 100), 2.0)
-    first.shown.tree, first.shown.colour_by = TreeView.FILLED, ColourBy.MASS
-    first.shown.velocities = True
-    first.save(tmp_path / "one.jostle")
+    first.view_options.tree, first.view_options.colour_by = TreeView.FILLED, ColourBy.MASS
+    first.view_options.velocities = True
+    first.files.save(tmp_path / "one.jostle")
     second = Session(start(Settings("rain", 5)), (1280, 720))
-    second.load(tmp_path / "one.jostle")
-    assert second.notice == "Loaded one.jostle"
+    second.files.load(tmp_path / "one.jostle")
+    assert second.message == "Loaded one.jostle"
     assert second.settings == first.settings
     assert second.engine.simulation.save() == first.engine.simulation.save()
-    assert (second.shown.tree, second.shown.colour_by) == (TreeView.FILLED, ColourBy.MASS)
-    assert second.shown.velocities
+    assert (second.view_options.tree, second.view_options.colour_by) == (
+        TreeView.FILLED,
+        ColourBy.MASS,
+    )
+    assert second.view_options.velocities
     assert second.camera.scale == pytest.approx(2 * first.camera.scale)
     assert second.camera.center == pytest.approx(first.camera.center)
     for _ in range(3):
@@ -222,18 +225,18 @@ def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, se
 
 def test_files_have_names_of_their_own_and_a_notice_says_where(session: Session) -> None:
     for _ in range(3):
-        session.save()
-        session.screenshot()
+        session.files.save()
+        session.files.screenshot()
     names = {path.name for path in session.files.folder.iterdir()}
     assert len(names) == 6
     assert all(name.startswith("gas-") for name in names)
-    session.save()
-    assert session.notice == f"Saved {session.files.scenes()[0]}"
+    session.files.save()
+    assert session.message == f"Saved {session.files.scenes()[0]}"
     assert len(session.files.scenes()) == 4
 
 
 def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
-    session.save(folder / "good.jostle")
+    session.files.save(folder / "good.jostle")
     good = (folder / "good.jostle").read_bytes()
     bad = {
         "empty.jostle": b"",
@@ -273,15 +276,15 @@ def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
 ) -> None:
     for name, path in wrong_files(tmp_path, session).items():
         before = session.engine.simulation, session.engine.simulation.save()
-        looks = session.camera.center, session.camera.scale, session.shown.tree
-        session.say("nothing")
-        session.load(path)
-        assert session.notice.startswith(name), name
-        assert len(session.notice) < 200
+        looks = session.camera.center, session.camera.scale, session.view_options.tree
+        session.messages.say("nothing")
+        session.files.load(path)
+        assert session.message.startswith(name), name
+        assert len(session.message) < 200
         assert before == (session.engine.simulation, session.engine.simulation.save())
-        assert looks == (session.camera.center, session.camera.scale, session.shown.tree)
-    session.load(tmp_path / "good.jostle")
-    assert session.notice == "Loaded good.jostle"
+        assert looks == (session.camera.center, session.camera.scale, session.view_options.tree)
+    session.files.load(tmp_path / "good.jostle")
+    assert session.message == "Loaded good.jostle"
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, monkeypatch) -> None:
@@ -293,7 +296,7 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, monkey
 
     monkeypatch.setattr(Path, "replace", full)
     with pytest.raises(OSError, match="No space"):
-        write_whole(path, b"new")
+        write_atomic(path, b"new")
     assert path.read_bytes() == b"old"
     assert [*tmp_path.iterdir()] == [path]
 
@@ -321,14 +324,14 @@ def test_a_screenshot_is_the_picture(session: Session, size) -> None:
 def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None:
     session.engine.edit(lambda simulation: simulation.remove([0, 5]))
     for _ in range(60):
-        session.now += 1 / 60
+        session.messages.now += 1 / 60
         session.advance(1 / 60)
     session.files.export_csv()
     wait(session)
     energies, positions = sorted(
         session.files.folder.glob("*.csv"), key=lambda path: -len(path.name)
     )
-    assert session.notice == f"Saved {positions}"
+    assert session.message == f"Saved {positions}"
     with positions.open() as file:
         rows = list(csv.DictReader(file))
     frame = session.frame
@@ -340,13 +343,13 @@ def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None
     np.testing.assert_array_equal(table[:, 5:], np.stack([frame.radii, frame.masses], axis=1))
     with energies.open() as file:
         sums = list(csv.DictReader(file))
-    assert len(sums) == len(session.statistics.sums) > 5
+    assert len(sums) == len(session.runner.statistics.sums) > 5
     assert {"time", "kinetic", "potential", "momentum_x"} <= set(sums[0])
-    assert float(sums[-1]["kinetic"]) == session.statistics.sums["kinetic"][-1]
+    assert float(sums[-1]["kinetic"]) == session.runner.statistics.sums["kinetic"][-1]
 
 
 def test_csv_of_nothing(session: Session) -> None:
-    session.begin(Settings("gas", 0))
+    session.runner.begin(Settings("gas", 0))
     session.files.export_csv()
     wait(session)
     positions = min(session.files.folder.glob("*.csv"), key=lambda path: len(path.name))
@@ -395,8 +398,8 @@ def test_without_gsd_a_notice_says_what_brings_it(session: Session, monkeypatch)
     monkeypatch.setitem(sys.modules, "gsd.hoomd", None)
     session.files.export_gsd()
     wait(session)
-    assert "pip install" in session.notice and "gsd" in session.notice
-    assert exports.GSD_MISSING in session.notice
+    assert "pip install" in session.message and "gsd" in session.message
+    assert exports.GSD_MISSING in session.message
 
 
 def test_an_export_that_fails_becomes_a_notice(session: Session, monkeypatch) -> None:
@@ -406,4 +409,4 @@ def test_an_export_that_fails_becomes_a_notice(session: Session, monkeypatch) ->
     monkeypatch.setattr(files, "write_positions", full)
     session.files.export_csv()
     wait(session)
-    assert "No space left" in session.notice
+    assert "No space left" in session.message

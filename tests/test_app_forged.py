@@ -22,12 +22,12 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.draw.shown import ColourBy, TreeView
 from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.view_options import ColourBy, TreeView
 from jostle.app.session import Session
 from jostle.app.simulate.packing import blob, pack, seal, unpack, unseal
 from jostle.app.simulate.settings import Group, Settings
-from jostle.app.simulate.simulation import Pull, Wants
+from jostle.app.simulate.simulation import Attractor, FrameRequest
 from jostle.app.simulate.start import start
 
 SIZE = (160, 90)
@@ -65,12 +65,12 @@ def saved(settings: Settings, folder: Path) -> bytes:
     for _ in range(3):
         session.engine.step()
     x0, y0, x1, y1 = session.engine.view
-    session.deeds.wall((x0, y0), (x0 + (x1 - x0) / 50, y0))
-    session.pulls.place(((x0 + x1) / 2, (y0 + y1) / 2))
-    session.pulls.let_attract(session.frame.tags[:2], True)
+    session.interaction.commands.wall((x0, y0), (x0 + (x1 - x0) / 50, y0))
+    session.interaction.attractors.place(((x0 + x1) / 2, (y0 + y1) / 2))
+    session.interaction.attractors.set_attracting(session.frame.tags[:2], True)
     session.camera.zoom_at((10, 10), 1.5)
     path = folder / "valid.jostle"
-    session.save(path)
+    session.files.save(path)
     session.close()
     return path.read_bytes()
 
@@ -158,13 +158,13 @@ class Trial:
         session = Session(start(Settings("gas", 3)), SIZE)
         before = session.engine.simulation, session.frame, session.camera.center
         self.path.write_bytes(data)
-        session.load(self.path)
-        if session.notice != "Loaded forged.jostle":
+        session.files.load(self.path)
+        if session.message != "Loaded forged.jostle":
             assert before == (session.engine.simulation, session.frame, session.camera.center)
-            assert session.notice.startswith("forged.jostle")
-            assert "\n" not in session.notice and len(session.notice) < 300, session.notice
+            assert session.message.startswith("forged.jostle")
+            assert "\n" not in session.message and len(session.message) < 300, session.message
             self.refused += 1
-            return session.notice
+            return session.message
         self.loaded += 1
         self.go_on(session)
         return ""
@@ -172,7 +172,7 @@ class Trial:
     def go_on(self, session: Session) -> None:
         """Step, draw with all that can be shown, save and load again."""
         session.settings.time_scale = 1.0
-        shown = session.shown
+        shown = session.view_options
         shown.tree, shown.colour_by = TreeView.FILLED, ColourBy.VELOCITY
         shown.contacts = shown.velocities = shown.trails = shown.labels = True
         for _ in range(3):
@@ -180,10 +180,10 @@ class Trial:
             session.draw(self.painter)
         session.camera.home()
         session.draw(self.painter)
-        session.adjust("world_size", 0.5)
-        session.save(self.again)
-        session.load(self.again)
-        assert session.notice == "Loaded again.jostle", session.notice
+        session.runner.adjust("world_size", 0.5)
+        session.files.save(self.again)
+        session.files.load(self.again)
+        assert session.message == "Loaded again.jostle", session.message
         session.close()
 
 
@@ -237,14 +237,14 @@ def test_a_refusal_names_the_field_and_the_value(
 def test_a_step_of_the_article_that_goes_too_far_is_not_made() -> None:
     """Its rules have no limit of speed; numbers without one end as infinite and as NaN."""
     simulation = start(Settings("article", 8, method="article-quadtree"))
-    simulation.attract((Pull(1e6, (100.0, 100.0)),))
+    simulation.attract((Attractor(1e6, (100.0, 100.0)),))
     with pytest.raises(ValueError, match=r"^Particle \d would be at .*; the step was not made\.$"):
         for _ in range(1_000):
             before = simulation.save()
             simulation.step()
     assert simulation.save() == before
     simulation.load(before)  # what is saved can be loaded
-    assert np.isfinite(simulation.frame(Wants(energies=True)).energies.kinetic)
+    assert np.isfinite(simulation.frame(FrameRequest(energies=True)).energies.kinetic)
 
 
 def try_all(folder: Path, seconds: Callable[[], float]) -> None:

@@ -14,8 +14,8 @@ from imgui_bundle import imgui  # noqa: E402
 
 from jostle.app.draw import palette  # noqa: E402
 from jostle.app.draw.painter import Painter  # noqa: E402
-from jostle.app.draw.renderers import NoRendererError, Screen  # noqa: E402
-from jostle.app.gui.host import Gui, available  # noqa: E402
+from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
+from jostle.app.gui.host import Gui  # noqa: E402
 from jostle.app.gui.shapes import coverage, outlines_of  # noqa: E402
 
 SIZE = (400, 300)
@@ -79,10 +79,6 @@ def panel(request: pytest.FixtureRequest) -> Iterator[Panel]:
     yield panel
     panel.gui.close()
     screen.close()
-
-
-def test_gui_is_available_where_its_package_is() -> None:
-    assert available()
 
 
 def test_a_button_is_clicked(panel: Panel) -> None:
@@ -149,13 +145,13 @@ def test_escape_closes_a_menu_and_nothing_else(panel: Panel) -> None:
     panel.more = menu
     for _ in range(3):
         panel.frame()
-    assert panel.gui.asks
+    assert panel.gui.modal
     assert panel.gui.covers((390, 290))
     escape = {"key": pygame.K_ESCAPE, "mod": 0, "unicode": ""}
     assert panel.post(pygame.KEYDOWN, **escape)
     panel.post(pygame.KEYUP, **escape)
     panel.frame()
-    assert not panel.gui.asks
+    assert not panel.gui.modal
     assert not panel.post(pygame.KEYDOWN, **escape)
 
 

@@ -12,12 +12,12 @@ pygame = pytest.importorskip("pygame")
 imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
 rich_console = pytest.importorskip("rich.console")
 
-from jostle.app import report  # noqa: E402
+from jostle.app import film_report  # noqa: E402
 from jostle.app.draw.palette import GROUND  # noqa: E402
 from jostle.app.headless import default_steps, make_film  # noqa: E402
-from jostle.app.keep.recorder import Recorder  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
+from jostle.app.storage.video_writer import VideoWriter  # noqa: E402
 
 SIZE = (640, 360)
 
@@ -78,7 +78,7 @@ def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
     canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
     with (
         pytest.raises(KeyboardInterrupt),
-        Recorder(tmp_path / "film.mp4", SIZE) as recorder,
+        VideoWriter(tmp_path / "film.mp4", SIZE) as recorder,
     ):
         for _ in range(3):
             recorder.add(canvas)
@@ -87,7 +87,7 @@ def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
 
 
 def test_a_film_that_is_interrupted_before_its_first_frame_leaves_no_file(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), Recorder(tmp_path / "film.mp4", SIZE):
+    with pytest.raises(KeyboardInterrupt), VideoWriter(tmp_path / "film.mp4", SIZE):
         raise KeyboardInterrupt
     assert not list(tmp_path.iterdir())
 
@@ -96,7 +96,7 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
     simulation = start(settings)
     film = make_film(simulation, 2, tmp_path, console, SIZE)
     console.file = io.StringIO()
-    console.print(report.report(simulation, film, settings))
+    console.print(film_report.film_report(simulation, film, settings))
     return console.file.getvalue()
 
 
@@ -104,17 +104,17 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
 def test_table_sets_the_methods_side_by_side(
     tmp_path: Path, console, monkeypatch, method: str
 ) -> None:
-    monkeypatch.setattr(report, "PATIENCE", 0.01)
+    monkeypatch.setattr(film_report, "PATIENCE", 0.01)
     table = table_of(Settings("article", 50, method=method), tmp_path, console)
-    for words in ("particles", "50", "steps a second", "1,225", "touching", "quadtree",
+    for words in ("particles", "50", "steps/s", "1,225", "touching", "quadtree",
                   "brute force", "article's tree", "×"):  # fmt: skip
         assert words in table
 
 
 def test_table_of_nothing_races_nobody(tmp_path: Path, console, monkeypatch) -> None:
-    monkeypatch.setattr(report, "PATIENCE", 0.01)
+    monkeypatch.setattr(film_report, "PATIENCE", 0.01)
     table = table_of(Settings("gas", 0), tmp_path, console)
-    assert "nothing to race" in table and "×" not in table
+    assert "nothing to compare" in table and "×" not in table
 
 
 def test_table_says_when_a_method_was_not_timed_in_full(
@@ -123,6 +123,6 @@ def test_table_says_when_a_method_was_not_timed_in_full(
     for name, value in [
         ("PATIENCE", 0.01), ("BRUTE_LIMIT", 20), ("BRUTE_SAMPLE", 10), ("ARTICLE_LIMIT", 15),
     ]:  # fmt: skip
-        monkeypatch.setattr(report, name, value)
+        monkeypatch.setattr(film_report, name, value)
     table = table_of(Settings("gas", 50), tmp_path, console)
     assert "scaled from 10" in table and "with only 15 particles" in table

@@ -16,16 +16,21 @@ from app_overlays import (  # noqa: E402
 )
 
 import jostle  # noqa: E402
-from jostle.app.draw import chains, labels, marks, trails  # noqa: E402
-from jostle.app.draw.choosing import few  # noqa: E402
-from jostle.app.draw.overlays import draw_heat, draw_outline  # noqa: E402
-from jostle.app.draw.palette import FIXED, HEAT, PULL, STAGE  # noqa: E402
+from jostle.app.draw import (  # noqa: E402
+    force_chains,
+    labels,
+    marks,
+    trails,
+)
+from jostle.app.draw.base_layers import WallDiscs, draw_discs  # noqa: E402
+from jostle.app.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE  # noqa: E402
 from jostle.app.draw.picture import Picture  # noqa: E402
-from jostle.app.draw.shown import ColourBy, Shown  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
-from jostle.app.draw.stage import Beads, draw_discs  # noqa: E402
+from jostle.app.draw.subsampling import subset  # noqa: E402
 from jostle.app.draw.trails import Trails  # noqa: E402
-from jostle.app.simulate.simulation import Pull, TreeBoxes  # noqa: E402
+from jostle.app.draw.tree_overlay import draw_heat, draw_outline  # noqa: E402
+from jostle.app.draw.view_options import ColourBy, ViewOptions  # noqa: E402
+from jostle.app.simulate.simulation import Attractor, TreeBoxes  # noqa: E402
 
 
 def tree_of(boxes, levels, counts, leaves) -> TreeBoxes:
@@ -81,7 +86,7 @@ def test_a_translucent_edge_lets_the_disc_below_show_through() -> None:
 
 def test_a_contact_is_a_bar_along_the_normal_where_they_touch() -> None:
     notes = Notes()
-    frame = frame_of([(100, 100), (120, 100)], 10.0, touching=touching_of((0, 1), (1, 0), [0.0]))
+    frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching_of((0, 1), (1, 0), [0.0]))
     assert marks.draw_contacts(notes, frame, camera_of_pixels()) is None
     ((x0, y0, x1, y1),) = notes.lines_drawn()
     assert (x0 + x1) / 2 == pytest.approx(110) and y0 == y1 == pytest.approx(100)
@@ -91,7 +96,7 @@ def test_a_contact_is_a_bar_along_the_normal_where_they_touch() -> None:
 def test_deeper_contacts_are_warmer() -> None:
     notes = Notes()
     pairs = touching_of([(0, 1), (0, 2)], [(1, 0), (0, 1)], [0.0, 4.0])
-    frame = frame_of([(100, 100), (120, 100), (100, 116)], 10.0, touching=pairs)
+    frame = frame_of([(100, 100), (120, 100), (100, 116)], 10.0, contacts=pairs)
     marks.draw_contacts(notes, frame, camera_of_pixels())
     calm, deep = notes.colours_drawn()[:, :3].astype(int)
     assert deep[2] < calm[2] and deep[0] >= calm[0] - 10
@@ -102,7 +107,7 @@ def test_too_many_contacts_are_drawn_in_part_and_it_is_said() -> None:
     rng = np.random.default_rng(0)
     frame = frame_of(
         rng.uniform(10, 230, (many + 1, 2)),
-        touching=touching_of(
+        contacts=touching_of(
             np.column_stack([np.arange(many), np.arange(1, many + 1)]),
             np.tile((1.0, 0.0), (many, 1)),
             np.zeros(many),
@@ -118,9 +123,9 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
     pairs = touching_of(
         [(0, 1), (1, 2)], [(1, 0), (1, 0)], [0.0, 0.0], [9.0, 1.0], walls=[(2, (-1, 0), 3.0)]
     )
-    frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, touching=pairs)
+    frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, contacts=pairs)
     notes = Notes()
-    assert chains.draw_chains(notes, frame, camera_of_pixels()) is None
+    assert force_chains.draw_force_chains(notes, frame, camera_of_pixels()) is None
     lines = [(*v[0][k], v[2]) for name, v, _ in notes.strokes if name == "lines"
              for k in range(len(v[0]))]  # fmt: skip
     np.testing.assert_allclose(
@@ -135,18 +140,18 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
 
 def test_contacts_without_impulses_are_no_force_chains() -> None:
     for touching in (touching_of([], [], []), touching_of((0, 1), (1, 0), [0.0], [0.0]), None):
-        frame = frame_of([(100, 100), (120, 100)], 10.0, touching=touching)
+        frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching)
         notes = Notes()
-        assert chains.draw_chains(notes, frame, camera_of_pixels()) is None
+        assert force_chains.draw_force_chains(notes, frame, camera_of_pixels()) is None
         assert len(notes.lines_drawn()) == 0
 
 
 def test_the_smallest_of_too_many_forces_are_left_out() -> None:
-    many = chains.MOST_LINES + 500
+    many = force_chains.MOST_LINES + 500
     rng = np.random.default_rng(0)
     frame = frame_of(
         rng.uniform(10, 230, (many + 1, 2)),
-        touching=touching_of(
+        contacts=touching_of(
             np.column_stack([np.arange(many), np.arange(1, many + 1)]),
             np.tile((1.0, 0.0), (many, 1)),
             np.zeros(many),
@@ -154,16 +159,16 @@ def test_the_smallest_of_too_many_forces_are_left_out() -> None:
         ),
     )
     notes = Notes()
-    said = chains.draw_chains(notes, frame, camera_of_pixels())
-    assert len(notes.lines_drawn()) == chains.MOST_LINES
-    assert said is not None and f"{chains.MOST_LINES:,} largest of" in said
+    said = force_chains.draw_force_chains(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == force_chains.MOST_LINES
+    assert said is not None and f"{force_chains.MOST_LINES:,} largest of" in said
 
 
 def test_sensors_are_rings_and_no_walls() -> None:
     places = [(60 + 10 * k, 60) for k in range(5)]
     frame = frame_of(places, 10.0, movable=[False] * 5, sensors=np.array([1, 1, 2, 1, 1], np.int8))
     notes = Notes()
-    Beads().draw(notes, frame, camera_of_pixels())
+    WallDiscs().draw(notes, frame, camera_of_pixels())
     assert len(notes.lines_drawn()) == 0
     draw_discs(notes, frame, np.zeros(5, np.uint8), camera_of_pixels())
     rings = [values for name, values, _ in notes.strokes if name == "circle"]
@@ -207,10 +212,10 @@ def test_many_velocities_are_shown_sparsely_and_always_for_the_same_particles() 
 
 def test_the_few_stay_the_same_when_others_go() -> None:
     tags = np.arange(10_000)
-    chosen = set(few(tags, 100).tolist())
+    chosen = set(subset(tags, 100).tolist())
     left = np.delete(tags, [k for k in range(0, 10_000, 2) if k not in chosen])
-    assert {int(left[k]) for k in few(left, 100)} == chosen
-    assert len(few(np.arange(5), 100)) == 5
+    assert {int(left[k]) for k in subset(left, 100)} == chosen
+    assert len(subset(np.arange(5), 100)) == 5
 
 
 # ---- springs, attractors, walls ------------------------------------------------------------------
@@ -230,10 +235,10 @@ def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
 def test_attractors_are_rings_around_a_point_or_a_particle_that_is_there() -> None:
     painter = SoftwarePainter(SIZE)
     painter.fill(STAGE)
-    pulls = (Pull(1.0, (60, 60)), Pull(1.0, tag=1), Pull(1.0, tag=99))
-    frame = frame_of([(200, 100), (250, 150)], 10.0, attractors=pulls)
+    attractors = (Attractor(1.0, (60, 60)), Attractor(1.0, tag=1), Attractor(1.0, tag=99))
+    frame = frame_of([(200, 100), (250, 150)], 10.0, attractors=attractors)
     marks.draw_attractors(painter, frame, camera_of_pixels())
-    assert painter.canvas().get_at((60, 60))[:3] == pytest.approx(PULL, abs=30)
+    assert painter.canvas().get_at((60, 60))[:3] == pytest.approx(ATTRACTOR, abs=30)
     lit = (pixels(painter) != np.array(STAGE)).any(axis=2)
     assert lit[40:80, 40:80].any() and lit[220:280, 120:180].any()
     lit[30:90, 30:90] = lit[210:290, 110:190] = False
@@ -244,7 +249,7 @@ def test_immovable_discs_in_a_row_are_one_wall_and_apart_they_are_not() -> None:
     painter = SoftwarePainter(SIZE)
     places = [(100 + 8 * k, 100) for k in range(6)] + [(100, 200), (130, 200)]
     frame = frame_of(places, 4.0, movable=False)
-    Picture().draw(painter, frame, camera_of_pixels(), Shown())
+    Picture().draw(painter, frame, camera_of_pixels(), ViewOptions())
     canvas = painter.canvas()
     between = [canvas.get_at((x, 103))[:3] for x in (104, 112, 128)]  # a notch of the string
     assert all(colour == pytest.approx(FIXED, abs=12) for colour in between)
@@ -252,7 +257,7 @@ def test_immovable_discs_in_a_row_are_one_wall_and_apart_they_are_not() -> None:
 
 
 def test_walls_are_asked_for_again_when_they_have_moved() -> None:
-    beads, camera = Beads(), camera_of_pixels()
+    beads, camera = WallDiscs(), camera_of_pixels()
     near = frame_of([(100, 100), (108, 100)], 4.0, movable=False)
     apart = frame_of([(100, 100), (150, 100)], 4.0, movable=False)
     for frame, count in [(near, 1), (apart, 0), (near, 1)]:
@@ -338,14 +343,14 @@ def test_labels_stand_on_discs_that_are_large_enough() -> None:
 def test_labels_say_when_they_are_too_small_or_too_many() -> None:
     notes = Notes()
     small = frame_of([(60, 60)], 1.0)
-    assert labels.draw_labels(notes, small, camera_of_pixels()) == "labels: zoom in to read them"
+    assert labels.draw_labels(notes, small, camera_of_pixels()) == "labels: zoom in to see them"
     many = frame_of(np.random.default_rng(3).uniform(10, 230, (300, 2)), 8.0)
     assert labels.draw_labels(notes, many, camera_of_pixels()) == "labels: 200 of 300 shown"
     assert len(notes.sheets_drawn()) == labels.MOST
 
 
 def test_every_overlay_at_once_on_nothing_and_on_one_particle() -> None:
-    shown = Shown(contacts=True, velocities=True, trails=True, labels=True)
+    shown = ViewOptions(contacts=True, velocities=True, trails=True, labels=True)
     for places in ([], [(100, 100)]):
         painter, picture = SoftwarePainter((800, 600)), Picture()
         for colour_by in ColourBy:
@@ -357,7 +362,7 @@ def test_every_overlay_at_once_on_nothing_and_on_one_particle() -> None:
 def test_a_part_of_the_canvas_is_drawn_and_the_rest_is_left() -> None:
     painter = SoftwarePainter(SIZE)
     Picture().draw(
-        painter, frame_of([(80, 120), (240, 120)], 20.0), camera_of_pixels(), Shown(),
+        painter, frame_of([(80, 120), (240, 120)], 20.0), camera_of_pixels(), ViewOptions(),
         pygame.Rect(0, 0, 160, 240),
     )  # fmt: skip
     picture = pixels(painter)

@@ -10,9 +10,9 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
+from jostle.app.draw.base_layers import draw_container, draw_discs  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
 from jostle.app.draw.colouring import Colouring  # noqa: E402
-from jostle.app.draw.overlays import STRONGEST, draw_filled, draw_outline  # noqa: E402
 from jostle.app.draw.painter import Painter  # noqa: E402
 from jostle.app.draw.palette import (  # noqa: E402
     DISCS,
@@ -23,9 +23,9 @@ from jostle.app.draw.palette import (  # noqa: E402
     blend,
     level_colour,
 )
-from jostle.app.draw.renderers import NoRendererError, Screen  # noqa: E402
+from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
-from jostle.app.draw.stage import draw_discs, draw_stage  # noqa: E402
+from jostle.app.draw.tree_overlay import STRONGEST, draw_filled, draw_outline  # noqa: E402
 from jostle.app.simulate.simulation import Frame, TreeBoxes  # noqa: E402
 
 SIZE = (320, 240)
@@ -65,7 +65,7 @@ def camera_of_pixels() -> Camera:
 
 def draw(painter: Painter, frame: Frame, camera: Camera | None = None, shade: int = 20):
     camera = camera or camera_of_pixels()
-    draw_stage(painter, None, camera)
+    draw_container(painter, None, camera)
     draw_discs(painter, frame, np.full(len(frame), shade, np.uint8), camera)
     return pygame.surfarray.array3d(painter.canvas()).astype(float)
 
@@ -172,7 +172,7 @@ def test_drawing_leaves_the_frame_alone(painter) -> None:
     ],
 )
 def test_walls_are_outlined(painter, container, edge, outside) -> None:
-    draw_stage(painter, container, camera_of_pixels())
+    draw_container(painter, container, camera_of_pixels())
     canvas = painter.canvas()
     assert canvas.get_at(edge)[:3] == pytest.approx(WALL, abs=24)
     assert canvas.get_at((160, 120))[:3] == STAGE

@@ -12,8 +12,8 @@ pytest.importorskip("imgui_bundle")
 
 import jostle  # noqa: E402
 from jostle.app import panels  # noqa: E402
-from jostle.app.draw.shown import ColourBy, TreeView  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.view_options import ColourBy, TreeView  # noqa: E402
 from jostle.app.gui.host import Gui  # noqa: E402
 from jostle.app.panels.sliders import Range  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
@@ -34,7 +34,7 @@ class Desk:
         self.gui = Gui(self.painter)
         self.taken: list[bool] = []
         drawing = self.gui._drawing
-        self._draw, drawing.draw = drawing.draw, drawing._take_letters
+        self._draw, drawing.draw = drawing.draw, drawing._update_font_atlas
         self.frame(3)
 
     def paint(self) -> None:
@@ -44,7 +44,7 @@ class Desk:
 
     def frame(self, count: int = 1) -> None:
         for _ in range(count):
-            self.session.now += FRAME
+            self.session.messages.now += FRAME
             self.session.advance(FRAME)
             self.gui.begin(FRAME, self.painter.size)
             panels.build(self.session, self.gui)
@@ -119,8 +119,8 @@ def test_gravity_follows_the_slider_while_it_is_held(desk) -> None:
 
 def test_gravity_can_point_anywhere(desk) -> None:
     here = desk("pile")
-    here.press("\u2013 to the right", 0.1)
-    here.let_go("\u2013 to the right", 0.1)
+    here.press("\u2013 x", 0.1)
+    here.let_go("\u2013 x", 0.1)
     x, y = here.world.gravity
     assert x < -1000 and y == 900.0
     here.press("gravity", 0.5)
@@ -197,8 +197,8 @@ def test_a_number_can_be_typed(desk) -> None:
 
 def test_time_scale_and_threads_reach_the_settings(desk) -> None:
     here = desk()
-    here.press("time scale", 0.2)
-    here.let_go("time scale", 0.2)
+    here.press("speed", 0.2)
+    here.let_go("speed", 0.2)
     assert here.session.settings.time_scale < 0.5
     here.press("threads", 0.0)
     here.let_go("threads", 0.0)
@@ -230,14 +230,14 @@ def test_a_click_on_a_scene_begins_it(desk) -> None:
 def test_the_buttons_do_what_the_keys_do(desk) -> None:
     here = desk()
     here.click("pause")
-    assert here.session.paused
+    assert here.session.runner.paused
     steps = here.session.engine.steps
     here.click("step")
-    assert here.session.engine.steps == steps + 1 and here.session.paused
+    assert here.session.engine.steps == steps + 1 and here.session.runner.paused
     here.click("restart")
-    assert here.session.frame.facts.time == 0.0
+    assert here.session.frame.stats.time == 0.0
     here.click("pause")
-    assert not here.session.paused
+    assert not here.session.runner.paused
 
 
 def test_previous_and_next_scene_undo_each_other(desk) -> None:
@@ -251,7 +251,7 @@ def test_previous_and_next_scene_undo_each_other(desk) -> None:
 
 def test_method_and_rules_change_under_the_same_particles(desk) -> None:
     here = desk("orbit")
-    here.session.paused = True
+    here.session.runner.paused = True
     here.click("brute")
     assert here.world.method == "brute"
     before = here.session.frame.positions - np.array(here.session.engine.view[:2])
@@ -273,24 +273,26 @@ def test_what_would_take_too_long_cannot_be_clicked(desk) -> None:
 
 def test_a_rival_runs_beside_the_scene(desk) -> None:
     here = desk()
-    here.click("race")
-    here.click("race: brute")
-    assert here.session.race is not None and here.session.race.method == "brute"
-    here.click("race")
-    here.click("race: article-brute")
-    assert here.session.race is not None and here.session.race.method == "article-brute"
-    here.click("race")
-    here.click("race: ")
-    assert here.session.race is None
+    here.click("compare with")
+    here.click("compare with: brute")
+    assert here.session.runner.race is not None and here.session.runner.race.method == "brute"
+    here.click("compare with")
+    here.click("compare with: article-brute")
+    assert (
+        here.session.runner.race is not None and here.session.runner.race.method == "article-brute"
+    )
+    here.click("compare with")
+    here.click("compare with: ")
+    assert here.session.runner.race is None
 
 
 def test_a_step_can_be_taken_back(desk) -> None:
     here = desk()
     here.click("pause")
     here.click("step")
-    after = here.session.frame.facts.time
+    after = here.session.frame.stats.time
     here.click("step back")
-    assert here.session.frame.facts.time < after
+    assert here.session.frame.stats.time < after
 
 
 def test_more_particles_come_into_the_scene_where_there_is_room(desk) -> None:
@@ -300,16 +302,16 @@ def test_more_particles_come_into_the_scene_where_there_is_room(desk) -> None:
     here.click("particles number")
     here.type("12")
     assert len(here.session.frame) == 12
-    assert here.session.frame.facts.time > first.facts.time, "it goes on"
+    assert here.session.frame.stats.time > first.stats.time, "it goes on"
 
 
 def test_sleeping_can_be_turned_off(desk) -> None:
     here = desk("pile", 10)
-    assert here.session.engine.rules.sleeping
+    assert here.session.engine.effective_settings.sleeping
     here.click("sleeping")
     here.click("sleeping: off")
     here.frame(2)
-    assert here.session.engine.rules.sleeping is False
+    assert here.session.engine.effective_settings.sleeping is False
 
 
 # ---- looks and statistics ------------------------------------------------------------------------
@@ -318,39 +320,39 @@ def test_sleeping_can_be_turned_off(desk) -> None:
 @pytest.mark.parametrize("switch", ["contacts", "forces", "velocities", "trails", "labels"])
 def test_each_switch_of_what_is_shown(desk, switch) -> None:
     here = desk()
-    assert not getattr(here.session.shown, switch)
+    assert not getattr(here.session.view_options, switch)
     here.click(switch)
-    assert getattr(here.session.shown, switch)
+    assert getattr(here.session.view_options, switch)
     here.click(switch)
-    assert not getattr(here.session.shown, switch)
+    assert not getattr(here.session.view_options, switch)
 
 
 def test_lists_to_choose_from(desk) -> None:
     here = desk()
     here.click("tree")
     here.click(f"tree: {TreeView.HEAT.value}")
-    assert here.session.shown.tree is TreeView.HEAT
+    assert here.session.view_options.tree is TreeView.HEAT
     here.click("colour by")
     here.click(f"colour by: {ColourBy.MASS.value}")
-    assert here.session.shown.colour_by is ColourBy.MASS
+    assert here.session.view_options.colour_by is ColourBy.MASS
 
 
 def test_drift_can_be_measured_from_now_on(desk) -> None:
     here = desk("pile")
     here.frame(40)
-    statistics = here.session.statistics
-    first = statistics.beginning
+    statistics = here.session.runner.statistics
+    first = statistics.reference
     here.click("measure drift")
-    assert statistics.beginning is not first and statistics.beginning is not None
+    assert statistics.reference is not first and statistics.reference is not None
 
 
 @pytest.mark.parametrize(
-    ("scene", "words"), [("emitters", "particles come and go"), ("gas", "+0.00 % in 1 s")]
+    ("scene", "words"), [("emitters", "particles are added and removed"), ("gas", "+0.00 % in 1 s")]
 )
 def test_drift_says_how_long_it_was_measured_or_why_not(desk, scene: str, words: str) -> None:
     here = desk(scene)
     here.frame(60)
-    assert panels.figures._drift(here.session, "+0.00 %") == words
+    assert panels.statistics_panel._drift(here.session, "+0.00 %") == words
 
 
 def test_statistics_fold_and_the_camera_takes_their_room(desk) -> None:
@@ -358,7 +360,7 @@ def test_statistics_fold_and_the_camera_takes_their_room(desk) -> None:
     small = here.session.camera.scale
     right = here.session.camera.right
     here.click("statistics")
-    assert not here.session.shown.statistics
+    assert not here.session.view_options.statistics
     assert here.session.camera.right == 0 < right
     assert here.session.camera.scale >= small
     here.click("statistics")
@@ -427,7 +429,7 @@ def test_all_sizes_of_scenes_are_shown(desk, settings) -> None:
 
 def test_a_still_session_has_still_panels(desk) -> None:
     here = desk()
-    here.session.paused = True
+    here.session.runner.paused = True
     here.paint()
     here.frame(40)
     first = pygame.surfarray.array3d(here.painter.canvas())[:290]
@@ -441,13 +443,13 @@ def test_a_still_session_has_still_panels(desk) -> None:
 def test_the_slider_goes_through_the_last_half_minute(desk) -> None:
     desk = desk("gas", 100, (1600, 1600))
     desk.frame(60)
-    time = desk.session.frame.facts.time
+    time = desk.session.frame.stats.time
     desk.press("moment", 0.3, 0.5)
     desk.let_go("moment", 0.5)
-    assert desk.session.paused
-    assert desk.session.frame.facts.time == pytest.approx(time / 2, abs=0.15)
+    assert desk.session.runner.paused
+    assert desk.session.frame.stats.time == pytest.approx(time / 2, abs=0.15)
     desk.click("step back")
-    assert desk.session.history.back > 0
+    assert desk.session.runner.history.back > 0
 
 
 def test_files_are_saved_loaded_recorded_and_exported(desk, tmp_path) -> None:
@@ -480,9 +482,9 @@ def test_files_are_saved_loaded_recorded_and_exported(desk, tmp_path) -> None:
 def test_two_selected_particles_are_asked_about(desk) -> None:
     desk = desk("gas", 30, (1600, 1600))
     desk.click("why")
-    assert desk.session.why is None
-    desk.session.selection.take([3, 4])
+    assert desk.session.explanation is None
+    desk.session.interaction.selection.take([3, 4])
     desk.click("why")
-    assert desk.session.why is not None
+    assert desk.session.explanation is not None
     desk.click("why")
-    assert desk.session.why is None
+    assert desk.session.explanation is None

@@ -17,7 +17,7 @@ from jostle.app.measure.traces import Traces
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Energies, Facts, Frame
+from jostle.app.simulate.simulation import Energies, Frame, StepStats
 from jostle.app.simulate.start import start
 from jostle.app.simulate.world_simulation import WorldSimulation
 
@@ -37,7 +37,9 @@ def state(
         movable=ones > 0,
         tags=np.arange(2),
         born=np.zeros(2),
-        facts=Facts(time=time, pairs_tested=7, touching=3, stage_times={"build": 2.0, "pairs": 3}),
+        stats=StepStats(
+            time=time, pairs_tested=7, touching=3, stage_times={"build": 2.0, "pairs": 3}
+        ),
         energies=Energies(kinetic, potential, momentum),
     )
 
@@ -45,7 +47,7 @@ def state(
 def seen(*states: Frame) -> Statistics:
     statistics = Statistics()
     for k, frame in enumerate(states):
-        statistics.follow(frame, k * EVERY, EVERY, at_work=True)
+        statistics.follow(frame, k * EVERY, EVERY, running=True)
     return statistics
 
 
@@ -127,8 +129,8 @@ def test_time_that_is_turned_back_takes_its_rows_along() -> None:
 
 def test_drift_can_be_measured_from_now_on() -> None:
     statistics = seen(state(0, 50.0), state(0.1, 75.0))
-    statistics.begin_again()
-    statistics.follow(state(0.2, 75.0), 1.0, FRAME, at_work=True)
+    statistics.reset_reference()
+    statistics.follow(state(0.2, 75.0), 1.0, FRAME, running=True)
     assert statistics.energy_drift == 0.0
 
 
@@ -142,7 +144,7 @@ def test_drift_begins_anew_when_particles_come_or_go() -> None:
     assert statistics.changing and statistics.energy_drift == 0.0
     assert statistics.sums["total"].tolist() == [-50, -50, 80], "the sums themselves go on"
     for time in (1.0, 1.3):
-        statistics.follow(with_tags(state(time, 99.0, -10.0), 0, 2), time, EVERY, at_work=True)
+        statistics.follow(with_tags(state(time, 99.0, -10.0), 0, 2), time, EVERY, running=True)
         assert statistics.changing == (time - 0.2 < 1)
     assert statistics.energy_drift == pytest.approx(0.1)
     assert statistics.measured == pytest.approx(1.1)
@@ -150,16 +152,16 @@ def test_drift_begins_anew_when_particles_come_or_go() -> None:
 
 def test_going_back_before_the_beginning_of_drift_begins_anew() -> None:
     statistics = seen(*(state(k / 10, 10.0) for k in range(5)))
-    statistics.begin_again()
-    statistics.follow(state(0.5, 20.0), 1.0, FRAME, at_work=True)
-    statistics.follow(state(0.2, 10.0), 1.1, FRAME, at_work=True)
-    assert statistics.beginning.time == statistics.origin.time == pytest.approx(0.2)
+    statistics.reset_reference()
+    statistics.follow(state(0.5, 20.0), 1.0, FRAME, running=True)
+    statistics.follow(state(0.2, 10.0), 1.1, FRAME, running=True)
+    assert statistics.reference.time == statistics.origin.time == pytest.approx(0.2)
     assert statistics.energy_drift == 0.0
 
 
 def test_a_run_is_remembered_since_drift_began() -> None:
     statistics = seen(state(0.0, 10.0), with_tags(state(0.1, 40.0), 0, 2))
-    statistics.follow(with_tags(state(0.2, 20.0), 0, 2), 1.0, FRAME, at_work=True)
+    statistics.follow(with_tags(state(0.2, 20.0), 0, 2), 1.0, FRAME, running=True)
     statistics.remember("it")
     times, drift = statistics.runs["it"]
     assert times.tolist() == pytest.approx([0, 0.1]) and drift.tolist() == [0.0, -50.0]
@@ -171,8 +173,8 @@ def test_a_run_is_remembered_since_drift_began() -> None:
 def test_times_have_a_row_a_frame() -> None:
     statistics = Statistics()
     statistics.measure(draw=4.0, panels=1.0)
-    statistics.follow(state(0, 1.0), 0.5, 0.016, at_work=True)
-    statistics.follow(state(0, 1.0), 0.6, 0.1, at_work=False)
+    statistics.follow(state(0, 1.0), 0.5, 0.016, running=True)
+    statistics.follow(state(0, 1.0), 0.6, 0.1, running=False)
     assert statistics.stages == ("build", "pairs", "draw", "panels")
     assert statistics.times["frame"].tolist() == pytest.approx([16.0, 100.0])
     assert statistics.times.table[2:].T.tolist() == [[2, 3, 4, 1], [0, 0, 4, 1]]
@@ -181,9 +183,9 @@ def test_times_have_a_row_a_frame() -> None:
 def test_sums_are_asked_for_ten_times_a_second_at_most() -> None:
     session, asked = Session(start(Settings("gas", 100)), (640, 360)), 0
     for _ in range(60):
-        session.now += FRAME
+        session.messages.now += FRAME
         session.advance(FRAME)
-        asked += session.engine.wants.energies
+        asked += session.engine.request.energies
     assert 5 <= asked <= 11
     session.close()
 
@@ -194,40 +196,40 @@ def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
     looks = []
     monkeypatch.setattr(session.engine, "look", lambda: looks.append(1))
     for k in range(5):
-        session.adjust("gravity", (0.0, 10.0 * k))
+        session.runner.adjust("gravity", (0.0, 10.0 * k))
         run(session, FRAME)
     assert not looks
-    assert session.statistics.beginning is not None
+    assert session.runner.statistics.reference is not None
     session.close()
 
 
 def test_drift_begins_again_also_in_a_pause() -> None:
     session = Session(start(Settings("pile", 100)), (640, 360))
     run(session, 0.5)
-    session.paused = True
-    assert session.statistics.energy_drift != 0
-    session.statistics.begin_again()
+    session.runner.paused = True
+    assert session.runner.statistics.energy_drift != 0
+    session.runner.statistics.reset_reference()
     run(session, FRAME)
-    assert session.statistics.energy_drift == 0
+    assert session.runner.statistics.energy_drift == 0
     session.close()
 
 
 def test_slow_steps_are_summed_up_less_often() -> None:
     statistics = Statistics()
-    statistics.follow(state(0, 1.0), 0.0, 0.3, at_work=True, step_seconds=0.3)
-    assert not statistics.wants_energies(0.8)
-    assert statistics.wants_energies(0.95)
+    statistics.follow(state(0, 1.0), 0.0, 0.3, running=True, step_seconds=0.3)
+    assert not statistics.energies_due(0.8)
+    assert statistics.energies_due(0.95)
 
 
 def test_lines_are_renewed_by_turns_a_part_a_frame() -> None:
     session = Session(start(Settings("gas", 100)), (640, 360))
     traces, renewed = session.traces, []
     for k in range(120):
-        before = [traces.frames.copy(), traces.facts, traces.energies, traces.momenta]
-        session.now += FRAME
+        before = [traces.frames.copy(), traces.stats, traces.energies, traces.momenta]
+        session.messages.now += FRAME
         session.advance(FRAME)
-        traces.refresh(session.frame, session.now)
-        after = [traces.frames, traces.facts, traces.energies, traces.momenta]
+        traces.refresh(session.frame, session.messages.now)
+        after = [traces.frames, traces.stats, traces.energies, traces.momenta]
         changed = [not np.array_equal(old, new) for old, new in zip(before, after, strict=True)]
         if k > 0:
             renewed.append(changed)
@@ -242,7 +244,7 @@ def test_the_stack_of_times_adds_up() -> None:
     traces = Traces(statistics)
     statistics.measure(draw=4.0, panels=1.0)
     for k in range(60):
-        statistics.follow(state(k / 60, 1.0), k / 60, 0.016, at_work=True)
+        statistics.follow(state(k / 60, 1.0), k / 60, 0.016, running=True)
     traces.refresh(state(1.0, 1.0), 59 / 60)
     assert traces.stacked[:, -1].tolist() == pytest.approx([0, 2, 5, 9, 10])
     assert (np.diff(traces.stacked, axis=0) >= 0).all()
@@ -255,12 +257,12 @@ def test_one_hitch_does_not_set_the_scale_of_times() -> None:
     traces = Traces(statistics)
     for k in range(300):
         elapsed = 0.4 if k == 200 else 0.016
-        statistics.follow(state(k / 60, 1.0), k / 60, elapsed, at_work=True)
+        statistics.follow(state(k / 60, 1.0), k / 60, elapsed, running=True)
     traces.refresh(state(5.0, 1.0), 299 / 60)
     assert traces.frames.max() > 90.0 and traces.top == 20.0
     slow = Statistics()
     for k in range(12):
-        slow.follow(state(k / 3, 1.0), k / 3, 0.4, at_work=True)
+        slow.follow(state(k / 3, 1.0), k / 3, 0.4, running=True)
     traces = Traces(slow)
     traces.refresh(state(4.0, 1.0), 11 / 3)
     assert traces.top == 500.0, "where all are slow, the scale says so"
@@ -271,10 +273,10 @@ def test_lines_of_energy_begin_where_the_rules_changed() -> None:
     traces = Traces(statistics)
     traces.refresh(state(0.1, 5.0), 0.1)
     assert traces.energies[:, -1].tolist() == [0.1, 5.0, 5.0, 0.0]
-    statistics.begin_again()
+    statistics.reset_reference()
     traces.refresh(state(0.1, 5.0), 5.0)
     assert traces.energies.shape == (4, 2), "the old lines stay until there is a new sum"
-    statistics.follow(state(0.2, 5.0, 7000.0), 5.1, FRAME, at_work=True)
+    statistics.follow(state(0.2, 5.0, 7000.0), 5.1, FRAME, running=True)
     for now in (5.2, 5.4, 5.6, 5.8, 6.0):
         traces.refresh(state(0.2, 5.0), now)
     assert traces.energies.T.tolist() == [[0.2, 5.0, 5.0, 0.0]]
@@ -287,14 +289,14 @@ def test_lines_of_energy_begin_where_the_rules_changed() -> None:
 def run(session: Session, seconds: float) -> None:
     session.engine.short = math.inf  # no step is made in a thread, which may be slow
     for _ in range(round(seconds / FRAME)):
-        session.now += FRAME
+        session.messages.now += FRAME
         session.advance(FRAME)
 
 
 def test_a_gas_keeps_its_energy() -> None:
     session = Session(start(Settings("gas", 200)), (640, 360))
     run(session, 1.0)
-    statistics = session.statistics
+    statistics = session.runner.statistics
     assert statistics.sums["time"][0] == 0.0, "drift begins with the first state"
     assert statistics.sums["time"][-1] > 0.8
     assert abs(statistics.energy_drift) < 1e-3
@@ -306,7 +308,7 @@ def test_merging_is_no_drift() -> None:
     before = len(session.frame)
     for _ in range(40):
         run(session, 0.25)
-        assert abs(session.statistics.energy_drift) < 0.02
+        assert abs(session.runner.statistics.energy_drift) < 0.02
     assert len(session.frame) < before
     session.close()
 
@@ -315,41 +317,45 @@ def test_fountains_have_no_drift() -> None:
     session = Session(start(Settings("emitters", 300)), (640, 360))
     for _ in range(8):
         run(session, 0.5)
-        session.traces.refresh(session.frame, session.now)
-        assert session.statistics.changing
-        assert abs(session.statistics.energy_drift) < 0.1
+        session.traces.refresh(session.frame, session.messages.now)
+        assert session.runner.statistics.changing
+        assert abs(session.runner.statistics.energy_drift) < 0.1
     session.close()
 
 
 def test_the_rules_of_the_article_lose_energy() -> None:
     session = Session(start(Settings("gas", 200, method="article-quadtree")), (640, 360))
     run(session, 2.0)
-    assert session.statistics.energy_drift < -0.05
+    assert session.runner.statistics.energy_drift < -0.05
     session.close()
 
 
 def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     session = Session(start(Settings("gas", 200)), (640, 360))
     run(session, 0.5)
-    session.choose_scene("pile")
-    assert session.statistics.sums["time"].tolist() == [0.0]
+    session.runner.choose_scene("pile")
+    assert session.runner.statistics.sums["time"].tolist() == [0.0]
     run(session, 0.3)
-    assert session.statistics.sums["time"][0] == 0.0 and len(session.statistics.sums) > 1
+    assert (
+        session.runner.statistics.sums["time"][0] == 0.0 and len(session.runner.statistics.sums) > 1
+    )
     session.close()
 
 
 def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
     session = Session(start(Settings("gas", 200, method="article-quadtree")), (640, 360))
-    assert session.other_drift is None
+    assert session.runner.other_change is None
     run(session, 1.5)
-    half = float(np.interp(0.75, *(session.statistics.sums[name] for name in ("time", "drift"))))
-    session.choose_method("quadtree")
+    half = float(
+        np.interp(0.75, *(session.runner.statistics.sums[name] for name in ("time", "drift")))
+    )
+    session.runner.choose_method("quadtree")
     run(session, 0.75)
-    assert session.other_drift == pytest.approx(half / 100, abs=0.03)
-    assert session.other_drift < -0.05 < session.statistics.energy_drift
-    session.choose_scene("pile")
+    assert session.runner.other_change == pytest.approx(half / 100, abs=0.03)
+    assert session.runner.other_change < -0.05 < session.runner.statistics.energy_drift
+    session.runner.choose_scene("pile")
     run(session, 0.2)
-    assert session.other_drift is None, "another scene is another matter"
+    assert session.runner.other_change is None, "another scene is another matter"
     session.close()
 
 
@@ -358,9 +364,9 @@ def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
 
 def test_scenes_follow_each_other_in_a_circle() -> None:
     session = Session(start(Settings("article", 20, method="brute")), (640, 360))
-    session.previous_scene()
+    session.runner.previous_scene()
     assert session.engine.scene == jostle.scenes.names()[-1]
-    session.next_scene()
+    session.runner.next_scene()
     assert session.engine.scene == "article"
     assert session.settings.n is None and session.settings.method == "brute"
     session.close()
@@ -370,12 +376,12 @@ def test_particles_stay_where_they_are_when_the_rules_change() -> None:
     session = Session(start(Settings("orbit", 100)), (640, 360))
     run(session, 0.5)
     before, view = session.frame, session.engine.view
-    session.choose_method("article-brute")
+    session.runner.choose_method("article-brute")
     assert isinstance(session.engine.simulation, ArticleSimulation)
     there = before.positions - np.array(view[:2])
     assert session.frame.positions == pytest.approx(there, abs=1e-2)
     assert session.frame.velocities == pytest.approx(before.velocities, abs=1e-2)
-    session.choose_method("quadtree")
+    session.runner.choose_method("quadtree")
     assert isinstance(session.engine.simulation, WorldSimulation)
     assert session.frame.positions == pytest.approx(before.positions, abs=1e-2)
     session.close()
@@ -383,15 +389,18 @@ def test_particles_stay_where_they_are_when_the_rules_change() -> None:
 
 def test_too_many_particles_for_the_article_are_refused_in_a_sentence() -> None:
     session = Session(start(Settings("gas", 5000)), (640, 360))
-    session.choose_method("article-quadtree")
+    session.runner.choose_method("article-quadtree")
     assert session.settings.method == "quadtree"
-    assert "4,000" in session.notice
+    assert "4,000" in session.message
     session.close()
 
 
 def test_open_choices_are_filled_in_with_what_holds() -> None:
     pile = start(Settings("pile", 50))
     assert pile.settings.gravity is None
-    assert pile.rules.gravity == (0.0, 900.0) and pile.rules.substeps == 4
+    assert pile.effective_settings.gravity == (0.0, 900.0) and pile.effective_settings.substeps == 4
     article = start(Settings("article", 50, method="article-quadtree"))
-    assert article.rules.gravity == (0.0, 450.0) and article.rules.leaf_capacity == 3
+    assert (
+        article.effective_settings.gravity == (0.0, 450.0)
+        and article.effective_settings.leaf_capacity == 3
+    )

@@ -13,13 +13,12 @@ import pytest
 from typer.testing import CliRunner
 
 import jostle
-from jostle.app.gui import host as gui
 from jostle.app.session import Session
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.start import start
+from jostle.app.tour.scripted_user import FRAME, RIGHT, ScriptedUser
 from jostle.app.tour.stops import STOPS, Stop, fold, nearest
 from jostle.app.tour.tour import RATE, names, tour, visit
-from jostle.app.tour.visitor import FRAME, RIGHT, Visitor
 from jostle.app.window import Window
 from jostle.cli import app
 
@@ -28,9 +27,9 @@ SMALL = (640, 360)
 
 def wait_less(monkeypatch, most: float = 0.5) -> None:
     """Let visitors wait no longer than so many seconds, and draw less meanwhile."""
-    wait = Visitor.wait
+    wait = ScriptedUser.wait
     monkeypatch.setattr(
-        Visitor, "wait", lambda self, time, every=6: wait(self, min(time, most), 20)
+        ScriptedUser, "wait", lambda self, time, every=6: wait(self, min(time, most), 20)
     )
 
 
@@ -39,9 +38,9 @@ def stop(name: str) -> Stop:
 
 
 @pytest.fixture
-def visitor():
+def user():
     window = Window(start(Settings("billiards")), (1280, 720), renderer="software")
-    yield Visitor(window)
+    yield ScriptedUser(window)
     window.close()
 
 
@@ -62,12 +61,12 @@ def test_a_stop_leaves_a_picture_of_its_size(name: str, tmp_path, monkeypatch) -
 
 
 def test_a_film_has_a_picture_for_every_thirtieth_of_a_second(tmp_path) -> None:
-    def look(visitor: Visitor) -> None:
-        visitor.wait(0.5)
-        visitor.start_filming()
-        visitor.wait(1)
+    def look(user: ScriptedUser) -> None:
+        user.wait(0.5)
+        user.start_recording()
+        user.wait(1)
 
-    short = replace(stop("sand"), visit=look, settings=Settings("sand", 200))
+    short = replace(stop("sand"), script=look, settings=Settings("sand", 200))
     made = visit(short, tmp_path, SMALL, film=True)
     assert made.film is not None and made.pictures == RATE
     reader = imageio_ffmpeg.read_frames(str(made.film))
@@ -79,14 +78,14 @@ def test_a_film_has_a_picture_for_every_thirtieth_of_a_second(tmp_path) -> None:
 def test_a_still_of_a_stop_is_the_same_each_time(tmp_path) -> None:
     """The scene is: how long things took is measured, and stands in the panels."""
 
-    def look(visitor: Visitor) -> None:
-        visitor.session.shown.panels = False
-        visitor.window.readout.draw = lambda *args, **facts: None
-        visitor.wait(1)
+    def look(user: ScriptedUser) -> None:
+        user.session.view_options.panels = False
+        user.window.readout.draw = lambda *args, **facts: None
+        user.wait(1)
 
     pictures = []
     for _ in range(2):
-        made = visit(replace(stop("pile"), visit=look), tmp_path, SMALL, film=False)
+        made = visit(replace(stop("pile"), script=look), tmp_path, SMALL, film=False)
         pictures.append(pygame.image.load(str(made.still)).get_buffer().raw)
     assert pictures[0] == pictures[1]
 
@@ -101,47 +100,48 @@ def test_the_environment_is_left_as_it_was(tmp_path, monkeypatch) -> None:
     assert dict(os.environ) == before
 
 
-def test_a_visitor_picks_up_and_throws(visitor: Visitor) -> None:
-    session = visitor.session
-    session.paused = True  # until it is picked up
-    visitor.move(visitor.pixel(nearest(session.frame, (0.0, 0.0))))
-    visitor.press()
-    tag = session.hand.held
+def test_a_visitor_picks_up_and_throws(user: ScriptedUser) -> None:
+    session = user.session
+    session.runner.paused = True  # until it is picked up
+    user.move(user.pixel(nearest(session.frame, (0.0, 0.0))))
+    user.press()
+    tag = session.interaction.drag_tool.held
     assert tag is not None
-    session.paused = False
-    x, y = session.cursor
-    visitor.move((x - 5, y - 90), 0.2)
-    visitor.release()
-    assert session.hand.held is None
+    session.runner.paused = False
+    x, y = session.interaction.cursor
+    user.move((x - 5, y - 90), 0.2)
+    user.release()
+    assert session.interaction.drag_tool.held is None
     assert session.frame.velocities[session.frame.rows(tag)[0], 1] < -50
 
 
-def test_a_pointer_is_in_the_picture_until_it_is_put_away(visitor: Visitor) -> None:
+def test_a_pointer_is_in_the_picture_until_it_is_put_away(user: ScriptedUser) -> None:
     def at_pointer() -> bytes:
-        picture = visitor.picture().subsurface((601, 201, 12, 16))
+        picture = user.picture().subsurface((601, 201, 12, 16))
         return pygame.image.tobytes(picture, "RGB")
 
-    visitor.session.paused = True
-    visitor.look()
+    user.session.runner.paused = True
+    user.look()
     without = at_pointer()
-    visitor.move((600.0, 200.0), FRAME)
+    user.move((600.0, 200.0), FRAME)
     assert at_pointer() != without
-    visitor.put_pointer_away()
-    visitor.look()
+    user.hide_pointer()
+    user.look()
     assert at_pointer() == without
 
 
-@pytest.mark.skipif(not gui.available(), reason="panels need imgui-bundle")
-def test_a_visitor_folds_sections_and_opens_menus(visitor: Visitor) -> None:
+def test_a_visitor_folds_sections_and_opens_menus(user: ScriptedUser) -> None:
     pytest.importorskip("imgui_bundle")
-    visitor.look()
-    before = visitor.mark("section Method")
-    fold(visitor, "Scenes")
-    after = visitor.mark("section Method")
+    user.look()
+    before = user.mark("section Method")
+    fold(user, "Scenes")
+    after = user.mark("section Method")
     assert before and after and after[1] < before[1]
-    visitor.session.paused = True
-    visitor.click(visitor.pixel(nearest(visitor.session.frame, (0.0, 0.0))), RIGHT)
-    assert visitor.session.menu is not None and visitor.session.menu.tag is not None
+    user.session.runner.paused = True
+    user.click(user.pixel(nearest(user.session.frame, (0.0, 0.0))), RIGHT)
+    assert (
+        user.session.interaction.menu is not None and user.session.interaction.menu.tag is not None
+    )
 
 
 def test_the_command_makes_a_table_and_refuses_what_it_cannot_do(tmp_path, monkeypatch) -> None:
@@ -156,15 +156,28 @@ def test_the_command_makes_a_table_and_refuses_what_it_cannot_do(tmp_path, monke
     assert run.exit_code == 2 and "no file can be written" in run.output
 
 
-# What must hold when the visitor has done everything that they do at a stop.
+# What must hold when the user has done everything that they do at a stop.
 ENDS: dict[str, Callable[[Session], bool]] = {
-    "rules": lambda session: session.settings.by_article and session.other_drift is not None,
-    "springs": lambda session: session.hand.held is None and session.camera.at_home,
-    "menu": lambda session: session.menu is not None and session.menu.tag is not None,
-    "why": lambda session: len(session.selection) == 2 and session.why is not None,
-    "help": lambda session: session.shown.help,
-    "walls": lambda session: len(session.deeds.drawn_walls) == 2 and len(session.pulls.placed) == 1,
-    "rewind": lambda session: session.paused and abs(session.history.back - 3.2) < 0.05,
+    "rules": lambda session: (
+        session.settings.by_article and session.runner.other_change is not None
+    ),
+    "springs": lambda session: (
+        session.interaction.drag_tool.held is None and session.camera.at_home
+    ),
+    "menu": lambda session: (
+        session.interaction.menu is not None and session.interaction.menu.tag is not None
+    ),
+    "why": lambda session: (
+        len(session.interaction.selection) == 2 and session.explanation is not None
+    ),
+    "help": lambda session: session.view_options.help,
+    "walls": lambda session: (
+        len(session.interaction.commands.drawn_walls) == 2
+        and len(session.interaction.attractors.placed) == 1
+    ),
+    "rewind": lambda session: (
+        session.runner.paused and abs(session.runner.history.back - 3.2) < 0.05
+    ),
     "settings": lambda session: isinstance(session.frame.container, jostle.Circle),
 }
 
@@ -172,8 +185,6 @@ ENDS: dict[str, Callable[[Session], bool]] = {
 @pytest.mark.parametrize("name", ENDS)
 def test_a_visitor_gets_where_they_want(name: str, monkeypatch) -> None:
     wait_less(monkeypatch, 4.0 if name == "rewind" else 0.5)
-    if name == "menu" and not gui.available():
-        pytest.skip("menus need imgui-bundle")
     settings = stop(name).settings
     if name != "springs":  # whose bodies are picked up where they lie
         usual = settings.n or jostle.scenes.default_count(settings.scene)
@@ -181,7 +192,7 @@ def test_a_visitor_gets_where_they_want(name: str, monkeypatch) -> None:
     window = Window(start(settings), (1280, 720), renderer="software")
     window.session.engine.short = math.inf
     try:
-        stop(name).visit(Visitor(window))
+        stop(name).script(ScriptedUser(window))
         assert ENDS[name](window.session)
     finally:
         window.close()

@@ -10,7 +10,7 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
-from jostle.app.draw.shown import TreeView  # noqa: E402
+from jostle.app.draw.view_options import TreeView  # noqa: E402
 from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.simulation import Simulation  # noqa: E402
@@ -72,7 +72,7 @@ def drag(window: Window, start: tuple[float, float], move: tuple[float, float], 
     return x, y
 
 
-def test_a_throw_moves_the_ball_with_the_speed_of_the_hand(open_window) -> None:
+def test_a_throw_moves_the_ball_with_the_speed_of_the_drag_tool(open_window) -> None:
     window = open_window(lone_ball())
     world = window.session.engine.simulation.world
     end = drag(window, (500, 500), (6, -4), frames=20)
@@ -84,7 +84,7 @@ def test_a_throw_moves_the_ball_with_the_speed_of_the_hand(open_window) -> None:
     for _ in range(6):
         window.frame(FRAME)
     assert world.positions[0] - before == pytest.approx(hand * 6 * FRAME, rel=0.02)
-    assert window.session.hand.held is None
+    assert window.session.interaction.drag_tool.held is None
     assert (world.velocities[1] == 0).all()
 
 
@@ -102,7 +102,7 @@ def test_a_held_ball_comes_to_the_hand_and_rests_there(open_window) -> None:
 
 def test_the_hand_reaches_over_the_seam_of_a_torus(open_window) -> None:
     window = open_window(lone_ball(jostle.Torus(1000.0, 1000.0)))
-    hand, engine = window.session.hand, window.session.engine
+    hand, engine = window.session.interaction.drag_tool, window.session.engine
     hand.grab(0, (500.0, 500.0), 0.0)
     hand.follow((1300.0, 500.0), 1.0)
     hand.follow((1300.0, 500.0), 2.0)
@@ -115,7 +115,7 @@ def test_a_click_beside_every_ball_picks_up_nothing(open_window) -> None:
     window = open_window(lone_ball())
     mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (700, 700)))
     window.frame(FRAME)
-    assert window.session.hand.held is None
+    assert window.session.interaction.drag_tool.held is None
 
 
 def test_what_cannot_move_cannot_be_picked_up(open_window) -> None:
@@ -125,7 +125,7 @@ def test_what_cannot_move_cannot_be_picked_up(open_window) -> None:
     window = open_window(WorldSimulation(Settings("peg"), VIEW, create))
     mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (500, 500)))
     window.frame(FRAME)
-    assert window.session.hand.held is None
+    assert window.session.interaction.drag_tool.held is None
 
 
 def test_p_pauses_and_goes_on(open_window) -> None:
@@ -133,7 +133,7 @@ def test_p_pauses_and_goes_on(open_window) -> None:
     press(window, pygame.K_p)
     time = window.session.engine.simulation.world.time
     window.frame(FRAME)
-    assert window.session.paused and window.session.engine.simulation.world.time == time
+    assert window.session.runner.paused and window.session.engine.simulation.world.time == time
     press(window, pygame.K_p)
     window.frame(FRAME)
     assert window.session.engine.simulation.world.time > time
@@ -145,8 +145,9 @@ def test_o_makes_one_step_and_stays_paused(open_window) -> None:
     assert window.session.engine.simulation.world.time == pytest.approx(FRAME)
     press(window, pygame.K_o)
     window.frame(FRAME)
-    assert window.session.paused and window.session.engine.simulation.world.time == pytest.approx(
-        2 * FRAME
+    assert (
+        window.session.runner.paused
+        and window.session.engine.simulation.world.time == pytest.approx(2 * FRAME)
     )
 
 
@@ -172,28 +173,28 @@ def test_b_switches_brute_force_and_tree(open_window, names) -> None:
         press(window, pygame.K_b)
         assert window.session.settings.method == name
         window.session.engine.step()
-        tested = window.session.frame.facts.pairs_tested
+        tested = window.session.frame.stats.pairs_tested
         assert tested == every_pair if "brute" in name else tested < every_pair
 
 
 def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
     window = open_window(WorldSimulation.of_scene(Settings("gas", BRUTE_LIMIT + 1)))
-    window.session.paused = True
+    window.session.runner.paused = True
     press(window, pygame.K_b)
     assert (
         window.session.engine.simulation.method == "quadtree"
-        and "too slow" in window.session.notice
+        and "too slow" in window.session.message
     )
 
 
 def test_t_cycles_the_tree(open_window) -> None:
     window = open_window(WorldSimulation.of_scene(Settings("gas", 200)))
-    window.session.paused = True
-    first = window.session.shown.tree
+    window.session.runner.paused = True
+    first = window.session.view_options.tree
     pictures, views = [], []
     for _ in TreeView:
         press(window, pygame.K_t)
-        views.append(window.session.shown.tree)
+        views.append(window.session.view_options.tree)
         pictures.append(pygame.surfarray.array3d(window.painter.canvas())[300:, 60:-80].copy())
     assert set(views) == set(TreeView) and views[-1] is first
     assert all((pictures[k] != pictures[k - 1]).any() for k in range(len(pictures)))
@@ -230,11 +231,11 @@ def test_arrows_pan_while_they_are_down_and_home_goes_back(open_window) -> None:
 
 def test_h_shows_and_hides_the_keys(open_window) -> None:
     window = open_window(lone_ball())
-    window.session.paused = True
+    window.session.runner.paused = True
     press(window, pygame.K_h)
-    assert window.session.shown.help
+    assert window.session.view_options.help
     press(window, pygame.K_h)
-    assert not window.session.shown.help
+    assert not window.session.view_options.help
 
 
 def test_escape_and_the_cross_close_the_window(open_window) -> None:
@@ -272,7 +273,7 @@ def test_nothing_and_almost_nothing_run(open_window, n: int, method: str) -> Non
     ):
         window = open_window(simulation)
         for view in TreeView:
-            window.session.shown.tree = view
+            window.session.view_options.tree = view
             mouse(pygame.MOUSEBUTTONDOWN, (640, 350))
             window.frame(FRAME)
         assert len(window.session.engine.simulation) == n
@@ -282,11 +283,12 @@ def test_the_article_picks_up_and_throws_by_its_own_rules(open_window) -> None:
     window = open_window(ArticleSimulation(Settings("article", 5, method="article-quadtree")))
     ball = window.session.engine.simulation.program.particles[2]
     drag(window, (ball.x, ball.y), (4, 0), frames=6)
-    assert window.session.hand.held is not None
+    assert window.session.interaction.drag_tool.held is not None
     mouse(pygame.MOUSEBUTTONUP, (500, 350))
     window.frame(FRAME)
     assert (
-        window.session.hand.held is None and window.session.engine.simulation.program.held is None
+        window.session.interaction.drag_tool.held is None
+        and window.session.engine.simulation.program.held is None
     )
 
 

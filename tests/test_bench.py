@@ -76,7 +76,7 @@ def ours(**changes: object) -> Rival:
 
 def test_a_race_yields_a_row_for_each_rival_and_size() -> None:
     scipy = [rival for rival in pairs.installed() if rival.name == "SciPy cKDTree"]
-    groups = list(pairs.race("discs", (20, 50), rounds=2, rivals=[ours(), *scipy]))
+    groups = list(pairs.compare("discs", (20, 50), rounds=2, rivals=[ours(), *scipy]))
     assert [[row["count"] for row in rows] for rows in groups] == [[20] * 2, [50] * 2]
     for row in groups[1]:
         assert row["rounds"] == 2 and row["version"] and float(str(row["median_s"])) > 0
@@ -98,19 +98,19 @@ def test_a_wrong_answer_stops_the_race(wrong) -> None:
 
     liar = ours(name="liar", find=lambda made, threads: wrong(right(made, threads)))
     with pytest.raises(pairs.Disagreement, match="liar finds"):
-        list(pairs.race("discs", (100,), rounds=1, rivals=[ours(), liar]))
+        list(pairs.compare("discs", (100,), rounds=1, rivals=[ours(), liar]))
 
 
 def test_what_cannot_be_done_gets_a_row_with_the_reason() -> None:
     def refuse(made: shapes.Shapes, threads: int) -> None:
         raise Unable("never")
 
-    (rows,) = pairs.race("discs", (20,), rounds=1, rivals=[ours(), ours(name="no", find=refuse)])
+    (rows,) = pairs.compare("discs", (20,), rounds=1, rivals=[ours(), ours(name="no", find=refuse)])
     assert rows[1]["note"] == "never" and rows[1]["rounds"] == 0 and rows[1]["median_s"] == ""
 
 
 def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
-    small, large = pairs.race("discs", (20, 40), rounds=3, patience=1e-9, rivals=[ours()])
+    small, large = pairs.compare("discs", (20, 40), rounds=3, patience=1e-9, rivals=[ours()])
     assert small[0]["rounds"] == 1 and small[0]["median_s"]
     assert large[0]["rounds"] == 0 and large[0]["note"]
 
@@ -120,7 +120,7 @@ def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
 
 @pytest.mark.parametrize("scene", steps.SCENES)
 def test_simulations_begin_alike_and_are_compared_before_they_are_timed(scene: str) -> None:
-    (rows,) = steps.race(scene, (30,), rounds=2, patience=30)
+    (rows,) = steps.compare(scene, (30,), rounds=2, patience=30)
     names = {row["name"] for row in rows}
     assert {"jostle", "jostle, brute force"} <= names
     for package in ("pymunk", "pyb2d3"):
@@ -172,7 +172,7 @@ def test_a_single_collision_in_box2d_is_elastic(pixels: float, substeps: int) ->
     pytest.importorskip("pyb2d3")
     two = np.array([(30, 50), (70, 54)], np.float32), np.array([(80, 0), (0, 0)], np.float32)
     sizes = np.array([5, 6], np.float32), np.array([20, 70], np.float32)
-    start = step_rivals.Beginning(*two, *sizes, (0, 0, 100, 100), (0, 0), 1.0, substeps)
+    start = step_rivals.Reference(*two, *sizes, (0, 0, 100, 100), (0, 0), 1.0, substeps)
     running = step_rivals.box2d_world(start, 1, pixels)
     for _ in range(40):
         running.frames["batch"]()
@@ -208,8 +208,8 @@ def test_a_simulation_that_stands_still_is_not_timed() -> None:
     start = step_rivals.gas(25)
     moved = start.positions + start.velocities * step_rivals.FRAME
 
-    def running(positions: np.ndarray) -> step_rivals.Running:
-        return step_rivals.Running({}, lambda: (positions, start.velocities))
+    def running(positions: np.ndarray) -> step_rivals.RunningSimulation:
+        return step_rivals.RunningSimulation({}, lambda: (positions, start.velocities))
 
     assert steps.stands_still(running(start.positions), start)
     assert not steps.stands_still(running(moved), start)
@@ -335,7 +335,7 @@ def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
 def test_stages_have_the_colours_of_the_app() -> None:
     pytest.importorskip("imgui_bundle")
     run_benchmarks(
-        code="import plot; from jostle.app.panels.ink import STAGES\n"
+        code="import plot; from jostle.app.panels.theme import STAGES\n"
         "for stage, colour in plot.STAGES.items():\n"
         "    assert bytes.fromhex(colour[1:]) == bytes(STAGES[stage]), stage"
     )
@@ -385,13 +385,13 @@ def bench(monkeypatch, *arguments: str) -> int:
 
 
 def test_interrupted_it_shows_what_was_measured(monkeypatch, capsys, tmp_path: Path) -> None:
-    whole = pairs.race
+    whole = pairs.compare
 
     def interrupted(scene: str, *arguments: object, **options: object):
         yield next(whole(scene, *arguments, **options))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(pairs, "race", interrupted)
+    monkeypatch.setattr(pairs, "compare", interrupted)
     path = tmp_path / "figures.csv"
     assert bench(monkeypatch, "--csv", str(path)) == 130
     printed = capsys.readouterr().out
@@ -442,6 +442,6 @@ def test_a_narrow_console_cuts_no_figures(monkeypatch, capsys) -> None:
 def test_it_says_at_how_many_shapes_steps_are_run() -> None:
     from jostle.bench import command
 
-    assert "a fifth" in command.sizes(command.races(2_000))
-    assert "up to 10,000" in command.sizes(command.races(100_000))
-    assert command.sizes(command.races(40)) == "pairs and steps of up to 40 shapes"
+    assert "a fifth" in command.sizes(command.comparisons(2_000))
+    assert "up to 10,000" in command.sizes(command.comparisons(100_000))
+    assert command.sizes(command.comparisons(40)) == "pairs and steps of up to 40 shapes"

@@ -96,7 +96,7 @@ def test_version(monkeypatch, capsys) -> None:
         (["run", "--max-depth", "-1"], "--max-depth is -1"),
         (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
         (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
-        (["run", "--renderer", "opengl", "--headless"], "a film is drawn by the processor"),
+        (["run", "--renderer", "opengl", "--headless"], "a video is drawn in software"),
         (["run", "--speed", "3"], "--speed"),
         (["bench", "-n", "3"], "-n is 3; it must be a whole number from 10 to"),
         (["bench", "--rounds", "0"], "--rounds is 0"),
@@ -109,9 +109,9 @@ def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> N
 
 
 def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
-    from jostle.app.draw import renderers
+    from jostle.app.draw import screen
 
-    monkeypatch.setattr(renderers, "_MODERNGL", False)
+    monkeypatch.setattr(screen, "_MODERNGL", False)
     monkeypatch.setattr(cli, "_has_display", lambda: True)
     sentence = refused(monkeypatch, capsys, "run", "gas", "--renderer", "opengl")
     assert "--renderer is 'opengl', but OpenGL needs the package moderngl" in sentence

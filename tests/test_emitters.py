@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.simulate.chance import TRIES, directions, in_disc
 from jostle.app.simulate.emitters import Emitters
+from jostle.app.simulate.rng import TRIES, directions, in_disc
 
 STEP = 1 / 60
 N = 300
@@ -135,7 +135,7 @@ def test_points_are_spread_evenly_over_a_disc() -> None:
     assert quadrants / 40_000 == pytest.approx([0.25] * 4, abs=0.01)
 
 
-def test_a_point_that_is_never_in_the_disc_is_brought_in() -> None:
+def test_a_point_that_is_never_in_the_disc_is_moved_inside() -> None:
     assert in_disc(np.ones((1, TRIES, 2))).tolist() == [[0.5, 0.5]]
 
 

@@ -149,15 +149,14 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 COMMAND = {"cli.py", "interrupt.py", "tables.py"}
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
-# The files of the app that act on a simulation; all others only read it.
-ACTING = {
-    *("world_simulation", "article_simulation", "carry", "engine", "session", "running", "report"),
-    *("hand", "deeds", "pulls", "gravity", "emitters", "start", "history", "files"),
-    "attractions",
-    "segments",
+# The files of the app that change a simulation; all others only read it.
+CHANGING = {
+    *("world_simulation", "article_simulation", "switch_rules", "engine", "runner", "film_report"),
+    *("drag_tool", "commands", "attractors", "gravity", "emitters", "start", "history", "files"),
+    *("attractor_forces", "wall_segments", "session"),
 }
-LOOKING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in ACTING]
-ACTS = {
+READING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in CHANGING]
+CHANGES = {
     *("step", "restart", "adjust", "attract", "drag", "change", "load", "add", "remove", "set"),
     *("add_wall", "remove_walls"),
 }
@@ -257,19 +256,46 @@ def test_a_file_uses_only_files_above_it_in_the_table(package: Path) -> None:
                 assert file in order[:place], f"{name} uses {file}, which is not above it"
 
 
-@pytest.mark.parametrize("path", LOOKING, ids=names_of(LOOKING, APP))
+# The layers of the app: packages, and modules outside packages.
+LAYERS = (
+    *("simulate", "draw", "measure", "act", "race", "runner", "storage", "session"),
+    *("gui", "panels", "window", "headless", "film_report", "tour"),
+)
+SIBLINGS_IN_APP = [("draw", "measure"), ("window", "headless")]
+
+
+def test_the_layers_of_the_app_are_complete() -> None:
+    there = {path.stem for path in APP.glob("*.py")} | {package.name for package in PACKAGES}
+    assert there - {"__init__"} == set(LAYERS)
+    listed = re.findall(r"^(\w+(?:, \w+)*) {2,}\S", (APP / "__init__.py").read_text("utf-8"), re.M)
+    assert tuple(name for row in listed for name in row.split(", ")) == LAYERS
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_a_layer_of_the_app_uses_only_layers_below_it(layer: str) -> None:
+    """So there are no import cycles; imports for type checkers count, too."""
+    below = set(LAYERS[: LAYERS.index(layer) + 1])
+    below -= {other for pair in SIBLINGS_IN_APP if layer in pair for other in pair} - {layer}
+    files = [APP / f"{layer}.py", *sorted((APP / layer).rglob("*.py"))]
+    for file in filter(Path.exists, files):
+        for name in imports(file):
+            used = re.match(r"jostle\.app\.(\w+)", name)
+            assert not used or used[1] in below, f"{file.name} uses {used[1]}, which is above it"
+
+
+@pytest.mark.parametrize("path", READING, ids=names_of(READING, APP))
 def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
     """Drawing code may hold a simulation, but sets nothing in it and calls no method that acts."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         written = isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del))
-        told = isinstance(node, ast.Attribute) and node.attr in ACTS
+        told = isinstance(node, ast.Attribute) and node.attr in CHANGES
         if (written or told) and isinstance(node, (ast.Attribute, ast.Subscript)):
             owner = set(re.findall(r"\w+", ast.unparse(node.value)))
             assert not owner & {"simulation", "world", "frame"}, f"line {node.lineno} writes"
 
 
 # The modules that determine a state without user input, except the article's own programs.
-STATE = ["chance", "emitters", "room", "segments", "start", "walls"]
+STATE = ["containers", "emitters", "placement", "rng", "start", "wall_segments"]
 
 
 @pytest.mark.parametrize("name", STATE)

@@ -19,18 +19,18 @@ from rich.console import Console  # noqa: E402
 import jostle  # noqa: E402
 from jostle import cli, tables  # noqa: E402
 from jostle.tune import (  # noqa: E402
+    candidates,
     command,
-    contenders,
     findings,
     pictures,
     records,
     report,
     sweep,
 )
-from jostle.tune.contenders import Setting, contender, defaults  # noqa: E402
+from jostle.tune.candidates import Setting, candidate, defaults  # noqa: E402
 from jostle.tune.sample import Sample  # noqa: E402
 from jostle.tune.sweep import Effort, Tuner, Tuning  # noqa: E402
-from jostle.tune.timing import Contender, Outcome, Race, compare  # noqa: E402
+from jostle.tune.timing import Candidate, InterleavedTiming, Outcome, compare  # noqa: E402
 
 TINY = Effort(rounds=2, seconds=60.0, limit=0.5, most=100)
 
@@ -48,7 +48,7 @@ class FalseTime:
     def __call__(self) -> float:
         return self.now
 
-    def takes(self, name: str, *seconds: float, **options: object) -> Contender:
+    def takes(self, name: str, *seconds: float, **options: object) -> Candidate:
         """Something that takes so long at its first, second … and every later call."""
         left = list(seconds)
 
@@ -56,19 +56,19 @@ class FalseTime:
             self.log.append(name)
             self.now += left.pop(0) if len(left) > 1 else left[0]
 
-        return Contender(call, **options)
+        return Candidate(call, **options)
 
 
 def test_every_round_times_each_once_in_an_order_of_its_own() -> None:
     clock = FalseTime()
     names = "abcdefgh"
-    race = Race({name: clock.takes(name, 1.0) for name in names}, clock=clock)
-    race.run(4)
+    timing = InterleavedTiming({name: clock.takes(name, 1.0) for name in names}, clock=clock)
+    timing.run(4)
     rounds = [clock.log[k : k + 8] for k in range(0, len(clock.log), 8)]
     assert len(rounds) == 5  # the first only tries
     assert all(sorted(one) == list(names) for one in rounds)
     assert len({tuple(one) for one in rounds}) > 1
-    assert all(outcome.rounds == [1.0] * 4 for outcome in race.outcomes.values())
+    assert all(outcome.rounds == [1.0] * 4 for outcome in timing.outcomes.values())
 
 
 def test_preparing_is_outside_the_clock() -> None:
@@ -77,69 +77,71 @@ def test_preparing_is_outside_the_clock() -> None:
     def prepare() -> None:
         clock.now += 100.0
 
-    race = Race({"a": clock.takes("a", 1.0, prepare=prepare)}, clock=clock)
-    race.run(3)
-    assert race.outcomes["a"].rounds == [1.0] * 3
+    timing = InterleavedTiming({"a": clock.takes("a", 1.0, prepare=prepare)}, clock=clock)
+    timing.run(3)
+    assert timing.outcomes["a"].rounds == [1.0] * 3
 
 
 def test_short_calls_are_repeated_within_a_measurement() -> None:
     clock = FalseTime()
-    race = Race(
+    timing = InterleavedTiming(
         {"short": clock.takes("short", 0.75e-3), "long": clock.takes("long", 1.0)}, clock=clock
     )
-    race.run(1)
+    timing.run(1)
     assert clock.log.count("short") == 1 + 7 and clock.log.count("long") == 1 + 1
-    assert race.outcomes["short"].median == pytest.approx(0.75e-3)
+    assert timing.outcomes["short"].median == pytest.approx(0.75e-3)
 
 
 def test_a_measurement_is_the_median_of_its_calls() -> None:
     clock = FalseTime()
     calls = (1e-3, *(1e-3, 50.0, 1e-3, 1e-3, 1e-3))
-    race = Race({"a": clock.takes("a", *calls)}, clock=clock)
-    race.run(1)
-    assert race.outcomes["a"].median == pytest.approx(1e-3)
+    timing = InterleavedTiming({"a": clock.takes("a", *calls)}, clock=clock)
+    timing.run(1)
+    assert timing.outcomes["a"].median == pytest.approx(1e-3)
 
 
 def test_what_is_expected_to_be_slow_is_never_called() -> None:
     clock = FalseTime()
     hopeless = clock.takes("hopeless", 1e9, expect=lambda: 11.0)
-    race = Race({"hopeless": hopeless, "quick": clock.takes("quick", 1.0)}, 10.0, clock)
-    race.run(3)
+    timing = InterleavedTiming(
+        {"hopeless": hopeless, "quick": clock.takes("quick", 1.0)}, 10.0, clock
+    )
+    timing.run(3)
     assert "hopeless" not in clock.log
-    assert race.outcomes["hopeless"].status == "too slow"
-    assert race.outcomes["hopeless"].median == math.inf
-    assert race.outcomes["quick"].status == "measured"
+    assert timing.outcomes["hopeless"].status == "too slow"
+    assert timing.outcomes["hopeless"].median == math.inf
+    assert timing.outcomes["quick"].status == "measured"
 
 
 def test_what_turns_out_slow_is_called_once() -> None:
     clock = FalseTime()
-    race = Race(
+    timing = InterleavedTiming(
         {"slow": clock.takes("slow", 60.0), "quick": clock.takes("quick", 1.0)}, 10.0, clock
     )
-    race.run(3)
+    timing.run(3)
     assert clock.log.count("slow") == 1
-    assert race.outcomes["slow"].status == "too slow"
+    assert timing.outcomes["slow"].status == "too slow"
 
 
 def test_after_a_stall_there_is_a_second_chance() -> None:
     clock = FalseTime()
-    race = Race({"a": clock.takes("a", 12.0, 1.0)}, 10.0, clock)
-    race.run(3)
-    assert race.outcomes["a"].rounds == [1.0] * 3
+    timing = InterleavedTiming({"a": clock.takes("a", 12.0, 1.0)}, 10.0, clock)
+    timing.run(3)
+    assert timing.outcomes["a"].rounds == [1.0] * 3
 
 
 def test_time_bounds_the_rounds_and_then_the_trial() -> None:
     clock = FalseTime()
-    race = Race({name: clock.takes(name, 1.0) for name in "abcd"}, clock=clock)
+    timing = InterleavedTiming({name: clock.takes(name, 1.0) for name in "abcd"}, clock=clock)
     done = []
-    race.run(100, seconds=17.0, advance=done.append)
-    assert {len(outcome.rounds) for outcome in race.outcomes.values()} == {3}
+    timing.run(100, seconds=17.0, advance=done.append)
+    assert {len(outcome.rounds) for outcome in timing.outcomes.values()} == {3}
     assert clock.now == 16.0 and sum(done) == 4 * 101
 
     clock = FalseTime()
-    race = Race({name: clock.takes(name, 1.0) for name in "abcd"}, clock=clock)
-    race.run(5, seconds=1.5)
-    states = [outcome.status for outcome in race.outcomes.values()]
+    timing = InterleavedTiming({name: clock.takes(name, 1.0) for name in "abcd"}, clock=clock)
+    timing.run(5, seconds=1.5)
+    states = [outcome.status for outcome in timing.outcomes.values()]
     assert sorted(states) == ["measured", "measured", "not reached", "not reached"]
 
 
@@ -150,12 +152,12 @@ def test_a_round_that_is_broken_off_leaves_no_trace() -> None:
         if clock.log.count("b") == 3:
             raise KeyboardInterrupt
 
-    race = Race(
+    timing = InterleavedTiming(
         {"a": clock.takes("a", 1.0), "b": clock.takes("b", 1.0, prepare=interrupt)}, clock=clock
     )
     with pytest.raises(KeyboardInterrupt):
-        race.run(9)
-    assert [len(outcome.rounds) for outcome in race.outcomes.values()] == [2, 2]
+        timing.run(9)
+    assert [len(outcome.rounds) for outcome in timing.outcomes.values()] == [2, 2]
 
 
 def test_a_ratio_within_the_noise_says_so() -> None:
@@ -210,7 +212,7 @@ def test_every_scene_fits_into_worlds_of_other_sizes(scene: str) -> None:
 
 def test_each_step_starts_from_the_same_state() -> None:
     sample = Sample.of("gas", 60)
-    step = contender(sample, Setting(60, 1.0, *defaults()), "step", 1)
+    step = candidate(sample, Setting(60, 1.0, *defaults()), "step", 1)
     states = []
     for _ in range(3):
         step.prepare()
@@ -221,19 +223,19 @@ def test_each_step_starts_from_the_same_state() -> None:
 
 
 def test_a_depth_that_cuts_the_tree_short_is_expected_to_take_longer(monkeypatch) -> None:
-    monkeypatch.setattr(contenders, "seconds_a_test", lambda threads: 1.0)
+    monkeypatch.setattr(candidates, "seconds_a_test", lambda threads: 1.0)
     sample = Sample.of("gas", 400)
     expected = [
-        contender(sample, Setting(400, 1.0, 4, depth), "pairs", 1).expect() for depth in (0, 1, 2)
+        candidate(sample, Setting(400, 1.0, 4, depth), "pairs", 1).expect() for depth in (0, 1, 2)
     ]
     assert expected[0] == 400 * 399 / 2
     assert expected[0] > 1.2 * expected[1] > 2 * expected[2]
-    brute = contender(sample, Setting(400, 1.0, 0, 0, "brute force"), "pairs", 1)
+    brute = candidate(sample, Setting(400, 1.0, 0, 0, "brute force"), "pairs", 1)
     assert brute.expect() == 400 * 399 / 2
 
 
 def test_hopeless_settings_are_left_out_and_shown_as_such(monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(contenders, "seconds_a_test", lambda threads: 1.0)  # one second!
+    monkeypatch.setattr(candidates, "seconds_a_test", lambda threads: 1.0)  # one second!
     tuner = Tuner("gas", 300, effort=TINY, threads=1)
     tuner.settings(lambda *_: None)
     assert {outcome.status for outcome in tuner.tuning.settings.values()} == {"too slow"}
@@ -334,10 +336,10 @@ def test_the_verdict_names_a_real_gain_and_no_other() -> None:
     default = f"c{defaults()[0]}"
     slower, noisy = [1.5] * 9, [0.9, 1.2, 0.9, 1.2, 0.9, 1.2, 0.9, 1.2, 0.9]
     verdict = report.verdict(made_up(**{default: slower, "c100": [1.0] * 9}))
-    assert "1.50 times" in verdict and "Of 2 different trees no other can" in verdict
-    assert "within the noise" in report.verdict(made_up(**{default: [1.0] * 9, "c100": noisy}))
+    assert "1.50 times" in verdict and "Of 2 different trees no other is not" in verdict
+    assert "not significant" in report.verdict(made_up(**{default: [1.0] * 9, "c100": noisy}))
     stands = report.verdict(made_up(**{default: [1.0] * 9, "c100": slower}))
-    assert "ahead of the default" in stands
+    assert "No setting is faster than the default" in stands
     few = report.verdict(made_up(**{default: [1.5] * 2, "c100": [1.0] * 2}))
     assert "too few rounds to say" in few
 
@@ -350,7 +352,7 @@ def test_the_last_words_say_what_to_do() -> None:
         return report.advice(tuning)
 
     assert "jostle.Quadtree(centers, radii, leaf_capacity=100, threads=1).pairs()" in advice(1.5)
-    assert "not worth it" in advice(1.04) and "as good as any" in advice(0.9)
+    assert "is too small" in advice(1.04) and "no setting is significantly faster" in advice(0.9)
     assert all("Too few rounds" in advice(takes, rounds=5) for takes in (1.5, 1.0, 0.5))
 
 

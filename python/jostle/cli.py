@@ -23,7 +23,6 @@ except ImportError as missing:
 
 import jostle
 from jostle import interrupt
-from jostle.app.simulate.rules import Rule, check, one_of, whole
 from jostle.app.simulate.settings import (
     METHODS,
     RENDERERS,
@@ -35,17 +34,18 @@ from jostle.app.simulate.settings import (
 )
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
+from jostle.app.simulate.validation import Rule, check, one_of, whole
 
 if TYPE_CHECKING:
-    from jostle.app.keep.config import Config
+    from jostle.app.storage.config import Config
 
 DEFAULT_SCENE = "mixed"
 TUNED = whole(1, 2_000_000)  # particles
-RACED = whole(10, 10_000_000)  # shapes
+SHAPES = whole(10, 10_000_000)  # shapes
 ROUNDS = whole(1, 1_000)
 
 app = typer.Typer(
-    help="A quadtree that finds every touching pair, and a particle simulator on top of it.",
+    help="A quadtree that finds every touching pair, and a particle simulator.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -70,11 +70,11 @@ def _common(
 
 @app.command()
 def scenes() -> None:
-    """List the scenes and what to look at in each."""
+    """List the scenes."""
     table = Table(show_header=True, header_style="bold", box=None, padding=(0, 2, 0, 0))
     table.add_column("scene", style="cyan", no_wrap=True)
     table.add_column("particles", justify="right")
-    table.add_column("what to look at")
+    table.add_column("description")
     for name in jostle.scenes.names():
         count = jostle.scenes.default_count(name)
         table.add_row(name, f"{count:,}", jostle.scenes.describe(name))
@@ -88,34 +88,36 @@ def run(
         typer.Argument(help=f"A scene, as `jostle scenes` lists them.  [default: {DEFAULT_SCENE}]"),
     ] = None,
     n: Annotated[
-        int | None, typer.Option("-n", help="Number of particles; the scene's own if not given.")
+        int | None,
+        typer.Option("-n", help="Number of particles; the default of the scene if not given."),
     ] = None,
     method: Annotated[
         str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {METHODS[0]}]")
     ] = None,
     leaf_capacity: Annotated[
-        int | None, typer.Option(help="Most particles in a leaf of the tree.")
+        int | None, typer.Option(help="Maximum number of particles in a leaf of the tree.")
     ] = None,
-    max_depth: Annotated[int | None, typer.Option(help="Most subdivisions of the tree.")] = None,
+    max_depth: Annotated[int | None, typer.Option(help="Maximum depth of the tree.")] = None,
     seed: Annotated[
         int | None, typer.Option(help="The same seed gives the same run.  [default: 0]")
     ] = None,
-    config: Annotated[
+    config_file: Annotated[
         Path | None,
-        typer.Option(help="A TOML file with the scene's settings; options go before it."),
+        typer.Option("--config", help="A TOML file with settings; options override them."),
     ] = None,
     steps: Annotated[
-        int | None, typer.Option(help="Stop after so many steps; a film is 10 s if not given.")
+        int | None,
+        typer.Option(help="Number of steps; without a window, 10 s of video if not given."),
     ] = None,
     renderer: Annotated[
-        str | None, typer.Option(help="What draws in the window: auto, opengl or software.")
+        str | None, typer.Option(help="Renderer of the window: auto, opengl or software.")
     ] = None,
     headless: Annotated[
-        bool, typer.Option("--headless", help="Make a film even where there is a display.")
+        bool, typer.Option("--headless", help="Record a video instead of opening a window.")
     ] = False,
-    out: Annotated[Path, typer.Option(help="Folder for the film and the picture.")] = Path("out"),
+    out: Annotated[Path, typer.Option(help="Folder for the video and the picture.")] = Path("out"),
 ) -> None:
-    """Run a scene in a window, or as a film where there is no display."""
+    """Run a scene in a window, or record a video if there is no display."""
     if scene is not None:
         _check_scene(scene)
     options: dict[str, Any] = {
@@ -128,38 +130,38 @@ def run(
     _check("steps", steps, STEPS)
     _check("renderer", renderer, one_of(*RENDERERS))
     _check_extra()
-    wishes = _config(config)
-    settings = replace(wishes.settings, **given)
+    config = _read_config(config_file)
+    settings = replace(config.settings, **given)
     if settings.by_article and not settings.leaf_capacity is settings.max_depth is None:
         _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
     why_no_window = None
     if not headless:
         why_no_window = (
-            _show(settings, steps, renderer or wishes.renderer or RENDERERS[0], wishes)
+            _show(settings, steps, renderer or config.renderer or RENDERERS[0], config)
             if _has_display()
             else "there is no display"
         )
         if why_no_window is None:
             return
     if renderer == "opengl":
-        _refuse("--renderer is 'opengl', but a film is drawn by the processor")
+        _refuse("--renderer is 'opengl', but a video is drawn in software")
     _check_folder(out)
     if why_no_window is not None:
-        console.print(f"No window here ({why_no_window}), so this run becomes a film.")
-    _film(settings, steps, out, wishes)
+        console.print(f"No window ({why_no_window}); recording a video instead.")
+    _film(settings, steps, out, config)
 
 
 @app.command()
 def tour(
-    out: Annotated[Path, typer.Option(help="Folder for the pictures and films.")] = Path("out"),
+    out: Annotated[Path, typer.Option(help="Folder for the pictures and videos.")] = Path("out"),
     only: Annotated[
-        list[str] | None, typer.Option(help="A stop to visit alone; may be given repeatedly.")
+        list[str] | None, typer.Option(help="A single stop; may be given repeatedly.")
     ] = None,
-    stills: Annotated[bool, typer.Option("--stills", help="Make no films.")] = False,
+    stills: Annotated[bool, typer.Option("--stills", help="Make no videos.")] = False,
 ) -> None:
-    """Make pictures and short films of the simulator; no display is needed."""
-    _check_extra()
-    from jostle.app.tour.report import show_tour
+    """Make pictures and short videos of the simulator, without a display."""
+    _check_extra("imgui_bundle")
+    from jostle.app.tour.progress import show_tour
     from jostle.app.tour.tour import names
 
     for name in only or []:
@@ -178,13 +180,14 @@ def tune(
     scene: Annotated[str, typer.Argument(help="A scene, as `jostle scenes` lists them.")],
     n: Annotated[int, typer.Option("-n", "--n", help="Number of particles.")] = 10_000,
     rounds: Annotated[
-        int | None, typer.Option(help="Rounds of each sweep; as many as time allows, if fewer.")
+        int | None, typer.Option(help="Maximum number of rounds of each sweep, as time allows.")
     ] = None,
     threads: Annotated[
-        int | None, typer.Option(help="Threads of each call; one for each core if not given.")
+        int | None, typer.Option(help="Threads of each call; all cores if not given.")
     ] = None,
     step: Annotated[
-        bool, typer.Option("--step", help="Time whole steps of the world, not pairs alone.")
+        bool,
+        typer.Option("--step", help="Time steps of the world instead of the search for pairs."),
     ] = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="About 15 s instead of up to two minutes.")
@@ -192,7 +195,7 @@ def tune(
     seed: Annotated[int, typer.Option(help="The same seed gives the same particles.")] = 0,
     out: Annotated[Path, typer.Option(help="Folder for the CSV and the pictures.")] = Path("out"),
 ) -> None:
-    """Find out which settings suit a scene: leaf capacity, depth, world size, particles."""
+    """Find the best settings for a scene: leaf capacity, depth, world size, particles."""
     _check_scene(scene)
     _check("n", n, TUNED)
     _check("rounds", rounds, ROUNDS)
@@ -227,19 +230,19 @@ def bench(
     n: Annotated[
         int,
         typer.Option(
-            "-n", help="Most shapes; steps are run at up to a fifth of it, but at 1,000 at least."
+            "-n", help="Maximum number of shapes; for steps a fifth of it, at least 1,000."
         ),
     ] = 100_000,
-    rounds: Annotated[int, typer.Option(help="How often each is timed.")] = 9,
+    rounds: Annotated[int, typer.Option(help="Number of timings of each.")] = 9,
     threads: Annotated[
-        int, typer.Option(help="Most threads, beside one, for those that have a choice.")
+        int, typer.Option(help="Maximum number of threads, in addition to one.")
     ] = 2,
-    csv: Annotated[Path | None, typer.Option(help="A new file for the figures.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="A new file for the results.")] = None,
 ) -> None:
-    """Compare jostle with the libraries that are installed, on this machine."""
+    """Compare jostle with other installed libraries on this machine."""
     from jostle.bench import command
 
-    _check("n", n, RACED)
+    _check("n", n, SHAPES)
     _check("rounds", rounds, ROUNDS)
     _check("threads", threads, THREADS)
     if csv is not None:
@@ -248,14 +251,14 @@ def bench(
         with interrupt.raised():
             finished = command.bench(n, rounds, sorted({1, threads}), csv, console)
     except OSError as error:
-        _refuse(f"the figures could not be written: {str(error).splitlines()[0]}")
+        _refuse(f"the results could not be written: {str(error).splitlines()[0]}")
     if not finished:
         raise typer.Exit(interrupt.CODE)
 
 
-def _config(path: Path | None) -> Config:
-    """Return what a file wishes for; nothing where there is none."""
-    from jostle.app.keep.config import Config, ConfigError, read_config
+def _read_config(path: Path | None) -> Config:
+    """Return what a file config for; nothing where there is none."""
+    from jostle.app.storage.config import Config, ConfigError, read_config
 
     if path is None:
         return Config()
@@ -269,64 +272,65 @@ def _config(path: Path | None) -> Config:
         _refuse(f"--config is {str(path)!r}, which cannot be read: {error.strerror}")
 
 
-def _show(settings: Settings, steps: int | None, renderer: str, wishes: Config) -> str | None:
-    """Run in a window; return why not, where none can be opened."""
+def _show(settings: Settings, steps: int | None, renderer: str, config: Config) -> str | None:
+    """Run in a window; return the reason if none can be opened."""
+    _check_extra("imgui_bundle")
     import pygame
 
-    from jostle.app.draw.renderers import NoRendererError
+    from jostle.app.draw.screen import NoRendererError
     from jostle.app.window import SIZE, Window
 
-    simulation = _start(settings, wishes)
+    simulation = _start(settings, config)
     try:
-        window = Window(simulation, wishes.size or SIZE, steps=steps, renderer=renderer)
+        window = Window(simulation, config.size or SIZE, steps=steps, renderer=renderer)
     except NoRendererError as error:
         _refuse(f"--renderer is 'opengl', but {error}")
     except pygame.error as error:
         return str(error)
-    wishes.show(window.session.shown)
+    config.apply_view_options(window.session.view_options)
     with interrupt.raised():
         window.run()
     return None
 
 
-def _film(settings: Settings, steps: int | None, out: Path, wishes: Config) -> None:
-    """Run without a window, and print what came of it."""
-    from jostle.app.draw.shown import Shown
+def _film(settings: Settings, steps: int | None, out: Path, config: Config) -> None:
+    """Record a video, and print the table."""
+    from jostle.app.draw.view_options import ViewOptions
+    from jostle.app.film_report import film_report
     from jostle.app.headless import SIZE, default_steps, make_film
-    from jostle.app.report import report
 
-    shown = Shown() if wishes.shown else None
-    if shown is not None:
-        wishes.show(shown)
+    options = ViewOptions() if config.view_options else None
+    if options is not None:
+        config.apply_view_options(options)
 
-    simulation = _start(settings, wishes)
+    simulation = _start(settings, config)
     try:
         with interrupt.raised():
             film = make_film(
                 *(simulation, steps or default_steps(simulation), out, console),
-                size=wishes.size or SIZE,
-                shown=shown,
+                size=config.size or SIZE,
+                options=options,
             )
     except OSError as error:
-        _refuse(f"the film could not be written: {str(error).splitlines()[0]}")
+        _refuse(f"the video could not be written: {str(error).splitlines()[0]}")
     except KeyboardInterrupt:
-        console.print(f"Stopped. The film so far, if any, is in {out}.")
+        console.print(f"Stopped. The video so far, if any, is in {out}.")
         raise
-    console.print(report(simulation, film, settings))
-    console.print(f"film     {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
+    console.print(film_report(simulation, film, settings))
+    console.print(f"video    {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
 
 
-def _start(settings: Settings, wishes: Config) -> Simulation:
-    """Return the simulation; what the library refuses becomes the command's sentence."""
+def _start(settings: Settings, config: Config) -> Simulation:
+    """Return the simulation; an error of the library becomes a message of the command."""
     try:
         return start(settings)
     except (ValueError, OverflowError, MemoryError) as error:
         why = str(error) or f"there is not enough memory for {settings.n:,} particles"
-        _refuse(f"{wishes.name}: {why}" if wishes.name else why)
+        _refuse(f"{config.name}: {why}" if config.name else why)
 
 
 def _has_display() -> bool:
-    """Tell whether a window has a chance: Linux says so in the environment, others always can."""
+    """Return whether there is a display; on Linux the environment says so."""
     if os.environ.get("SDL_VIDEODRIVER") in ("dummy", "offscreen"):
         return False
     if sys.platform in ("win32", "darwin"):
@@ -343,16 +347,16 @@ def _check_scene(scene: str) -> None:
 
 
 def _check(name: str, value: object, rule: Rule) -> None:
-    """Refuse an option that is given and breaks its rule."""
+    """Exit with a message if an option breaks its rule."""
     option = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
     if value is not None and (refusal := check(option, value, rule)):
         _refuse(refusal)
 
 
 def _check_folder(out: Path, *, make: bool = True) -> None:
-    """Prove that a file can be written in a folder before an hour of work.
+    """Check that a file can be written in a folder, before long work.
 
-    The folder is made, or, if it is to be made later, the one that it would be made in is tried.
+    The folder is made; if it is to be made later, its nearest existing parent is tried.
     """
     try:
         if make:
@@ -368,7 +372,7 @@ def _try_folder(folder: Path) -> None:
 
 
 def _check_file(name: str, path: Path) -> None:
-    """Prove that a file could be written, as far as that shows before it is."""
+    """Check that a file can probably be written."""
     if path.is_dir():
         _refuse(f"{name}: {str(path)!r} is a folder, and no file can be written in its place")
     if path.exists() and not os.access(path, os.W_OK):
@@ -376,7 +380,7 @@ def _check_file(name: str, path: Path) -> None:
 
 
 def _check_new_file(name: str, path: Path) -> None:
-    """Prove that a file could be written, and that no figures are lost by it."""
+    """Check that a file can be written, and does not replace results."""
     try:
         if not path.parent.exists():
             _refuse(f"{name} is {str(path)!r}, but there is no folder {str(path.parent)!r}")
@@ -389,11 +393,12 @@ def _check_new_file(name: str, path: Path) -> None:
         _refuse(f"{name} is {str(path)!r}, where no file can be written: {error.strerror}")
 
 
-def _check_extra() -> None:
+def _check_extra(*modules: str) -> None:
+    """Exit with a message if a package of the extra `app` is missing."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-    for module in ("pygame", "imageio_ffmpeg"):
+    for module in ("pygame", "imageio_ffmpeg", *modules):
         if importlib.util.find_spec(module) is None:
-            _refuse(_INSTALL.format(module))
+            _refuse(_INSTALL.format(module.replace("_", "-")))
 
 
 def _refuse(sentence: str) -> NoReturn:
@@ -402,7 +407,7 @@ def _refuse(sentence: str) -> NoReturn:
 
 
 def main() -> None:
-    """Run the command; a mistake in its arguments becomes one sentence and exit code 2."""
+    """Run the command; an error in its arguments becomes a message and exit code 2."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # characters that it cannot encode become "?"
             stream.reconfigure(errors="replace")
@@ -423,10 +428,10 @@ def command() -> None:
 
 def _exit_code() -> int:
     # The base class of all errors of arguments; its package depends on typer's version.
-    complaint: type[Exception] = typer.BadParameter.__mro__[2]
+    usage_error: type[Exception] = typer.BadParameter.__mro__[2]
     try:
         code = app(standalone_mode=False)
-    except complaint as error:
+    except usage_error as error:
         if sentence := error.format_message():  # type: ignore[attr-defined]
             print(f"jostle: {sentence}", file=sys.stderr)
         return 2

@@ -13,7 +13,7 @@ use jostle::{Stage, World};
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [scene, numbers @ ..] = arguments.as_slice() else {
-        return println!("arguments: SCENE PARTICLES WARM_UP STEPS");
+        return println!("arguments: SCENE PARTICLES WARM_UP STEPS THREADS");
     };
     let number = |index: usize, default| {
         numbers.get(index).and_then(|text| text.parse().ok()).unwrap_or(default)
@@ -25,7 +25,7 @@ fn main() {
     };
     let mut world = scene.create(Some(count), 0).expect("a scene is valid");
     let mut settings = *world.settings();
-    settings.tree.threads = Some(1);
+    settings.tree.threads = Some(number(3, 1));
     settings.sleeping = false;
     world.configure(settings).expect("the settings are valid");
     world.step(STEP, warm_up, &mut |_| ()).expect("a scene can be stepped");

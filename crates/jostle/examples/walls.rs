@@ -44,6 +44,16 @@ fn main() {
              ratio {:.2}",
             among / alone
         );
+        // Walls make discs collide more often, which no implementation can avoid.
+        let [alone, among] = both.each_mut().map(|world| {
+            world.begin_record();
+            step(world, 1);
+            world.collisions()
+        });
+        println!(
+            "    collisions a step: {} of pairs, among walls {} of pairs and {} with walls",
+            alone.pairs, among.pairs, among.walls
+        );
         for (at, (_, name)) in Stage::ALL.iter().enumerate() {
             println!("    {name:10} {:7.2} ms, {:7.2} ms", stages[0][at], stages[1][at]);
         }

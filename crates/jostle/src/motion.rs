@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use crate::particles::Spin;
+use crate::simd;
 
 /// The state of a particle during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -160,9 +161,9 @@ impl Motions {
     }
 }
 
-/// The velocities or the positions of all particles, in an array of their own.
+/// Two numbers of each particle, as its velocity, in an array of their own.
 #[derive(Debug, Default)]
-pub struct Vectors(Vec<Two>);
+pub struct Vectors(Vec<AtomicU64>);
 
 impl Vectors {
     /// Makes room for `len` vectors; new ones are 0.
@@ -173,13 +174,19 @@ impl Vectors {
     /// The vector of the particle at `place`.
     #[inline(always)]
     pub fn get(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].vector()
+        simd::numbers_at(&self.0, place)
     }
 
     /// Replaces the vector of the particle at `place`.
     #[inline(always)]
     pub fn set(&self, place: u32, vector: [f32; 2]) {
-        self.0[place as usize].set_vector(vector);
+        simd::set_numbers_at(&self.0, place, vector);
+    }
+
+    /// All vectors, as [`Simd::gather`](crate::simd::Simd::gather) reads them.
+    #[inline(always)]
+    pub fn words(&self) -> &[AtomicU64] {
+        &self.0
     }
 }
 
@@ -233,9 +240,9 @@ impl Spins {
     }
 }
 
-/// A number for each particle.
+/// A number for each particle, in a word of which the other half is 0.
 #[derive(Debug, Default)]
-pub struct Scalars(Vec<AtomicU32>);
+pub struct Scalars(Vec<AtomicU64>);
 
 impl Scalars {
     /// Makes room for `len` numbers; new ones are 0.
@@ -246,16 +253,21 @@ impl Scalars {
     /// The number of the particle at `place`; 0 if there is none.
     #[inline(always)]
     pub fn get(&self, place: u32) -> f32 {
-        self.0
-            .get(place as usize)
-            .map_or(0.0, |number| f32::from_bits(number.load(Ordering::Relaxed)))
+        let word = self.0.get(place as usize);
+        word.map_or(0.0, |word| f32::from_bits(word.load(Ordering::Relaxed) as u32))
     }
 
     /// Replaces the number of the particle at `place`, if there is one.
     #[inline(always)]
     pub fn set(&self, place: u32, number: f32) {
         if let Some(to) = self.0.get(place as usize) {
-            to.store(number.to_bits(), Ordering::Relaxed);
+            to.store(u64::from(number.to_bits()), Ordering::Relaxed);
         }
+    }
+
+    /// All words, as [`Simd::gather`](crate::simd::Simd::gather) reads them.
+    #[inline(always)]
+    pub fn words(&self) -> &[AtomicU64] {
+        &self.0
     }
 }

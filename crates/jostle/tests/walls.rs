@@ -467,14 +467,39 @@ fn nothing_leaves_polygons() {
     assert!(wrong.is_empty(), "{} of 300: {}", wrong.len(), wrong.join("\n"));
 }
 
-/// `cargo test --release --package jostle --test all nothing_leaves_many -- --ignored`
+/// `make search ARGS=polygons`
 #[test]
-#[ignore = "takes some minutes"]
+#[ignore = "takes about a minute"]
 fn nothing_leaves_many_polygons() {
     const COUNT: u64 = 100_000;
     let wrong: Vec<String> = (0..COUNT).filter_map(escape).collect();
     let shown = wrong.iter().take(40).cloned().collect::<Vec<_>>().join("\n");
     assert!(wrong.is_empty(), "{} of {COUNT}:\n{shown}", wrong.len());
+}
+
+/// Two walls share an end that points at a disc. Neither has a side there: the disc hits the end.
+#[test]
+fn nothing_passes_between_walls_that_share_an_end() {
+    for half in [0.05_f32, 0.7, 1.4] {
+        for share in [0.0, 1e-6, 0.3, -0.9] {
+            for speed in [1.0, 100.0, 1e4, 6e5] {
+                let away = [[-half.sin(), -half.cos()], [half.sin(), -half.cos()]];
+                let [a, b] = away.map(|end| end.map(|v| 30.0 * v));
+                let normal = share * (std::f32::consts::FRAC_PI_2 - half);
+                let disc = discs(&[([normal.sin(), 5.0], [0.0, -speed])], 1.0);
+                let walls = chain(&[a, [0.0, 0.0], b]);
+                let mut world = world(disc, walls, WorldSettings::default());
+                world.step(f64::from(6.0 / speed), 1, &mut |_| ()).expect("a step succeeds");
+                // As off an immovable point.
+                let expected = [(2.0 * normal).sin(), (2.0 * normal).cos()];
+                let found = world.velocities()[0].map(|v| v / speed);
+                assert!(
+                    (0..2).all(|k| (found[k] - expected[k]).abs() < 1e-4),
+                    "{half} {share} {speed}: {found:?} is not {expected:?}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -1,19 +1,23 @@
-"""The simulator: a window on a world, or a film of it where there is no screen.
+"""The simulator: a window, or a video if there is no display.
+
+The packages and modules form layers. Each uses only those above it:
 
 ======================= ========================================================================
-simulate                what runs: settings, worlds behind one protocol, who steps them and when
-draw                    what is seen: two painters, the layers of a picture, words and numbers
+simulate                settings, simulations, the engine that steps them, history
+draw                    painters, and the layers of a frame
 measure                 times, pairs, energy and momentum over time
-act                     what a person can do: keys, mouse, tools, menus, and deeds done to particles
-keep                    what lasts: the last half minute, scene files, films, tables, TOML
-race                    two methods side by side on the same scene
-session                 all that a person has before them, without a window
-gui, panels             the host of ImGui; the panels and menus built in it
+act                     user actions: keymap, mouse, tools, commands on particles
+race                    comparison of two methods on the same scene
+runner                  scenes, settings and time of a session
+storage                 scene files, videos, tables, TOML
+session                 everything between the window and the simulation
+gui                     the host of ImGui, and the input of the window
+panels                  panels and menus, built with ImGui
 window                  the interactive loop
-headless, report        the run without a screen, and its table
-tour                    a visitor who makes the pictures and films of the documents
+headless, film_report   the run without a window, and its table
+tour                    scripted input that makes the pictures and videos of the documents
 ======================= ========================================================================
 
-Drawing reads a frame, copies of a simulation's columns, and never the simulation. What a person
-does to it goes through `Session` to `Engine.edit`. The library proper never imports this package.
+Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user
+changes it through `Engine.edit`. The library never imports this package.
 """

@@ -1,4 +1,4 @@
-"""The interactive loop: events to acts, real time to steps, a picture a frame."""
+"""The window: handles events, advances the session and draws a frame, 60 times per second."""
 
 from __future__ import annotations
 
@@ -10,53 +10,53 @@ from contextlib import ExitStack
 import pygame
 
 from jostle import interrupt
-from jostle.app.act.input import Input
-from jostle.app.draw.backdrop import Backdrop
+from jostle.app import panels
+from jostle.app.act.explanation_view import draw_explanation
+from jostle.app.act.help_overlay import draw_help
+from jostle.app.act.interaction_view import draw_interaction
+from jostle.app.draw.background_render import BackgroundRenderer
 from jostle.app.draw.camera import Camera, Size
-from jostle.app.draw.helping import draw_help
 from jostle.app.draw.notices import draw_hint, draw_notice, draw_recording
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.readout import SPACE, Readout
-from jostle.app.draw.renderers import FAILURES, Screen
-from jostle.app.draw.tools_view import draw_hands
-from jostle.app.draw.why_view import draw_why
-from jostle.app.gui import host as gui
+from jostle.app.draw.screen import FAILURES, Screen
 from jostle.app.gui.host import Gui
+from jostle.app.gui.input import Input
 from jostle.app.gui.layout import arrange
+from jostle.app.panels import menus
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Simulation
 
 SIZE = (1280, 720)
-FRAMES_A_SECOND = 60
-FRAMES_UNSEEN = 10  # a second, while the window is minimised: the world goes on, nothing is drawn
-PANELS_EVERY = 0.03  # seconds: nobody reads numbers faster, and the panels cost as much as a scene
-LIVELY = 3  # frames after an event in which panels are built at once: ImGui answers in the next one
-LONGEST_FRAME = 0.25  # seconds; a longer one was a machine asleep, or a window being dragged
-
+FRAME_RATE = 60  # frames per second
+HIDDEN_FRAME_RATE = 10  # frames per second while the window is minimised and nothing is drawn
+PANEL_INTERVAL = 0.03  # seconds between two builds of the panels without events
+LIVELY = 3  # frames after an event in which panels are built: ImGui reacts in the next one
+LONGEST_FRAME = 0.25  # seconds; longer if the machine was suspended, or the window was dragged
 
 Builder = Callable[[Session, Gui], None]
 
 
 class Window:
-    """A resizable window on one session.
+    """A resizable window with one session.
 
-    `run` loops until the user quits; a test calls `frame` with the seconds it likes.
+    `run` loops until the user quits; tests call `frame`.
 
     Parameters
     ----------
     simulation
-        What to show.
+        The first simulation.
     size
-        Width and height in points, what the mouse is measured in.
+        Width and height in points.
     steps
-        Close after so many steps; None to go on.
+        Number of steps after which the window closes; None to run until it is closed.
     renderer
         One of `settings.RENDERERS`.
 
     Attributes
     ----------
     builders
-        Build panels and menus each frame, in this order.
+        Functions that build panels and menus, in this order.
     """
 
     def __init__(
@@ -69,21 +69,20 @@ class Window:
         self.screen = Screen(size, renderer)
         self.session = Session(simulation, self.painter.size, left=SPACE)
         self.readout = Readout()
-        self.builders = _builders()
-        if self.builders:
-            arrange(self.session, *self.screen.size, self.screen.scale)
-        self.gui = Gui(self.painter) if gui.available() else None
-        self._backdrop = Backdrop()
+        self.builders: list[Builder] = [panels.build, menus.build]
+        arrange(self.session, *self.screen.size, self.screen.scale)
+        self.gui = Gui(self.painter)
+        self._backdrop = BackgroundRenderer()
         self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
         self._rate: float | None = None
         self._seen = True
-        self._lively = LIVELY  # frames for which panels are built at once
+        self._lively = LIVELY  # frames in which panels are built
         self._since_panels = 0.0
 
     @property
     def painter(self) -> Painter:
-        """Return who draws."""
+        """Return the painter."""
         return self.screen.painter
 
     def run(self) -> None:
@@ -92,9 +91,9 @@ class Window:
         try:
             while self.session.open:
                 interrupt.check()
-                clock.tick(FRAMES_A_SECOND if self._seen else FRAMES_UNSEEN)
+                clock.tick(FRAME_RATE if self._seen else HIDDEN_FRAME_RATE)
                 self._rate = clock.get_fps() or None
-                now = time.perf_counter()  # the clock's own answer is in whole milliseconds
+                now = time.perf_counter()  # more precise than the clock
                 self.frame(now - last)
                 last = now
         except KeyboardInterrupt:
@@ -104,23 +103,22 @@ class Window:
             self.close()
 
     def close(self) -> None:
-        """End everything in an orderly way."""
-        with ExitStack() as closing:  # whatever fails, the rest is closed as well
+        """Close the session and the window."""
+        with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
-            if self.gui is not None:
-                closing.callback(self.gui.close)
+            closing.callback(self.gui.close)
             closing.callback(self._backdrop.close)
             closing.callback(self.session.close)
 
     def frame(self, elapsed: float) -> None:
-        """Do everything that belongs to one frame, `elapsed` seconds after the last."""
+        """Run one frame, `elapsed` seconds after the last."""
         elapsed = min(elapsed, LONGEST_FRAME)
-        self.session.now += elapsed
+        self.session.messages.now += elapsed
         self.take_events()
         self.input.hold(elapsed)
         steps = self.session.advance(elapsed)
         if steps:
-            self.readout.measure(**self.session.frame.facts.stage_times)
+            self.readout.measure(**self.session.frame.stats.stage_times)
         if self._last_step is not None and self.session.engine.steps >= self._last_step:
             self.session.quit()
         caption = f"jostle · {self.session.engine.scene}"
@@ -132,12 +130,12 @@ class Window:
     # Events
 
     def take_events(self) -> None:
-        """Act on everything that has happened to the window."""
+        """Handle all pending events."""
         for event in pygame.event.get():
             self._handle(event)
 
     def _handle(self, event: pygame.event.Event) -> None:
-        taken = self.gui is not None and self.gui.handle(event)
+        taken = self.gui.handle(event)
         if taken or event.type != pygame.MOUSEMOTION:
             self._lively = LIVELY
         if taken:
@@ -154,7 +152,7 @@ class Window:
         else:
             self.input.handle(_in_pixels(event, self.screen.scale))
 
-    # The picture
+    # Drawing
 
     def _resize(self) -> None:
         if self.screen.fit():
@@ -170,58 +168,66 @@ class Window:
             self._draw_all(elapsed)
 
     def _fall_back(self) -> None:
-        """Go on without a graphics card that has failed; the simulation does not notice."""
-        if self.gui is not None:
-            self.gui.close()
+        """Switch to the software painter after the graphics card has failed."""
+        self.gui.close()
         self.screen.fall_back()
         self.session.camera.resize(self.painter.size)
-        if self.gui is not None:
-            self.gui = Gui(self.painter)
+        self.gui = Gui(self.painter)
         self._lively = LIVELY
-        self.session.say("The graphics card has failed; drawing goes on without it.")
+        self.session.messages.say("The graphics card has failed; drawing continues in software.")
 
     def _draw_all(self, elapsed: float) -> None:
         start = time.perf_counter()
         self._draw_scene()
-        self._draw_words()
+        self._draw_overlays()
         drawn = time.perf_counter()
         self.readout.measure(draw=(drawn - start) * 1e3)
         self._draw_panels(elapsed)
-        panels = time.perf_counter() - drawn
-        self.session.statistics.measure(draw=(drawn - start) * 1e3, panels=panels * 1e3)
+        panel_time = time.perf_counter() - drawn
+        self.session.runner.statistics.measure(draw=(drawn - start) * 1e3, panels=panel_time * 1e3)
         self.screen.show()
 
     def _draw_scene(self) -> None:
         session = self.session
-        if session.race:  # of few particles
+        if session.runner.race:  # with few particles
             session.draw(self.painter)
             return
-        frame, shown, picture = session.frame, copy.copy(session.shown), session.picture
+        frame, options, picture = (
+            session.frame,
+            copy.copy(session.view_options),
+            session.runner.picture,
+        )
 
         def draw(painter: Painter, camera: Camera) -> None:
-            picture.draw(painter, frame, camera, shown)
+            picture.draw(painter, frame, camera, options)
 
         self._backdrop.draw(self.painter, session.camera, len(frame), draw)
 
-    def _draw_words(self) -> None:
+    def _draw_overlays(self) -> None:
         session, painter = self.session, self.painter
-        draw_hands(painter, session.frame, session.selection, session.tools.preview, session.camera)
-        if session.why is not None:
-            draw_why(painter, session.why, session.camera)
-        panels = self.gui is not None and self.builders and session.shown.panels
-        if not panels and painter.size[0] >= 2 * SPACE:  # else it would hide the scene
+        draw_interaction(
+            painter,
+            session.frame,
+            session.interaction.selection,
+            session.interaction.tools.preview,
+            session.camera,
+        )
+        if session.explanation is not None:
+            draw_explanation(painter, session.explanation, session.camera)
+        panels_shown = self.builders and session.view_options.panels
+        if not panels_shown and painter.size[0] >= 2 * SPACE:
             self.readout.draw(
                 painter,
                 session.engine,
-                ("frames a second", self._rate),
-                session.now,
-                paused=session.paused,
+                ("FPS", self._rate),
+                session.messages.now,
+                paused=session.runner.paused,
             )
-        if session.notice:
+        if session.message:
             camera = session.camera
             middle = (camera.left + painter.size[0] - camera.right) / 2
-            draw_notice(painter, session.notice, middle)
-        if session.shown.help:
+            draw_notice(painter, session.message, middle)
+        if session.view_options.help:
             draw_help(painter)
         else:
             draw_hint(painter, session.camera.right)
@@ -229,11 +235,11 @@ class Window:
             draw_recording(painter, session.files.recording.seconds, session.camera.right)
 
     def _draw_panels(self, elapsed: float) -> None:
-        """Draw panels and menus; without events they are built anew only every other frame."""
-        if self.gui is None or not self.builders:
+        """Draw panels and menus; without events they are not built in every frame."""
+        if not self.builders:
             return
         self._since_panels += elapsed
-        if not self._lively and self._since_panels < PANELS_EVERY:
+        if not self._lively and self._since_panels < PANEL_INTERVAL:
             self.gui.again()
             return
         with interrupt.held():  # an interrupted frame leaves ImGui in an invalid state
@@ -254,13 +260,3 @@ def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:
         if hasattr(event, name)
     }
     return pygame.event.Event(event.type, {**event.dict, **moved})
-
-
-def _builders() -> list[Builder]:
-    """Return what builds panels and menus, where ImGui is there."""
-    if not gui.available():
-        return []
-    from jostle.app import panels  # they cannot do without it
-    from jostle.app.panels import menus
-
-    return [panels.build, menus.build]

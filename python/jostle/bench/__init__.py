@@ -1,18 +1,18 @@
 """The benchmark: jostle compared with other libraries on this machine.
 
-Other libraries are imported only when they are measured, and only those that are installed
-take part. Modules in reading order:
+Installed libraries are compared, and imported only when they are measured. Modules in reading
+order:
 
 `shapes`
     Scenes for the search of pairs, as plain arrays.
 `timing`
     Interleaved rounds, medians and quartiles.
 `machine`
-    What was measured on, and the file that keeps the figures.
+    The description of the machine, and the file of results.
 `pair_rivals`, `step_rivals`
-    Every way to find pairs, and to simulate discs, that is compared: a few lines each.
+    The compared functions that find pairs, and the compared simulations: a few lines each.
 `pairs`, `steps`, `held`
-    The runners. Each compares the answers first and yields rows of a results file.
+    The runners. Each compares the answers first, and yields rows of a results file.
 `command`
-    What `jostle bench` prints.
+    The output of `jostle bench`.
 """

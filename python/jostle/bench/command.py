@@ -30,48 +30,48 @@ KEPT = (
 
 
 @dataclass(frozen=True)
-class Race:
-    """What is raced on one scene."""
+class Comparison:
+    """A comparison on one scene."""
 
     kind: str
     scene: str
     counts: Sequence[int]
 
     def run(
-        self, rounds: int, threads: Sequence[int], told: Callable[[str], None]
+        self, rounds: int, threads: Sequence[int], report: Callable[[str], None]
     ) -> Iterator[list[Row]]:
         """Yield the rows of each size."""
-        race = pairs.race if self.kind == "pairs" else steps.race
-        return race(self.scene, self.counts, rounds, PATIENCE[self.kind], threads, told=told)
+        compare = pairs.compare if self.kind == "pairs" else steps.compare
+        return compare(self.scene, self.counts, rounds, PATIENCE[self.kind], threads, report=report)
 
 
-def races(largest: int) -> list[Race]:
-    """Return the races up to a number of shapes; steps are raced up to a fifth of it."""
+def comparisons(largest: int) -> list[Comparison]:
+    """Return the comparisons up to a number of shapes; of steps, up to a fifth of it."""
     counts = [SMALLEST * 10**power for power in range(7) if SMALLEST * 10**power < largest]
     counts.append(largest)
     fewer = [count for count in counts if 5 * count <= largest] or counts[:1]
-    return [Race("pairs", scene, counts) for scene in PAIR_SCENES] + [
-        Race("step", scene, fewer) for scene in steps.SCENES
+    return [Comparison("pairs", scene, counts) for scene in PAIR_SCENES] + [
+        Comparison("step", scene, fewer) for scene in steps.SCENES
     ]
 
 
 def bench(
     largest: int, rounds: int, threads: Sequence[int], csv: Path | None, console: Console
 ) -> bool:
-    """Race whatever is installed; Ctrl-C ends the races and shows what was measured.
+    """Compare the installed libraries; Ctrl-C ends the comparison and shows the results so far.
 
     Returns
     -------
     bool
-        Whether it came to its end.
+        Whether it was completed.
 
     Raises
     ------
     OSError
-        Where the file cannot be written; the tables are shown before.
+        If the file cannot be written; the tables are shown before.
     """
-    todo = races(largest)
-    for line in (describe(), who_is_there(), sizes(todo)):
+    todo = comparisons(largest)
+    for line in (describe(), libraries(), sizes(todo)):
         console.print(line, highlight=False, soft_wrap=True)
     results = Results(csv) if csv else None
     finished = _run(todo, rounds, threads, results, console)
@@ -84,7 +84,7 @@ def bench(
 
 
 def _run(
-    todo: Sequence[Race],
+    todo: Sequence[Comparison],
     rounds: int,
     threads: Sequence[int],
     results: Results | None,
@@ -92,60 +92,63 @@ def _run(
 ) -> bool:
     columns = BarColumn(20), TextColumn("{task.description}"), TimeElapsedColumn()
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=sum(len(race.counts) for race in todo))
-        for race in todo:
+        task = bar.add_task("", total=sum(len(comparison.counts) for comparison in todo))
+        for comparison in todo:
             rows: list[Row] = []
             try:
-                for group in race.run(
+                for group in comparison.run(
                     rounds, threads, lambda text: bar.update(task, description=text)
                 ):
                     rows += group
                     if results:
                         with interrupt.held():  # no row is written in part
-                            results.add([_kept(race, row) for row in group])
+                            results.add([_kept(comparison, row) for row in group])
                     bar.advance(task)
             except KeyboardInterrupt:
                 return False
             finally:
                 if rows:
-                    console.print(title(race))
-                    print_whole(table(race, rows), console)
+                    console.print(title(comparison))
+                    print_whole(table(comparison, rows), console)
     return True
 
 
-def _kept(race: Race, row: Row) -> Row:
+def _kept(comparison: Comparison, row: Row) -> Row:
     """Return the columns of the file."""
-    return {"kind": race.kind} | {column: row[column] for column in KEPT}
+    return {"kind": comparison.kind} | {column: row[column] for column in KEPT}
 
 
-def sizes(todo: Sequence[Race]) -> str:
-    """Say how many shapes are raced, and why steps stop earlier."""
+def sizes(todo: Sequence[Comparison]) -> str:
+    """Return the numbers of shapes."""
     most, fewer = todo[0].counts[-1], todo[-1].counts[-1]
     if fewer == most:
         return f"pairs and steps of up to {most:,} shapes"
-    words = "steps, which take longer, are run at up to a fifth of that and at 1,000 at least: here"
-    return f"pairs of up to {most:,} shapes; {words} up to {fewer:,}"
+    return f"pairs of up to {most:,} shapes; steps of up to {fewer:,} (a fifth, at least 1,000)"
 
 
-def who_is_there() -> str:
-    """Say which other libraries take part, and which would if they were installed."""
+def libraries() -> str:
+    """Return the names of the compared libraries, and of those that are not installed."""
     versions = {package: version_of(package) for package in OTHERS}
     there = ", ".join(f"{package} {version}" for package, version in versions.items() if version)
     missing = ", ".join(package for package, version in versions.items() if not version)
-    return f"beside {there or 'nothing'}" + (f"; not installed: {missing}" if missing else "")
+    return f"compared with {there or 'nothing'}" + (
+        f"; not installed: {missing}" if missing else ""
+    )
 
 
-def title(race: Race) -> str:
-    """Say what a table shows."""
-    what = "all pairs" if race.kind == "pairs" else "one step, positions read"
-    return f"\n[bold]{race.scene}[/bold]: {what}; ns a shape (× jostle on one thread)"
+def title(comparison: Comparison) -> str:
+    """Return the title of a table."""
+    what = "all pairs" if comparison.kind == "pairs" else "one step and reading the positions"
+    return f"\n[bold]{comparison.scene}[/bold]: {what}; ns per shape (× jostle on one thread)"
 
 
-def table(race: Race, rows: list[Row]) -> Table:
-    """Show nanoseconds for each shape, and how many times as long as the first row they are."""
+def table(comparison: Comparison, rows: list[Row]) -> Table:
+    """Return nanoseconds per shape, and the ratio to the first row."""
     shown = Table(box=None, padding=(0, 2, 0, 0))
     shown.add_column("", style="cyan", no_wrap=True)
-    counts = [n for n in race.counts if any(row["count"] == n and row["rounds"] for row in rows)]
+    counts = [
+        n for n in comparison.counts if any(row["count"] == n and row["rounds"] for row in rows)
+    ]
     for count in counts:
         shown.add_column(f"{count:,}", justify="right", no_wrap=True)
     lines: dict[str, dict[object, Row]] = {}
@@ -159,7 +162,7 @@ def table(race: Race, rows: list[Row]) -> Table:
 
 
 def label(row: Row) -> str:
-    """Return the name of a row, with its threads, and how positions were read where that tells."""
+    """Return the name of a row, with its threads and the way in which positions are read."""
     threads = "" if row["threads"] == 1 else f", {row['threads']} threads"
     manner = f", {row['manner']}" if row["manner"] in ("batch", "body by body") else ""
     return f"{row['name']}{manner}{threads}"

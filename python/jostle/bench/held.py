@@ -37,22 +37,22 @@ STEPS = (
     91,
 )
 LADDER = tuple(step * 10**power for power in range(1, 6) for step in STEPS)
-"""Numbers of discs, each about a tenth above the last."""
+"""Numbers of discs, each about 10 % above the last."""
 
 BUDGET = ways.FRAME
 HOPELESS = 1.5
-"""A fall that takes so many times the budget a frame does not end in a pile that is held."""
+"""Times the budget per frame; if the fall of a pile takes longer, the pile is not tried."""
 
 TRIES = 3
-"""A number is held if it is in one of so many tries: another program may spoil one."""
+"""A number holds if it does in one of these tries: another process may disturb one."""
 
-Told = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 def largest(holds: Callable[[int], bool], guess: int) -> int:
-    """Return the last step of the ladder that holds, 0 if none does.
+    """Return the largest number of the ladder that holds, 0 if none does.
 
-    Doubles or halves from the guess until the end is between two numbers, then bisects.
+    Doubles or halves from the guess until the limit is bracketed, then bisects.
 
     Examples
     --------
@@ -77,27 +77,31 @@ def largest(holds: Callable[[int], bool], guess: int) -> int:
 
 
 def search(
-    scene: str, threads: int, frames: int = 31, guess: int = 10_000, told: Told = lambda text: None
+    scene: str,
+    threads: int,
+    frames: int = 31,
+    guess: int = 10_000,
+    report: Report = lambda text: None,
 ) -> Row:
-    """Find the largest number of discs whose median frame fits into a sixtieth of a second.
+    """Find the largest number of discs whose median frame takes at most 1/60 s.
 
     Parameters
     ----------
     scene : {"gas", "pile", "article"}
         A gas, a pile at rest, or the article's own program with its tree.
     threads : int
-        How many work on a step.
+        Threads of a step.
     frames : int
-        How many are timed for each number of discs.
+        Timed frames for each number of discs.
     guess : int
-        Where to begin.
-    told : callable
-        Is told what is being done.
+        Initial number.
+    report : callable
+        Called with a description of the progress.
     """
     timings: dict[int, Timing] = {}
 
     def holds(count: int) -> bool:
-        told(f"{scene}, {threads} threads: {count:,}")
+        report(f"{scene}, {threads} threads: {count:,}")
         frame = frame_of(scene, count, threads)
         if frame is None:
             return False
@@ -123,24 +127,24 @@ def search(
 
 
 def frame_of(scene: str, count: int, threads: int) -> Callable[[], object] | None:
-    """Return the frame to be timed; None where there is no hope."""
+    """Return the frame to be timed; None if it is certainly too slow."""
     if scene == "article":
         frame = ways.article(count, "quadtree")
-        for _ in range(60):  # the crowd falls to the floor
+        for _ in range(60):  # the particles fall to the floor
             frame()
         return frame
     start = ways.gas(count) if scene == "gas" else ways.pile(count, HOPELESS * BUDGET)
     return next(iter(ways.jostle_world(start, threads).frames.values())) if start else None
 
 
-def searches(threads: Sequence[int] = (1, 2), told: Told = lambda text: None) -> Iterator[Row]:
-    """Search for the article's tree, then for jostle; how many times as many is a column."""
-    article = search("article", 1, guess=1_000, told=told)
+def searches(threads: Sequence[int] = (1, 2), report: Report = lambda text: None) -> Iterator[Row]:
+    """Search for the article's tree, then for jostle; a column has the ratio."""
+    article = search("article", 1, guess=1_000, report=report)
     base = article["held"]
     yield {**article, "times_article": 1}
     for scene in ("gas", "pile"):
         for number in threads:
-            row = search(scene, number, told=told)
+            row = search(scene, number, report=report)
             held = row["held"]
             assert isinstance(held, int) and isinstance(base, int)
             yield {**row, "times_article": f"{held / base:.1f}" if base else ""}

@@ -19,7 +19,7 @@ Row = dict[str, object]
 
 
 def cpu() -> str:
-    """Return the processor's own name for itself, as far as it gives one."""
+    """Return the name of the processor."""
     info = Path("/proc/cpuinfo")
     if info.exists() and (match := re.search(r"model name\s*:\s*(.+)", info.read_text())):
         return match[1].strip()
@@ -27,7 +27,7 @@ def cpu() -> str:
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -41,12 +41,12 @@ def describe() -> str:
 
 
 def slug() -> str:
-    """Return a file name for this kind of machine."""
+    """Return a file name for this machine."""
     return re.sub(r"[^A-Za-z0-9]+", "-", f"{cpu()} {cores()} cores").strip("-").lower()
 
 
 def version_of(package: str) -> str | None:
-    """Return the installed version of a package, None where it is not installed."""
+    """Return the installed version of a package, or None."""
     if package == "jostle":
         return jostle.__version__
     try:
@@ -56,7 +56,7 @@ def version_of(package: str) -> str | None:
 
 
 class Results:
-    """A CSV file that grows row by row, so that a run that stops early keeps what it has."""
+    """A CSV file written row by row, so that an interrupted run keeps its results."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -64,7 +64,7 @@ class Results:
         self._columns: list[str] = []
 
     def add(self, rows: list[Row]) -> None:
-        """Append rows; the first of all begins the file and names its columns."""
+        """Append rows; the first begins the file with a header."""
         for row in rows:
             whole = {**row, "machine": describe()}
             begins = not self._columns

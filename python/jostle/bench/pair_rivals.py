@@ -1,7 +1,7 @@
-"""All compared libraries that find overlapping pairs, each a function of a few lines.
+"""The compared libraries that find overlapping pairs, each a function of a few lines.
 
-A way gets `Shapes` and returns the pairs as an (m, 2) array, in any order. Whatever it has to
-build or to convert is inside. What it cannot do at all it refuses with `Unable`.
+A function takes `Shapes` and returns the pairs as an (m, 2) array, in any order. Building and
+conversion are included. It raises `Unable` for shapes that it does not support.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Pairs = NDArray[Any]
 
 
 class Unable(Exception):
-    """This way cannot answer for these shapes; the text says why."""
+    """The library does not support these shapes; the text says why."""
 
 
 @dataclass(frozen=True)
 class Rival:
-    """One way to find pairs.
+    """A function that finds pairs.
 
-    `settings` are those among which the best is looked for before anything is timed; `most` is
-    the largest number of shapes it is asked for, where memory sets an end before time does.
+    The best of `settings` is chosen before timing; `most` is the largest number of shapes, limited
+    by memory.
     """
 
     name: str
@@ -52,14 +52,14 @@ def jostle_double(shapes: Shapes, threads: int) -> Pairs:
 
 
 def jostle_single(shapes: Shapes, threads: int) -> Pairs:
-    """In float32, the arithmetic of games; converting is inside."""
+    """In float32; conversion is included."""
     halves = None if shapes.half_sizes is None else shapes.half_sizes.astype(np.float32)
     radii = np.asarray(shapes.radii, np.float32)
     return jostle.find_pairs(shapes.centers.astype(np.float32), radii, halves, threads=threads)
 
 
 def jostle_brute(shapes: Shapes, threads: int) -> Pairs:
-    """All pairs tested, by the same core."""
+    """Test all pairs, in the same core."""
     return jostle.find_pairs(
         shapes.centers, shapes.radii, shapes.half_sizes, method="brute", threads=threads
     )
@@ -69,7 +69,7 @@ def jostle_brute(shapes: Shapes, threads: int) -> Pairs:
 
 
 def scipy_pairs(shapes: Shapes, threads: int, **setting: Any) -> Pairs:
-    """Equal discs: the centres closer than two radii."""
+    """Equal discs: centres closer than two radii."""
     from scipy.spatial import cKDTree
 
     if not shapes.equal:
@@ -79,7 +79,7 @@ def scipy_pairs(shapes: Shapes, threads: int, **setting: Any) -> Pairs:
 
 
 def scipy_balls(shapes: Shapes, threads: int, **setting: Any) -> Pairs:
-    """Discs: each asks for the centres within twice its radius and keeps the smaller discs."""
+    """Discs: one query per disc for centres within twice its radius; smaller discs are kept."""
     from scipy.spatial import cKDTree
 
     if shapes.half_sizes is not None:
@@ -102,7 +102,7 @@ SCIPY_SETTINGS = tuple(
 
 
 def shapely_boxes(shapes: Shapes, threads: int) -> Pairs:
-    """Boxes that meet, in bulk, each pair twice; discs are measured afterwards."""
+    """Boxes that overlap, in bulk, each pair twice; discs are tested afterwards."""
     import shapely
 
     boxes = shapely.box(*shapes.boxes().T)
@@ -112,7 +112,7 @@ def shapely_boxes(shapes: Shapes, threads: int) -> Pairs:
 
 
 def shapely_within(shapes: Shapes, threads: int) -> Pairs:
-    """Discs: each asks for the centres within twice its radius and keeps the smaller discs."""
+    """Discs: one query per disc for centres within twice its radius; smaller discs are kept."""
     import shapely
 
     if shapes.half_sizes is not None:
@@ -134,7 +134,7 @@ VESIN_CELLS = 95_000
 
 
 def matscipy_list(shapes: Shapes, threads: int) -> Pairs:
-    """A cell list in three dimensions, of one layer; a radius for each."""
+    """A cell list in three dimensions, with one layer; a radius for each shape."""
     from matscipy.neighbours import neighbour_list
 
     places, sides, widest = _layer(shapes)
@@ -150,7 +150,7 @@ def matscipy_list(shapes: Shapes, threads: int) -> Pairs:
 
 
 def vesin_list(shapes: Shapes, threads: int, algorithm: str) -> Pairs:
-    """A cell list in three dimensions; one reach for all, so other radii are measured after."""
+    """A cell list in three dimensions with one cutoff; other radii are tested afterwards."""
     from vesin import NeighborList
 
     places, sides, widest = _layer(shapes)
@@ -164,7 +164,7 @@ def vesin_list(shapes: Shapes, threads: int, algorithm: str) -> Pairs:
 
 
 def _layer(shapes: Shapes) -> tuple[Floats, Floats, float]:
-    """Return the centres as points of a flat box from 0 to `sides`, and the widest diameter."""
+    """Return the centres as points of a flat box from 0 to `sides`, and the largest diameter."""
     if shapes.half_sizes is not None:
         raise Unable("discs only")
     low_x, low_y, high_x, high_y = shapes.bounds()
@@ -174,11 +174,11 @@ def _layer(shapes: Shapes) -> tuple[Floats, Floats, float]:
     return places, np.array([high_x - low_x, high_y - low_y, 2 * widest]), widest
 
 
-# ---- quadtrees that are asked shape by shape -----------------------------------------------------
+# ---- quadtrees with one query per shape ----------------------------------------------------------
 
 
 def fastquadtree_queries(shapes: Shapes, threads: int, capacity: int) -> Pairs:
-    """One query for each: points for equal discs, boxes for all else; bounds are fixed."""
+    """One query per shape: points for equal discs, boxes for others; bounds are fixed."""
     from fastquadtree import QuadTree, RectQuadTree
 
     boxes = shapes.boxes()
@@ -193,7 +193,7 @@ def fastquadtree_queries(shapes: Shapes, threads: int, capacity: int) -> Pairs:
 
 
 def pyqtree_queries(shapes: Shapes, threads: int, max_items: int) -> Pairs:
-    """One insertion and one query for each box; bounds are fixed."""
+    """One insertion and one query per box; bounds are fixed."""
     from pyqtree import Index
 
     tree, boxes = Index(shapes.bounds(), max_items=max_items), shapes.boxes().tolist()
@@ -210,10 +210,10 @@ ARTICLE_MAXIMUM = 3
 
 
 def article_tree(shapes: Shapes, threads: int) -> Pairs:
-    """The tree of 2015 in plain Python, without its faults of rounding.
+    """The tree of 2015 in plain Python, without its rounding errors.
 
-    A box of more than three splits, and each child takes whatever overlaps it. The limit of
-    subdivisions, 5 for the article's 500, grows with the number of shapes.
+    A box of more than three shapes splits; each child contains all shapes that overlap it. The
+    depth limit, 5 for the article's 500, grows with the number of shapes.
     """
     boxes, limit = shapes.boxes().tolist(), 5
     while 4**limit < 2 * len(shapes):
@@ -242,16 +242,16 @@ def article_tree(shapes: Shapes, threads: int) -> Pairs:
 
 
 def numpy_brute(shapes: Shapes, threads: int) -> Pairs:
-    """All pairs tested in NumPy, as a program does that has no library."""
+    """Test all pairs in NumPy, without a library."""
     i, j = np.triu_indices(len(shapes), 1)
     return _touching(shapes, i, j)
 
 
-# ---- what several of them need -------------------------------------------------------------------
+# ---- shared functions ----------------------------------------------------------------------------
 
 
 def _flattened(hits: Iterable[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Turn the hits of query 0, 1, … into two columns: query and hit."""
+    """Return the hits of query 0, 1, … as two columns: query and hit."""
     lists = list(hits)
     counts = np.fromiter(map(len, lists), np.int64, len(lists))
     total = int(counts.sum())
@@ -263,7 +263,7 @@ def _flattened(hits: Iterable[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64
 
 
 def _touching(shapes: Shapes, i: NDArray[Any], j: NDArray[Any]) -> Pairs:
-    """Keep the pairs that really overlap."""
+    """Return the pairs that overlap."""
     apart = shapes.centers[i] - shapes.centers[j]
     if shapes.half_sizes is not None:
         reach = shapes.half_sizes[i] + shapes.half_sizes[j]

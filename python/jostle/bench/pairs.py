@@ -17,28 +17,27 @@ from jostle.bench.pair_rivals import RIVALS, Pairs, Rival, Unable
 from jostle.bench.shapes import Shapes
 from jostle.bench.timing import Timing, clock, interleaved
 
-__all__ = ["Disagreement", "installed", "race"]
+__all__ = ["Disagreement", "compare", "installed"]
 
-Told = Callable[[str], None]
+Report = Callable[[str], None]
 
 SWEEP_MOST = 30_000
-"""Settings are compared on scenes up to this size; larger scenes take over what won there."""
+"""Settings are compared on scenes up to this size; larger scenes use the best of these."""
 
 ONCE = 4
-"""What takes up to so many times the patience is timed once; the rest is not tried."""
+"""Times the patience: a slower library is not tried."""
 
 SLACK = 1e-6
-"""Pairs that touch to this share of the largest coordinate, which is about the last bit of a
-float32, may be in one answer and not in another."""
+"""Relative tolerance, about the precision of float32: pairs with a smaller gap may differ."""
 
 
 class Disagreement(Exception):
-    """Two ways to find pairs do not give the same set."""
+    """Two libraries find different pairs."""
 
 
 @dataclass
 class Entrant:
-    """A rival with a number of threads, and what is known of it so far in a scene."""
+    """A rival with a number of threads, and its results so far in a scene."""
 
     rival: Rival
     threads: int
@@ -51,23 +50,23 @@ class Entrant:
         return self.rival.name + (f", {self.threads} threads" if self.threads > 1 else "")
 
     def call(self, shapes: Shapes) -> Callable[[], Pairs]:
-        """Return its search, ready to be timed."""
+        """Return its search as a function to be timed."""
         return partial(self.rival.find, shapes, self.threads, **self.setting)
 
 
 def installed() -> list[Rival]:
-    """Return the rivals whose packages are there."""
+    """Return the rivals whose packages are installed."""
     return [rival for rival in RIVALS if version_of(rival.package) is not None]
 
 
-def race(
+def compare(
     scene: str,
     counts: Sequence[int],
     rounds: int = 9,
     patience: float = 1.0,
     threads: Sequence[int] = (1, 2),
     rivals: Sequence[Rival] | None = None,
-    told: Told = lambda text: None,
+    report: Report = lambda text: None,
 ) -> Iterator[list[Row]]:
     """Compare and time every rival on one scene, and yield the rows of each size.
 
@@ -78,16 +77,15 @@ def race(
     counts : sequence of int
         Numbers of shapes, ascending.
     rounds : int
-        How often each is timed.
+        Number of timings of each.
     patience : float
-        Seconds. One that needs longer for an answer is timed once; one that would need `ONCE` times
-        as long is left out.
+        Seconds. Slower rivals are timed once; those slower by a factor of `ONCE` are omitted.
     threads : sequence of int
-        Numbers of threads, for those that have a choice.
+        Numbers of threads, for rivals with several.
     rivals : sequence of Rival, optional
-        All that are installed if not given; the first says what is right.
-    told : callable
-        Is told what is being done.
+        All installed ones if not given; the first is the reference.
+    report : callable
+        Called with a description of the progress.
     """
     entrants = [
         Entrant(rival, number, rival.settings[0])
@@ -103,7 +101,7 @@ def race(
         for entrant in entrants:
             row = begin(entrant, shapes, len(expected))
             rows.append(row)
-            told(f"{scene}, {count:,}: {entrant.name}")
+            report(f"{scene}, {count:,}: {entrant.name}")
             if entrant.seconds_a_shape * count > ONCE * patience or count > entrant.rival.most:
                 row["note"] = "not tried at this size"
                 continue
@@ -120,7 +118,7 @@ def race(
             else:
                 timed.append((entrant, row))
                 calls.append(entrant.call(shapes))
-        told(f"{scene}, {count:,}: {rounds} rounds of {len(calls)}")
+        report(f"{scene}, {count:,}: {rounds} rounds of {len(calls)}")
         for (entrant, row), timing in zip(timed, interleaved(calls, rounds), strict=True):
             row |= timing.columns()
             entrant.seconds_a_shape = timing.median / count
@@ -128,13 +126,13 @@ def race(
 
 
 def warm(entrant: Entrant, scene: str) -> None:
-    """Let a rival import what it needs."""
+    """Let a rival import its library."""
     with suppress(Unable):
         entrant.call(scenes.create(scene, 20))()
 
 
 def begin(entrant: Entrant, shapes: Shapes, pairs: int) -> Row:
-    """Return the row of a rival that has not been timed yet."""
+    """Return the row of a rival before timing."""
     return {
         "scene": shapes.scene,
         "count": len(shapes),
@@ -153,7 +151,7 @@ def begin(entrant: Entrant, shapes: Shapes, pairs: int) -> Row:
 
 
 def check(entrant: Entrant, shapes: Shapes, expected: NDArray[np.int64]) -> float:
-    """Stop unless the answer is the expected set; return how long it took."""
+    """Raise an exception unless the answer is the expected set; return its time."""
     answer: list[Pairs] = []
     took = clock(lambda: answer.append(entrant.call(shapes)()))
     found = keys(answer[0], len(shapes))
@@ -176,13 +174,13 @@ def check(entrant: Entrant, shapes: Shapes, expected: NDArray[np.int64]) -> floa
 
 
 def keys(pairs: Pairs, count: int) -> NDArray[np.int64]:
-    """Return one number for each pair, sorted, whatever the order of the answer."""
+    """Return one number for each pair, sorted."""
     whole = np.asarray(pairs).reshape(-1, 2).astype(np.int64)
     return np.sort(whole.min(axis=1) * count + whole.max(axis=1))
 
 
 def sweep(entrant: Entrant, shapes: Shapes) -> None:
-    """Take the setting that is best for these shapes."""
+    """Choose the best setting for these shapes."""
     if len(entrant.rival.settings) == 1 or len(shapes) > SWEEP_MOST:
         return
     tried = [
@@ -195,5 +193,5 @@ def sweep(entrant: Entrant, shapes: Shapes) -> None:
 
 
 def written(setting: Mapping[str, Any]) -> str:
-    """Write a setting as the arguments of a call."""
+    """Return a setting as the arguments of a call."""
     return ", ".join(f"{name}={value}" for name, value in setting.items())

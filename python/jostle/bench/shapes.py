@@ -1,7 +1,6 @@
-"""Scenes for the search of pairs: seeded, of any size, and as plain arrays.
+"""Scenes for the search of pairs: seeded, of any size, as plain arrays.
 
-Every number is a float32 held in float64, so that all libraries see the same shapes whatever
-arithmetic they use.
+Every number is a float32 stored as float64, so all libraries get the same shapes in any precision.
 """
 
 from __future__ import annotations
@@ -18,12 +17,12 @@ __all__ = ["SCENES", "Floats", "Shapes", "create"]
 Floats = NDArray[np.float64]
 
 COVERAGE = 0.4
-"""Share of the area that the shapes cover, all summed up."""
+"""Fraction of the area that the shapes cover."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """Discs, or rectangles where `half_sizes` is given.
+    """Discs, or rectangles if `half_sizes` is given.
 
     `radii` is one number for equal discs and a column otherwise.
     """
@@ -51,14 +50,14 @@ class Shapes:
         return np.hstack([self.centers - reach, self.centers + reach])
 
     def bounds(self) -> tuple[float, float, float, float]:
-        """Return a box with a little room around them all."""
+        """Return bounds of all shapes, with a margin."""
         boxes = self.boxes()
         low, high = boxes[:, :2].min(axis=0) - 1.0, boxes[:, 2:].max(axis=0) + 1.0
         return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def create(scene: str, count: int, seed: int = 0) -> Shapes:
-    """Make a scene of so many shapes.
+    """Make a scene of `count` shapes.
 
     Examples
     --------
@@ -70,7 +69,7 @@ def create(scene: str, count: int, seed: int = 0) -> Shapes:
 
 
 def discs(count: int, random: Generator) -> Shapes:
-    """Equal discs, uniform over a square, 40 % of which they cover."""
+    """Equal discs, uniform over a square, of which they cover 40 %."""
     side = np.sqrt(count * np.pi * 0.25 / COVERAGE)
     return Shapes("discs", _single(random.random((count, 2)) * side), 0.5)
 
@@ -84,9 +83,9 @@ def mixed(count: int, random: Generator) -> Shapes:
 
 
 def clusters(count: int, random: Generator) -> Shapes:
-    """Twelve Gaussian clusters of equal discs, the densest a thousand times as dense as the last.
+    """Twelve Gaussian clusters of equal discs, with densities from 1 to 1/1000.
 
-    The world is twenty times as wide as the widest of them.
+    The world is twenty times as wide as the widest cluster.
     """
     kinds = 12
     coverages = np.geomspace(2.0, 0.002, kinds)
@@ -98,14 +97,14 @@ def clusters(count: int, random: Generator) -> Shapes:
 
 
 def rectangles(count: int, random: Generator) -> Shapes:
-    """Rectangles with sides from 1 to 50, each length as likely as any other by its logarithm."""
+    """Rectangles with sides from 1 to 50, uniform in the logarithm."""
     half_sizes = _single(0.5 * 50 ** random.random((count, 2)))
     side = np.sqrt(4 * float(np.sum(np.prod(half_sizes, axis=1))) / COVERAGE)
     return Shapes("rectangles", _single(random.random((count, 2)) * side), 0.0, half_sizes)
 
 
 def points(count: int, random: Generator) -> Shapes:
-    """Points of the unit square that lie within 2 / sqrt(count): a million within 0.002."""
+    """Points of the unit square with a distance below 2 / sqrt(count): 0.002 for a million."""
     radius = float(np.float32(1.0 / np.sqrt(count)))
     return Shapes("points", _single(random.random((count, 2))), radius)
 

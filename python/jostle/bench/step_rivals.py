@@ -1,4 +1,4 @@
-"""All compared simulations of discs, each a `Running` made from the same initial state."""
+"""The compared simulations of discs, each made from the same initial state."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from jostle.bench.timing import clock
 
 __all__ = [
     "FRAME",
-    "Beginning",
-    "Running",
+    "InitialState",
+    "RunningSimulation",
     "article",
     "box2d_world",
     "gas",
@@ -28,20 +28,20 @@ __all__ = [
 ]
 
 FRAME = 1 / 60
-"""Seconds that a frame advances."""
+"""Simulated seconds per frame."""
 
 SETTLED = 3.0
-"""A pile rests when its discs move at less than this many pixels a second, root mean square."""
+"""Pixels per second: a pile is at rest below this root mean square speed."""
 
 LONGEST_FALL = 15 * 60
-"""Frames after which a pile is taken as it is."""
+"""Frames after which a pile is used in any state."""
 
 Column = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
-class Beginning:
-    """Discs in a box, as columns."""
+class InitialState:
+    """The initial state: discs in a box, as columns."""
 
     positions: Column
     velocities: Column
@@ -57,21 +57,21 @@ class Beginning:
 
 
 @dataclass(frozen=True)
-class Running:
-    """A simulation; each way of `frames` advances it by one frame and reads all positions."""
+class RunningSimulation:
+    """A simulation; each function of `frames` advances it by one frame and reads all positions."""
 
     frames: dict[str, Callable[[], object]]
     state: Callable[[], tuple[Column, Column]]
-    """Positions and velocities, in the order of the beginning."""
+    """Positions and velocities, in the order of the initial state."""
     close: Callable[[], object] = lambda: None
     """Called when the simulation is no longer needed."""
 
 
-def begun(world: jostle.World) -> Beginning:
-    """Return a world's columns."""
+def state_of(world: jostle.World) -> InitialState:
+    """Return the present state of a world."""
     box = world.container
     assert isinstance(box, jostle.Box)
-    return Beginning(
+    return InitialState(
         world.positions,
         world.velocities,
         world.radii,
@@ -84,29 +84,29 @@ def begun(world: jostle.World) -> Beginning:
 
 
 @cache
-def gas(count: int) -> Beginning:
-    """Return elastic discs over 40 % of a box, mixed for a second."""
+def gas(count: int) -> InitialState:
+    """Return elastic discs that cover 40 % of a box, after one second."""
     world = jostle.scenes.create("gas", n=count)
     world.step(FRAME, 60)
-    return begun(world)
+    return state_of(world)
 
 
 @cache
-def pile(count: int, patience: float = math.inf) -> Beginning | None:
+def pile(count: int, patience: float = math.inf) -> InitialState | None:
     """Return discs of radius 5 to 10 that fell and came to rest.
 
-    None where the frames of the fall take more than `patience` seconds from the beginning.
+    None if the first frames of the fall take more than `patience` seconds.
     """
     world = jostle.scenes.create("pile", n=count)
     world.sleeping = False
     slow = 0
     for passed in range(0, LONGEST_FALL, 10):
         slow += clock(lambda: world.step(FRAME, 10)) > 10 * patience
-        if slow == 3 and passed < 50:  # once may be another program's doing
+        if slow == 3 and passed < 50:  # another process may cause one
             return None
         if passed >= 60 and speed(world.velocities) < SETTLED:
             break
-    return begun(world)
+    return state_of(world)
 
 
 def speed(velocities: Column) -> float:
@@ -114,8 +114,8 @@ def speed(velocities: Column) -> float:
     return float(np.sqrt(np.mean(np.einsum("ij,ij->i", velocities, velocities))))
 
 
-def resumed(start: Beginning, threads: int) -> jostle.World:
-    """Return a world that goes on from a beginning."""
+def resumed(start: InitialState, threads: int) -> jostle.World:
+    """Return a world that continues from an initial state."""
     return jostle.World(
         start.positions,
         start.velocities,
@@ -130,8 +130,8 @@ def resumed(start: Beginning, threads: int) -> jostle.World:
     )
 
 
-def jostle_world(start: Beginning, threads: int, method: str = "quadtree") -> Running:
-    """Our world, all positions read as one array."""
+def jostle_world(start: InitialState, threads: int, method: str = "quadtree") -> RunningSimulation:
+    """Build jostle's world; all positions are read as one array."""
     world = resumed(start, threads)
     world.method = "brute" if method == "brute" else "quadtree"
 
@@ -139,15 +139,15 @@ def jostle_world(start: Beginning, threads: int, method: str = "quadtree") -> Ru
         world.step(FRAME)
         return world.positions
 
-    return Running({"positions": frame}, lambda: (world.positions, world.velocities))
+    return RunningSimulation({"positions": frame}, lambda: (world.positions, world.velocities))
 
 
 def pymunk_space(
-    start: Beginning, threads: int, hashed: bool = False, substeps: int | None = None
-) -> Running:
-    """Build pymunk's world: bodies that cannot turn, no friction, no sleeping, as many sub-steps.
+    start: InitialState, threads: int, hashed: bool = False, substeps: int | None = None
+) -> RunningSimulation:
+    """Build pymunk's world: no rotation, no friction, no sleeping, the same number of sub-steps.
 
-    `hashed` chooses its other index, which its documents advise for many objects of one size.
+    `hashed` chooses its spatial hash, which is recommended for many objects of one size.
     """
     import pymunk
     import pymunk.batch
@@ -201,8 +201,8 @@ def pymunk_space(
         )
 
     def close() -> None:
-        # Its own clearing up goes through all contacts for each body: minutes for 200,000. So the
-        # memory is left to the end of the program.
+        # Its destructor visits all contacts for each body: minutes for 200,000. So the memory is
+        # released at the end of the program.
         from pymunk._chipmunk_cffi import ffi
 
         shapes = [shape for body in bodies for shape in body.shapes]
@@ -210,17 +210,17 @@ def pymunk_space(
         for handle in (space._space, *handles):
             ffi.gc(handle, None)
 
-    return Running({"body by body": frame_by_body, "batch": frame_by_batch}, state, close)
+    return RunningSimulation({"body by body": frame_by_body, "batch": frame_by_batch}, state, close)
 
 
 def box2d_world(
-    start: Beginning, threads: int, pixels: float = 10.0, substeps: int | None = None
-) -> Running:
+    start: InitialState, threads: int, pixels: float = 10.0, substeps: int | None = None
+) -> RunningSimulation:
     """Build the world of pyb2d3, which is Box2D v3: no rotation, no friction, no sleeping.
 
-    The margins and tolerances of Box2D are lengths in metres. `pixels` is the number of pixels in
-    a metre; a frame converts the positions that it reads. Continuous collision, which is only for
-    walls here, is switched off: the walls are thick.
+    The margins and tolerances of Box2D are lengths in metres. `pixels` is the number of pixels per
+    metre; a frame converts the positions that it reads. Continuous collision, here only with walls,
+    is off: the walls are thick.
     """
     import pyb2d3
 
@@ -259,13 +259,13 @@ def box2d_world(
     def state() -> tuple[Column, Column]:
         return bodies.get_positions() * pixels, bodies.get_linear_velocities() * pixels
 
-    return Running({"batch": frame}, state)
+    return RunningSimulation({"batch": frame}, state)
 
 
 def walls(
     box: tuple[float, float, float, float],
 ) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """Return the middle lines of four walls, 200 thick, around a box."""
+    """Return the centre lines of four walls, 200 thick, around a box."""
     low_x, low_y, high_x, high_y = box[0] - 100, box[1] - 100, box[2] + 100, box[3] + 100
     corners = [(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)]
     return list(zip(corners, corners[1:] + corners[:1], strict=True))

@@ -11,19 +11,19 @@ import numpy as np
 import jostle
 from jostle.bench import step_rivals as ways
 from jostle.bench.machine import Row, version_of
-from jostle.bench.step_rivals import Beginning, Column, Running
+from jostle.bench.step_rivals import Column, InitialState, RunningSimulation
 from jostle.bench.timing import Call, clock, interleaved
 
-__all__ = ["SCENES", "race"]
+__all__ = ["SCENES", "compare"]
 
 SCENES = ("gas", "pile")
 
 CHECKED_FRAMES = 60
-"""Frames after which speeds and contacts are compared: a second."""
+"""Frames after which speeds and contacts are compared: one second."""
 
 COMPARED_MOST = 20_000
-"""Simulations, and the settings of each, are compared up to this size. Larger scenes take over the
-setting that won there, and are only run in."""
+"""Results, and the settings of each simulation, are compared up to this size. Larger scenes use the
+best setting of these, and are only run in."""
 
 RUN_IN_FRAMES = 10
 
@@ -31,37 +31,37 @@ NEAR = 1.02
 """Discs count as touching up to this many times the sum of their radii."""
 
 ENERGY_TOLERANCE = 0.05
-"""A simulation that gains or loses more than this share of the energy of a gas gets a note."""
+"""A simulation that changes the energy of a gas by more than this fraction gets a note."""
 
 FALL = 0.12
-"""This share of the patience may a frame take while a pile falls, for that takes hundreds."""
+"""Fraction of the patience per frame while a pile falls, which takes hundreds of frames."""
 
-Told = Callable[[str], None]
-Make = Callable[[Beginning], Running]
+Report = Callable[[str], None]
+Make = Callable[[InitialState], RunningSimulation]
 
 
 @dataclass
 class Entrant:
-    """A simulation with a number of threads, and what is known of it so far."""
+    """A simulation with a number of threads, and its results so far."""
 
     name: str
     package: str
     threads: int
     make: Make
     settings: dict[str, Make] = field(default_factory=dict)
-    """What it may choose from, by name; the first is `make`, and the fastest replaces it."""
+    """Choices by name; the first is `make`, and the fastest replaces it."""
     substeps: int | None = None
-    """As many as the others take if None."""
+    """The same number as the others if None."""
     seconds_a_disc: float = 0.0
 
     @property
     def setting(self) -> str:
-        """The name of the setting that is taken."""
+        """The name of the chosen setting."""
         return next((name for name, make in self.settings.items() if make is self.make), "")
 
 
 def entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
-    """Yield all that are installed; the first says what is right."""
+    """Yield all installed simulations; the first is the reference."""
     for number in threads:
         yield Entrant("jostle", "jostle", number, partial(ways.jostle_world, threads=number))
     brute = partial(ways.jostle_world, threads=1, method="brute")
@@ -82,7 +82,7 @@ def pymunk_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
 
     for number in sorted({min(number, 2) for number in threads}):
         yield entrant("pymunk", number)
-    if scene == "pile":  # as its users do it: the frame in one piece
+    if scene == "pile":  # the usual choice of its users
         yield entrant("pymunk, one sub-step", 1, substeps=1)
 
 
@@ -102,23 +102,23 @@ def box2d_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
 
     for number in threads:
         yield entrant("pyb2d3", number)
-    if scene == "gas":  # as its documents advise; a pile has four anyway
+    if scene == "gas":  # as its documents recommend; a pile has four
         for number in threads:
             yield entrant("pyb2d3, four sub-steps", number, substeps=4)
 
 
-def race(
+def compare(
     scene: str,
     counts: Sequence[int],
     rounds: int = 9,
     patience: float = 1.0,
     threads: Sequence[int] = (1, 2),
-    told: Told = lambda text: None,
+    report: Report = lambda text: None,
 ) -> Iterator[list[Row]]:
     """Compare and time one frame of every simulation, and yield the rows of each size.
 
-    The article's programs run beside the gas, each with as many of its own particles, at its own
-    density and by its own rules.
+    For the gas the article's programs are timed, too, each with the same number of its own
+    particles, at its own density and with its own rules.
 
     Parameters
     ----------
@@ -127,33 +127,33 @@ def race(
     counts : sequence of int
         Numbers of discs, ascending.
     rounds : int
-        How often each is timed.
+        Number of timings of each.
     patience : float
-        Seconds. One whose frame takes longer is left out.
+        Seconds. A simulation whose frame takes longer is omitted.
     threads : sequence of int
         Numbers of threads.
-    told : callable
-        Is told what is being done.
+    report : callable
+        Called with a description of the progress.
     """
     everyone = list(entrants(scene, threads))
     for count in counts:
-        told(f"{scene}, {count:,}: the beginning")
+        report(f"{scene}, {count:,}: initial state")
         start = ways.gas(count) if scene == "gas" else ways.pile(count, FALL * patience)
         if start is None:  # it would take too long to fall
             return
         rows: list[Row] = []
         timed: list[tuple[Row, Call, Entrant | None]] = []
-        everything: list[Running] = []
+        everything: list[RunningSimulation] = []
         for entrant in everyone:
             row = begin(scene, start, entrant)
             if entrant.seconds_a_disc * count > patience:
                 rows.append({**row, "note": "not tried at this size"})
                 continue
-            told(f"{scene}, {count:,}: {entrant.name}, compared")
+            report(f"{scene}, {count:,}: {entrant.name}, compared")
             running = at_its_best(entrant, start).make(start)
             everything.append(running)
             for frame in running.frames.values():
-                frame()  # the first finds all contacts anew
+                frame()  # the first finds all contacts
             slowest = max(clock(frame) for frame in running.frames.values())
             entrant.seconds_a_disc = slowest / count
             if slowest > patience:
@@ -174,19 +174,19 @@ def race(
                     row["note"] = "too slow at this size"
                 else:
                     timed.append((row, old_frame, None))
-        told(f"{scene}, {count:,}: {rounds} rounds of {len(timed)}")
+        report(f"{scene}, {count:,}: {rounds} rounds of {len(timed)}")
         timings = interleaved([frame for _, frame, _ in timed], rounds)
-        for (row, _, raced), timing in zip(timed, timings, strict=True):
+        for (row, _, timed_entrant), timing in zip(timed, timings, strict=True):
             row |= timing.columns()
-            if raced is not None:
-                raced.seconds_a_disc = timing.median / count
+            if timed_entrant is not None:
+                timed_entrant.seconds_a_disc = timing.median / count
         for running in everything:
             running.close()
         yield rows
 
 
-def begin(scene: str, start: Beginning, entrant: Entrant) -> Row:
-    """Return the row of a simulation that has not been timed yet."""
+def begin(scene: str, start: InitialState, entrant: Entrant) -> Row:
+    """Return the row of a simulation before timing."""
     return {
         "scene": scene,
         "count": len(start),
@@ -207,7 +207,7 @@ def begin(scene: str, start: Beginning, entrant: Entrant) -> Row:
 
 
 def article_row(scene: str, count: int, method: str) -> tuple[Row, Call | None]:
-    """Return a row for the article's program and its frame; no frame where there is no hope."""
+    """Return a row for the article's program and its frame; None if it is certainly too slow."""
     name = "the article's tree" if method == "quadtree" else "the article's brute force"
     start = ways.gas(1)
     row = begin(scene, start, Entrant(name, "jostle", 1, partial(ways.jostle_world, threads=1)))
@@ -216,11 +216,10 @@ def article_row(scene: str, count: int, method: str) -> tuple[Row, Call | None]:
     return row, ways.article(count, method) if count <= most else None
 
 
-def after_a_second(running: Running, start: Beginning) -> Row:
-    """Run for a second; return how fast the discs then are, which pairs touch, and what is wrong.
+def after_a_second(running: RunningSimulation, start: InitialState) -> Row:
+    """Run for one second; return the speed of the discs, the number of contacts, and errors.
 
-    Positions of the same disc are not compared: the motion is chaotic. Large scenes are only run
-    in: nothing is returned.
+    Positions are not compared: the motion is chaotic. For large scenes nothing is returned.
     """
     frame = next(reversed(running.frames.values()))
     compared = len(start) <= COMPARED_MOST
@@ -235,8 +234,8 @@ def after_a_second(running: Running, start: Beginning) -> Row:
     return {"rms_speed": f"{ways.speed(velocities):.2f}", "contacts": contacts, "note": note}
 
 
-def stands_still(running: Running, start: Beginning) -> bool:
-    """Return whether most discs of a gas are where they began.
+def stands_still(running: RunningSimulation, start: InitialState) -> bool:
+    """Return whether most discs of a gas have not moved.
 
     With one thread, Box2D 3 moves none of 200,000 discs.
     """
@@ -247,10 +246,10 @@ def stands_still(running: Running, start: Beginning) -> bool:
     return bool(moved.mean() < 0.5)
 
 
-def faults(start: Beginning, positions: Column, velocities: Column) -> Iterator[str]:
-    """Yield a note for discs outside the box, and one for energy that a gas gained or lost.
+def faults(start: InitialState, positions: Column, velocities: Column) -> Iterator[str]:
+    """Yield a note for discs outside the box, and one for a change of the energy of a gas.
 
-    Only centres are compared with the box: some engines let a disc overlap a wall.
+    Only centres are compared with the box: in some engines discs overlap walls.
     """
     low, high = start.box[:2], start.box[2:]
     inside = np.all((positions >= low) & (positions <= high), axis=1)
@@ -262,13 +261,13 @@ def faults(start: Beginning, positions: Column, velocities: Column) -> Iterator[
             yield f"{100 * share:.0f} % of the energy is left"
 
 
-def energy(start: Beginning, velocities: Column) -> float:
+def energy(start: InitialState, velocities: Column) -> float:
     """Return the kinetic energy."""
     return float(0.5 * start.masses @ np.einsum("ij,ij->i", velocities, velocities))
 
 
-def at_its_best(entrant: Entrant, start: Beginning) -> Entrant:
-    """Let a simulation that has a choice of settings take the fastest one for these discs."""
+def at_its_best(entrant: Entrant, start: InitialState) -> Entrant:
+    """Choose the fastest setting of a simulation for these discs."""
     if len(entrant.settings) > 1 and len(start) <= COMPARED_MOST:
         tried = [make(start) for make in entrant.settings.values()]
         frames = [next(reversed(running.frames.values())) for running in tried]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 __all__ = ["Timing", "clock", "interleaved"]
 
 LEAST_SECONDS = 1e-3
-"""What is quicker is called so often in a round that the clock can see it."""
+"""Seconds of a measurement; faster calls are repeated in a round."""
 
 Call = Callable[[], object]
 

@@ -1,6 +1,6 @@
-"""Measures which settings find the pairs of a scene fastest, as the article advises.
+"""Measures the settings that find the pairs of a scene fastest.
 
-In reading order: `timing` is the protocol and knows no tree; `sample` the shapes of a scene;
-`contenders` what is timed; `sweep` which settings, in which order; `report`, `records`
-(the CSV) and `pictures` show what came of it; `command` is the way through all of them.
+In reading order: `timing` is the protocol, independent of trees; `sample` the shapes of a scene;
+`candidates` the timed calls; `sweep` the order of the settings; `findings` the conclusions;
+`report`, `records` (CSV) and `pictures` the output; `command` runs all of them.
 """

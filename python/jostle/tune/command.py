@@ -10,7 +10,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from jostle.tables import print_whole
 from jostle.tune import records
-from jostle.tune.contenders import Work
+from jostle.tune.candidates import Work
 from jostle.tune.report import report, title
 from jostle.tune.sweep import QUICK, THOROUGH, Tuner, Tuning
 
@@ -30,25 +30,25 @@ def tune(
     quick: bool = False,
     seed: int = 0,
 ) -> bool:
-    """Run all sweeps, and show what came of it; Ctrl-C ends the sweeps and shows the rest.
+    """Run all sweeps, and show the results; Ctrl-C ends the sweeps and shows the rest.
 
     Parameters
     ----------
     scene, n, seed
-        Which particles.
+        The particles.
     out
-        A folder, made when there is something to write; the files are named for the scene.
+        A folder, made when there are results; the files are named after the scene.
     console
-        Where progress, tables and the names of the files go.
+        Output of progress, tables and names of the files.
     work, threads
-        What is timed: finding pairs or a whole step; on how many threads, None for all cores.
+        The timed call, the search for pairs or a step, and its threads, None for all cores.
     rounds, quick
-        How much effort is made.
+        Number of rounds, and whether to use the smaller effort.
 
     Returns
     -------
     bool
-        Whether it came to its end.
+        Whether it was completed.
     """
     effort = QUICK if quick else THOROUGH
     if rounds is not None:
@@ -65,7 +65,7 @@ def tune(
         console.print(NOTHING)
         return False
     if not finished:
-        console.print("Stopped. What was measured until then:")
+        console.print("Stopped. Results so far:")
     *parts, last = [*report(tuning)] or [""]
     for part in parts:
         if isinstance(part, str):
@@ -82,7 +82,7 @@ def tune(
 
 
 def files(scene: str, work: Work, out: Path) -> list[Path]:
-    """Return what a tuning writes: the CSV, the map and the curves."""
+    """Return the files of a tuning: the CSV, the map and the curves."""
     stem = scene if work == "pairs" else f"{scene}-step"
     return [out / f"tune-{stem}{end}" for end in (".csv", "-settings.png", "-particles.png")]
 
@@ -115,7 +115,7 @@ def _sweep(tuner: Tuner, console: Console) -> bool:
 
 
 def _write(tuning: Tuning, out: Path) -> list[tuple[str, Path]]:
-    """Write the CSV and the pictures that there is something to show in."""
+    """Write the CSV and the pictures that have data."""
     from jostle.tune import pictures
 
     table, *images = files(tuning.scene, tuning.work, out)

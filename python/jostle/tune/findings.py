@@ -1,11 +1,11 @@
-"""Conclusions from the measurements: where curves cross, how many particles fit into a frame."""
+"""Conclusions from the measurements: crossings of curves, particles within a frame time."""
 
 from __future__ import annotations
 
 import math
 from itertools import pairwise
 
-from jostle.tune.contenders import Method
+from jostle.tune.candidates import Method
 from jostle.tune.sweep import Outcomes, Tuning
 from jostle.tune.timing import Outcome, Ratio, compare
 
@@ -24,7 +24,7 @@ def curve(counts: Outcomes, method: Method) -> Curve:
 
 
 def particles_within(points: Curve, seconds: float = FRAME) -> float | None:
-    """Return how many particles a time is enough for; None where all measured ones fit into it."""
+    """Return the number of particles within a time; None if all measured numbers are."""
     for (n1, t1), (n2, t2) in pairwise(points):
         if t1 <= seconds < t2:
             return math.exp(_between(math.log(seconds), (math.log(t1), math.log(t2)), (n1, n2)))
@@ -32,7 +32,7 @@ def particles_within(points: Curve, seconds: float = FRAME) -> float | None:
 
 
 def crossing(counts: Outcomes) -> float | None:
-    """Return the number of particles from which on the tree is faster than brute force."""
+    """Return the number of particles above which the tree is faster than brute force."""
     brute = dict(curve(counts, "brute force"))
     both = [(n, math.log(t / brute[n])) for n, t in curve(counts, "quadtree") if n in brute]
     for (n1, lead1), (n2, lead2) in reversed(list(pairwise(both))):
@@ -42,13 +42,13 @@ def crossing(counts: Outcomes) -> float | None:
 
 
 def _between(at: float, ends: tuple[float, float], counts: tuple[int, int]) -> float:
-    """Return the logarithm of a count, on the straight line between two known ones."""
+    """Return the logarithm of a count, by linear interpolation."""
     share = (at - ends[0]) / (ends[1] - ends[0])
     return math.log(counts[0]) + share * (math.log(counts[1]) - math.log(counts[0]))
 
 
 def size_gain(tuning: Tuning, world_size: float) -> tuple[Outcome, int, Ratio] | None:
-    """Return of one world size the default's outcome, the best leaf capacity, and its gain."""
+    """Return, for one world size, the default's outcome, the best leaf capacity and its gain."""
     here = {
         setting.leaf_capacity: outcome
         for setting, outcome in tuning.sizes.items()
@@ -62,6 +62,6 @@ def size_gain(tuning: Tuning, world_size: float) -> tuple[Outcome, int, Ratio] |
 
 
 def two_digits(value: float) -> int:
-    """Return a number of particles in the two digits that tell."""
+    """Return a number with two significant digits."""
     unit = 10 ** max(math.floor(math.log10(value)) - 1, 0)
     return int(round(value / unit) * unit)

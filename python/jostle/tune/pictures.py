@@ -1,6 +1,6 @@
 """The pictures: a map of leaf capacity × depth, and curves of time over particles and world size.
 
-The only file that knows matplotlib; it draws into files and opens no window.
+Only this file imports matplotlib; it draws into files and opens no window.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from jostle.tune.contenders import Setting
+from jostle.tune.candidates import Setting
 from jostle.tune.findings import FRAME, crossing, curve, size_gain, two_digits
 from jostle.tune.report import in_ms, title
 from jostle.tune.sweep import (
@@ -38,30 +38,30 @@ METHOD_NAMES = dict(
     zip(COUNT_METHODS, ("jostle's tree", "brute force", "the article's tree"), strict=True)
 )
 BEST = "#c2453f"
-# Pale where it is fast, dark where it is slow, so that a good plateau looks like one.
+# Pale where it is fast, dark where it is slow.
 SLOWNESS = LinearSegmentedColormap.from_list(
     "slowness", ["#f6f4ec", "#cfe3d6", "#8fc0bd", "#5590a8", "#4f6d9e", "#4a4580", "#38244f"]
 )
 TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
-DARK = 3.6  # times the best, from which on a cell needs white words
-CAPACITY_LABEL = "leaf capacity: most particles in a box that does not split"
-DEPTH_LABEL = "maximum depth: most subdivisions"
-DOTS = 144  # an inch
-AXES_HEIGHT = 260  # about so many points are the axes of curves high
+DARK = 3.6  # times the best; slower cells have white text
+CAPACITY_LABEL = "leaf capacity: maximum number of particles in a leaf"
+DEPTH_LABEL = "maximum depth: maximum number of subdivisions"
+DOTS = 144  # per inch
+AXES_HEIGHT = 260  # approximate height of the axes of curves, in points
 BOX = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none"}
 MAP_NOTE = (
-    "Red frame: the best. Bold: cannot be told apart from it. "
-    "A depth that no branch reaches makes the tree of the row without a limit, timed once."
+    "Red frame: the best. Bold: not significantly slower. "
+    "A depth that no branch reaches gives the tree of the row without a limit, timed once."
 )
-FEW_NOTE = "Red frame: what came out first, in too few rounds to say how the settings differ."
+FEW_NOTE = "Red frame: the fastest, in too few rounds for a comparison."
 CURVES_NOTE = (
-    "Brute force runs in the same core as the tree; the article's time is a whole frame of its "
-    "program, in Python."
+    "Brute force runs in the same core as the tree; the article's time is that of a whole frame of "
+    "its program, in Python."
 )
 
 
 def settings(tuning: Tuning, path: Path) -> bool:
-    """Draw the map of leaf capacity × depth; return whether there was one to draw."""
+    """Draw the map of leaf capacity × depth; return whether there are data."""
     if not any(outcome.rounds for outcome in tuning.settings.values()):
         return False
     figure = _figure(9.6, 6.2)
@@ -70,7 +70,7 @@ def settings(tuning: Tuning, path: Path) -> bool:
     axes.set_xlabel(CAPACITY_LABEL, color=INK)
     axes.set_ylabel(DEPTH_LABEL, color=INK)
     best = min(outcome.median for outcome in tuning.settings.values())
-    _colour_bar(figure, [axes], f"time, as a multiple of the quickest ({in_ms(best)})")
+    _colour_bar(figure, [axes], f"time, relative to the fastest ({in_ms(best)})")
     note = FEW_NOTE if tuning.too_few() else MAP_NOTE
     _frame_texts(figure, "Leaf capacity and depth", title(tuning), note)
     figure.savefig(path)
@@ -91,16 +91,16 @@ def maps(tunings: Sequence[Tuning], columns: int, path: Path) -> None:
         axes.set_xlabel(CAPACITY_LABEL, color=INK)
     for axes in grid[:, 0]:
         axes.set_ylabel(DEPTH_LABEL, color=INK)
-    _colour_bar(figure, list(grid.flat), "time, as a multiple of the scene's quickest")
+    _colour_bar(figure, list(grid.flat), "time, relative to the fastest of the scene")
     details = title(tunings[0]).partition(", ")[2]
     _frame_texts(figure, "Leaf capacity and depth", details, MAP_NOTE)
     figure.savefig(path)
 
 
 def draw_map(axes: Axes, tuning: Tuning, both: str = "default") -> None:
-    """Draw the cells, each with its time as a multiple of the best, and mark those that matter.
+    """Draw the cells, each with its time relative to the best, and mark special ones.
 
-    `both` is the word in a frame that is the default's and the best's.
+    `both` is the text in a cell that is the default and the best.
     """
     capacities, depths = sorted(tuning.tree_depths), map_depths(tuning)
     best = min(outcome.median for outcome in tuning.settings.values())
@@ -137,7 +137,7 @@ def draw_map(axes: Axes, tuning: Tuning, both: str = "default") -> None:
 
 
 def map_depths(tuning: Tuning) -> list[int]:
-    """Return the rows of the map: the depths that limit some tree, and the one that limits none."""
+    """Return the rows of the map: the depths that limit some tree, and one without a limit."""
     deepest = max(tuning.tree_depths.values())
     return [*(depth for depth in DEPTHS if depth < deepest), tuning.default.max_depth]
 
@@ -148,7 +148,7 @@ def _is_as_good(tuning: Tuning, setting: Setting) -> bool:
 
 
 def _marks(tuning: Tuning, both: str) -> dict[tuple[int, int], tuple[str, str]]:
-    """Return the cells to be framed: the word in each, and the colour of its frame."""
+    """Return the cells to be framed: the text in each, and the colour of its frame."""
     best, default = tuning.best(), tuning.default
     marks = {
         (ARTICLE_CAPACITY, ARTICLE_DEPTH): ("article", METHOD_COLOURS["article's tree"]),
@@ -179,7 +179,7 @@ def _colour_bar(figure: Figure, axes: list[Axes], words: str) -> None:
 
 
 def curves(tuning: Tuning, path: Path) -> bool:
-    """Draw time over particles and over world size; return whether there was any to draw."""
+    """Draw time over particles and over world size; return whether there are data."""
     if not curve(tuning.counts, "quadtree"):
         return False
     figure = _figure(11.5, 5.4)
@@ -205,7 +205,7 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
         if method != "article's tree":
             ends.append((counts[-1], times[-1], METHOD_NAMES[method], colour))
             continue
-        axes.annotate(  # the uppermost, and the first to end
+        axes.annotate(  # the uppermost and shortest
             METHOD_NAMES[method],
             (counts[max(len(points) - 2, 0)], times[max(len(points) - 2, 0)]),
             xytext=(-8, 6),
@@ -232,7 +232,7 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
     if (n := crossing(tuning.counts)) is not None:
         axes.axvline(n, color=FAINT, linewidth=1.2, zorder=0)
         axes.annotate(
-            f"the tree is ahead\nfrom about {two_digits(n):,}",
+            f"the tree is faster\nfrom about {two_digits(n):,}",
             (n, 0),
             xycoords=("data", "axes fraction"),
             xytext=(5, 6),
@@ -249,7 +249,7 @@ def _draw_counts(axes: Axes, tuning: Tuning) -> None:
 
 
 def _draw_sizes(axes: Axes, tuning: Tuning) -> None:
-    """Draw a line for the smallest leaf capacity, the default, and the best of the scene's size."""
+    """Draw a line for the smallest leaf capacity, the default, and the best at the scene's size."""
     ends: list[End] = []
     for capacity, (word, colour) in _shown_sizes(tuning).items():
         points = sorted(
@@ -279,7 +279,7 @@ def _draw_sizes(axes: Axes, tuning: Tuning) -> None:
 
 
 def _shown_sizes(tuning: Tuning) -> dict[int, tuple[str, str]]:
-    """Return the leaf capacities to be drawn: a word about each, and its colour."""
+    """Return the leaf capacities to be drawn: a label of each, and its colour."""
     capacities = {setting.leaf_capacity for setting in tuning.sizes}
     default, found = tuning.default.leaf_capacity, size_gain(tuning, 1.0)
     shown = {min(capacities, default=default): ("", METHOD_COLOURS["quadtree"])}
@@ -291,7 +291,7 @@ def _shown_sizes(tuning: Tuning) -> dict[int, tuple[str, str]]:
 
 
 def _label_ends(axes: Axes, ends: Sequence[End]) -> None:
-    """Write names to the right of the last points of curves, one above the other."""
+    """Draw names to the right of the ends of curves, one above the other."""
     low, high = np.log(axes.get_ylim())
     least, last = 14 / AXES_HEIGHT, -np.inf
     for x, y, words, colour in sorted(ends, key=lambda end: end[1]):
@@ -309,7 +309,7 @@ def _label_ends(axes: Axes, ends: Sequence[End]) -> None:
 
 
 def _figure(width: float, height: float) -> Figure:
-    """Return an empty page with room for a head above and a note below."""
+    """Return an empty figure with space for a heading and a note."""
     figure = Figure(figsize=(width, height), dpi=DOTS, facecolor=PAPER)
     head, foot = 0.78 / height, 0.4 / height
     figure.set_layout_engine("constrained", rect=(0.008, foot, 0.984, 1 - head - foot))
@@ -317,7 +317,7 @@ def _figure(width: float, height: float) -> Figure:
 
 
 def _frame_texts(figure: Figure, words: str, details: str, note: str) -> None:
-    """Write the head and the note."""
+    """Draw the heading and the note."""
     width, height = figure.get_size_inches()
     left = 0.16 / width
     for text, y, size, colour, weight in (

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rich import box
 from rich.table import Table
 
-from jostle.tune.contenders import Method, Setting
+from jostle.tune.candidates import Method, Setting
 from jostle.tune.findings import (
     FRAME,
     Curve,
@@ -28,25 +28,25 @@ from jostle.tune.sweep import (
 from jostle.tune.timing import FEWEST, Outcome, Ratio
 
 WORK_NAMES = {"pairs": "building the tree and finding all pairs", "step": "one step of the world"}
-DEFAULT_TAKES = "the default\ntakes"
+DEFAULT_TAKES = "default,\nratio"
 COUNT_NAMES: dict[Method, str] = {
     "quadtree": "tree",
     "brute force": "brute force",
     "article's tree": "article,\nwhole frame",
 }
-MARKS = {"≈": "≈ within the noise", "?": "? too few rounds to say"}
-WORTH = 1.05  # times as long: less is not worth a change
+MARKS = {"≈": "≈ not significant", "?": "? too few rounds"}
+WORTH = 1.05  # relative time; less is not worth a change
 
 
 def title(tuning: Tuning) -> str:
-    """Return what was tuned, in a line."""
+    """Return a description of the tuning, in one line."""
     threads = "all cores" if tuning.threads is None else f"{tuning.threads} threads"
     threads = "1 thread" if tuning.threads == 1 else threads
     return f"{tuning.scene}, {tuning.n:,} particles, {WORK_NAMES[tuning.work]}, {threads}"
 
 
 def report(tuning: Tuning) -> Iterator[Table | str]:
-    """Return tables and sentences in the order to be read, what to do with them last."""
+    """Return tables and sentences in reading order, the advice last."""
     found = any(outcome.rounds for outcome in tuning.settings.values())
     if found:
         yield _settings_table(tuning)
@@ -61,19 +61,19 @@ def report(tuning: Tuning) -> Iterator[Table | str]:
 
 
 def verdict(tuning: Tuning) -> str:
-    """Say what the best setting gains over the default, and whether that is more than noise."""
+    """Return the gain of the best setting over the default, and whether it is significant."""
     best, gain = tuning.best(), tuning.gain()
     if best == tuning.default:
-        words = "No setting tried came out ahead of the default."
+        words = "No setting is faster than the default."
     elif gain.too_few:
         words = (
-            f"{describe(tuning, best).capitalize()} came out first; there were too few rounds to "
-            f"say whether the default takes longer."
+            f"{describe(tuning, best).capitalize()} is the fastest; there were too few rounds to "
+            f"say whether the default is slower."
         )
     elif gain.within_noise:
         words = (
-            f"{describe(tuning, best).capitalize()} came out first, but the default takes "
-            f"{_times(gain)} as long, which is within the noise."
+            f"{describe(tuning, best).capitalize()} is the fastest, but the default takes "
+            f"{_times(gain)} as long, which is not significant."
         )
     else:
         words = f"With {describe(tuning, best)} the default takes {_times(gain)} as long."
@@ -85,28 +85,28 @@ def _equals_sentence(tuning: Tuning) -> str:
     measured = [setting for setting, outcome in tuning.settings.items() if outcome.rounds]
     others = sum(1 for setting in measured if setting != best and tuning.is_as_good(setting))
     if tuning.too_few():
-        words = f"{len(measured)} different trees were timed, in too few rounds to compare them"
+        words = f"{len(measured)} different trees were timed, in too few rounds for a comparison"
     else:
         words = f"Of {len(measured)} different trees {others or 'no'} "
-        words += f"other{'' if others == 1 else 's'} cannot be told apart from "
+        words += f"other{' is' if others == 1 else 's are'} not significantly slower than "
         words += "the default" if best == tuning.default else "this one"
-        words = words.replace("no others cannot", "no other can")
+        words = words.replace("no others are not", "no other is not")
     left_out = len(tuning.settings) - len(measured)
-    return words + (f"; {left_out} were left out as too slow." if left_out else ".")
+    return words + (f"; {left_out} were omitted as too slow." if left_out else ".")
 
 
 def advice(tuning: Tuning) -> str:
-    """Say what to do: a line of code to be copied, or nothing."""
+    """Return the advice: a line of code to copy, or that the default is best."""
     best, gain = tuning.best(), tuning.gain()
     if tuning.one_leaf() and not tuning.settings:
         most = tuning.default.leaf_capacity
-        return f"All fit one leaf, which holds up to {most}; there is nothing to tune."
+        return f"All particles fit into one leaf of up to {most}; there is nothing to tune."
     if gain.too_few:
-        return "Too few rounds to say whether anything is worth changing."
+        return "Too few rounds for advice."
     if best == tuning.default or gain.within_noise:
-        return "Nothing to change: the default is as good as any."
+        return "Nothing to change: no setting is significantly faster than the default."
     if gain.median < WORTH:
-        return f"Nothing to change: a lead of {_factor(gain.median)} × is not worth it."
+        return f"Nothing to change: a gain of {_factor(gain.median)} × is too small."
     return f"To use it: {code(tuning, best)}"
 
 
@@ -123,7 +123,7 @@ def code(tuning: Tuning, setting: Setting) -> str:
 
 
 def describe(tuning: Tuning, setting: Setting) -> str:
-    """Return a setting in words."""
+    """Return a description of a setting."""
     return f"leaf capacity {setting.leaf_capacity}, {_depth(tuning, setting)}"
 
 
@@ -164,7 +164,7 @@ def _settings_table(tuning: Tuning) -> Table:
 
 
 def _sizes_table(tuning: Tuning) -> Table:
-    table = _table("World size: the same particles, closer together or further apart")
+    table = _table("World size: the same particles in a smaller or larger world")
     _columns(table, "world", "time of\nthe default", "best leaf\ncapacity", DEFAULT_TAKES)
     for size in WORLD_SIZES:
         if (found := size_gain(tuning, size)) is None:
@@ -178,7 +178,7 @@ def _sizes_table(tuning: Tuning) -> Table:
 def _counts_table(tuning: Tuning) -> Table:
     table = _table("Number of particles")
     names = (COUNT_NAMES[method] for method in COUNT_METHODS)
-    _columns(table, "particles", *names, "tree, a\nparticle", "brute force\ntakes")
+    _columns(table, "particles", *names, "tree per\nparticle", "brute force\nratio")
     by_key = {(setting.n, setting.method): o for setting, o in tuning.counts.items()}
     for n in sorted({setting.n for setting in tuning.counts}):
         found = [by_key.get((n, method), Outcome()) for method in COUNT_METHODS]
@@ -199,13 +199,12 @@ def _counts_sentence(tuning: Tuning) -> str:
     counts = tuning.counts
     ours, brute, old = (_fits(curve(counts, method)) for method in COUNT_METHODS)
     what = "pairs" if tuning.work == "pairs" else "a step"
-    words = f"Particles for which a 60th of a second is enough: {ours} with the tree, {brute} by "
-    words += f"brute force ({what} in float32), {old} with the article's tree (a whole frame in "
-    words += "Python)."
+    words = f"Particles within 1/60 s: {ours} with the tree, {brute} by brute force "
+    words += f"({what} in float32), {old} with the article's tree (a whole frame in Python)."
     if "more than" in ours + brute:
-        words += " More than means only that the sweep stops there."
+        words += ' "More than" means that the sweep ends there.'
     if (n := crossing(counts)) is not None:
-        words += f" The tree overtakes brute force at about {two_digits(n):,} particles."
+        words += f" The tree is faster than brute force from about {two_digits(n):,} particles."
     return words
 
 
@@ -226,13 +225,13 @@ def _table(name: str) -> Table:
 
 
 def _columns(table: Table, *names: str) -> None:
-    """Add columns of figures, which are never cut short."""
+    """Add columns of numbers, which are not truncated."""
     for name in names:
         table.add_column(name, justify="right" if name else "left", no_wrap=True)
 
 
 def _noted(table: Table) -> Table:
-    """Explain the marks that are in a table."""
+    """Add a caption with the marks in a table."""
     cells = [f"{cell}" for column in table.columns for cell in column.cells]
     notes = [words for mark, words in MARKS.items() if any(cell.startswith(mark) for cell in cells)]
     table.caption = "; ".join(notes) or None
@@ -240,7 +239,7 @@ def _noted(table: Table) -> Table:
 
 
 def in_ms(seconds: float) -> str:
-    """Return milliseconds in three digits that tell."""
+    """Return milliseconds with three significant digits."""
     value = 1e3 * seconds
     digits = max(2 - math.floor(math.log10(value)), 0) if value > 0 else 0
     return f"{value:,.{digits}f} ms"

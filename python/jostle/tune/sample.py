@@ -1,4 +1,4 @@
-"""The shapes of a scene after a little settling, in a world of any size."""
+"""The shapes of a scene after some steps, in a world of any size."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ import jostle
 from jostle import article
 
 TIME_STEP = 1 / 60
-SETTLING = 60  # steps, fewer where there are many particles
+SETTLING = 60  # steps, fewer for many particles
 SETTLING_WORK = 1_000_000  # particles times steps
 
 
 @dataclass(frozen=True)
 class Sample:
-    """A scene's particles as they lie.
+    """The particles of a scene.
 
     Attributes
     ----------
     scene
         Its name.
     world_size
-        1 is the scene's own; 2 has the same particles in twice the width and height.
+        1 is that of the scene; 2 has the same particles in twice the width and height.
     origin
-        The world of size 1 that they came from.
+        The world of size 1.
     positions, velocities, radii
-        Copies of its columns, as they were after settling.
+        Copies of its columns after settling.
     view
         min_x, min_y, max_x, max_y of a world of size 1.
     """
@@ -47,7 +47,7 @@ class Sample:
 
     @classmethod
     def of(cls, scene: str, n: int, seed: int = 0) -> Sample:
-        """Make a scene of `n` particles and let it settle."""
+        """Make a scene of `n` particles, and run the settling steps."""
         world = jostle.scenes.create(scene, n=n, seed=seed)
         world.sleeping = False
         world.step(TIME_STEP, min(SETTLING, max(SETTLING_WORK // max(n, 1), 1)))
@@ -55,16 +55,16 @@ class Sample:
         return cls(scene, 1.0, world, world.positions, world.velocities, world.radii, view)
 
     def resized(self, world_size: float) -> Sample:
-        """Return the same particles in a world that many times as wide and as high.
+        """Return the same particles in a world of another size.
 
-        The particles keep their radii and move apart, so the world gets emptier or fuller.
+        The radii do not change, so the density does.
         """
         scale = np.float32(world_size / self.world_size)
         return replace(self, world_size=world_size, positions=self.positions * scale)
 
     @cached_property
     def world(self) -> jostle.World:
-        """A world of this size, with the rules of the first; walls move out with the particles."""
+        """The world of this size, with the settings of the first and a scaled container."""
         old = self.origin
         if self.world_size == 1.0:
             return old
@@ -89,7 +89,7 @@ class Sample:
     def article_program(self) -> article.Simulation:
         """Return the article's program over these particles, in a display as large as the view.
 
-        Radii become whole numbers of at least 1, as the article has them.
+        Radii become whole numbers of at least 1, as in the article.
         """
         min_x, min_y, max_x, max_y = self.view
         places = (self.positions - np.array([min_x, min_y], np.float32)).tolist()

@@ -1,4 +1,4 @@
-"""Which settings are tried: leaf capacity × depth, world size, number of particles."""
+"""The sweeps of settings: leaf capacity × depth, world size, number of particles."""
 
 from __future__ import annotations
 
@@ -6,39 +6,39 @@ import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from jostle.tune.contenders import Method, Setting, Work, contender, defaults, tree
+from jostle.tune.candidates import Method, Setting, Work, candidate, defaults, tree
 from jostle.tune.sample import Sample
-from jostle.tune.timing import FEWEST, LEAST, Outcome, Race, Ratio, compare
+from jostle.tune.timing import FEWEST, LEAST, InterleavedTiming, Outcome, Ratio, compare
 
-ARTICLE_CAPACITY, ARTICLE_DEPTH = 3, 5  # its "4" is one subdivision more than it says
+ARTICLE_CAPACITY, ARTICLE_DEPTH = 3, 5  # its "4" allows one more subdivision
 CAPACITIES = (ARTICLE_CAPACITY, 8, 16, 24, 32, 40, 48, 64, 96, 128, 256)
 DEPTHS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 24)
 WORLD_SIZES = (0.5, 0.7, 1.0, 1.4, 2.0, 4.0)
 SIZE_CAPACITIES = (8, 16, 32, 48, 64, 128)
 COUNTS = (50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000)
 COUNT_METHODS: tuple[Method, ...] = ("quadtree", "brute force", "article's tree")
-ARTICLE_MOST = 10_000  # particles; a single frame of more takes many seconds
+ARTICLE_MOST = 10_000  # particles; a frame with more takes many seconds
 
-TOO_SLOW = 20.0  # times the default: settings beyond are of no use to anybody
-EQUAL = 1.02  # times the quickest, up to which a setting without a limit of depth is preferred
-FINAL_ROUNDS = 10  # times those of a sweep: longer than a short disturbance
-FINALISTS = 2  # of the sweep's best, with a limit of depth and without, beside the default
+TOO_SLOW = 20.0  # times the default; slower settings are skipped
+EQUAL = 1.02  # times the fastest; up to here a setting without a depth limit is preferred
+FINAL_ROUNDS = 10  # times those of a sweep
+FINALISTS = 2  # of the sweep's best, with and without a depth limit
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much time may be spent.
+    """The limits of the measuring time.
 
     Attributes
     ----------
     rounds
-        Of each sweep, as far as `seconds` allow.
+        Of each sweep, within `seconds`.
     seconds
         For all sweeps together.
     limit
-        Seconds; what takes longer a call is left out of the sweep over numbers of particles.
+        Seconds per call; slower calls are omitted in the sweep over numbers of particles.
     most
-        Particles up to which that sweep goes, and at least to the number asked for.
+        Maximum number of particles in that sweep, at least the requested number.
     """
 
     rounds: int
@@ -56,7 +56,7 @@ Watch = Callable[[str, int, int], object]
 
 @dataclass
 class Tuning:
-    """What was measured, as far as it got."""
+    """The measurements so far."""
 
     scene: str
     n: int
@@ -64,10 +64,10 @@ class Tuning:
     threads: int | None
     default: Setting
     settings: Outcomes = field(default_factory=dict)
-    """Leaf capacity × depth. A depth that no branch reaches makes the same tree as none: such
+    """Leaf capacity × depth. A depth that no branch reaches gives the same tree as no limit: such
     trees are timed once, under the default depth."""
     tree_depths: dict[int, int] = field(default_factory=dict)
-    """Leaf capacity: subdivisions of the tree that no depth limits."""
+    """Leaf capacity: depth of the tree without a limit."""
     sizes: Outcomes = field(default_factory=dict)
     counts: Outcomes = field(default_factory=dict)
     final: Outcomes = field(default_factory=dict)
@@ -80,16 +80,16 @@ class Tuning:
         yield "final", self.final
 
     def cell(self, leaf_capacity: int, max_depth: int) -> Setting:
-        """Return the setting that stands for these: itself, or the same tree without a limit."""
+        """Return the timed setting with the same tree."""
         if max_depth >= self.tree_depths.get(leaf_capacity, max_depth + 1):
             max_depth = self.default.max_depth
         return Setting(self.n, 1.0, leaf_capacity, max_depth)
 
     def best(self) -> Setting:
-        """Return the quickest setting: of the final, or of the sweep where there was none yet.
+        """Return the fastest setting of the final, or of the sweep before the final.
 
-        Of those that cannot be told apart from it one without a limit of depth is preferred: what
-        limit suits depends on the number of particles.
+        Among those that are not significantly slower, one without a depth limit is preferred: the
+        best limit depends on the number of particles.
         """
         outcomes = self._latest()
         measured = sorted(
@@ -115,7 +115,7 @@ class Tuning:
         return self.default_over(self.best())
 
     def outcome(self, setting: Setting) -> Outcome:
-        """Return what is known of a setting: from the final, if it was in it."""
+        """Return the outcome of a setting, of the final if it was in it."""
         return {**self.settings, **self._latest()}.get(setting, Outcome())
 
     def default_over(self, setting: Setting) -> Ratio:
@@ -123,16 +123,16 @@ class Tuning:
         return self._compare(self.default, setting)
 
     def is_as_good(self, setting: Setting) -> bool:
-        """Whether a setting is the best one, or not certain to take longer."""
+        """Whether a setting is the best one, or not significantly slower."""
         best = self.best()
         return setting == best or self._compare(setting, best).low <= 1.0
 
     def too_few(self) -> bool:
-        """Whether the sweep had too few rounds to tell its settings apart."""
+        """Whether the sweep had too few rounds for comparisons."""
         return max((len(o.rounds) for o in self.settings.values()), default=0) < FEWEST
 
     def one_leaf(self) -> bool:
-        """Whether the default makes a tree of one leaf: it has nothing to be tuned."""
+        """Whether the tree of the default has one leaf, so there is nothing to tune."""
         return self.n <= self.default.leaf_capacity
 
     def _compare(self, slow: Setting, quick: Setting) -> Ratio:
@@ -143,7 +143,7 @@ class Tuning:
 
 
 class Tuner:
-    """Fills a `Tuning`, sweep by sweep; what was measured stays if a sweep is broken off."""
+    """Fills a `Tuning`, sweep by sweep; measurements are kept if a sweep is interrupted."""
 
     def __init__(
         self,
@@ -174,7 +174,7 @@ class Tuner:
             for depth in (*DEPTHS, default.max_depth)
         }
         limit = max(TOO_SLOW * self._once(default), LEAST)
-        self._race(tuning.settings, "leaf capacity × depth", tries, watch, share, limit)
+        self._time(tuning.settings, "leaf capacity × depth", tries, watch, share, limit)
 
     def sizes(self, watch: Watch, share: float = 0.15) -> None:
         """Sweep the size of the world, with a few leaf capacities in each."""
@@ -183,15 +183,15 @@ class Tuner:
         tries = {}
         for size in WORLD_SIZES:
             if size < 1 and self.tuning.work == "step":
-                continue  # pressed into each other, particles do not move as any scene's
+                continue  # overlapping particles do not move like those of a scene
             sample = self._sample.resized(size)
             for capacity in capacities:
                 tries[Setting(self.tuning.n, size, capacity, default.max_depth)] = sample
         limit = max(10 * TOO_SLOW * self._once(default), LEAST)
-        self._race(self.tuning.sizes, "world size", tries, watch, share, limit)
+        self._time(self.tuning.sizes, "world size", tries, watch, share, limit)
 
     def counts(self, watch: Watch, share: float = 0.35) -> None:
-        """Sweep the number of particles, with the tree, by brute force and as the article did."""
+        """Sweep the number of particles, with the tree, brute force and the article's tree."""
         tuning, effort = self.tuning, self.effort
         tries = {}
         most = max(effort.most, tuning.n)
@@ -204,12 +204,12 @@ class Tuner:
                 capacity, depth = defaults() if ours else (0, 0)
                 tries[Setting(n, 1.0, capacity, depth, method)] = sample
         limit = max(effort.limit, 2 * self._once(tuning.default))
-        self._race(tuning.counts, "number of particles", tries, watch, share, limit)
+        self._time(tuning.counts, "number of particles", tries, watch, share, limit)
 
     def final(self, watch: Watch, share: float = 0.1) -> None:
-        """Time the best of the sweep, the default and the article's setting anew, by themselves.
+        """Time the best of the sweep, the default and the article's setting again.
 
-        The best of a hundred settings owes part of its lead to luck; fresh rounds show the rest.
+        The minimum of many noisy times is biased; new rounds remove the bias.
         """
         tuning, found = self.tuning, self.tuning.settings
         measured = [setting for setting in found if found[setting].rounds]
@@ -220,9 +220,9 @@ class Tuner:
         finalists = [tuning.default, *measured[:FINALISTS], *unlimited[:FINALISTS], *also]
         tries = dict.fromkeys(finalists, self._sample)
         rounds = FINAL_ROUNDS * self.effort.rounds
-        self._race(tuning.final, "final", tries, watch, share, rounds=rounds)
+        self._time(tuning.final, "final", tries, watch, share, rounds=rounds)
 
-    def _race(
+    def _time(
         self,
         into: Outcomes,
         name: str,
@@ -234,9 +234,9 @@ class Tuner:
     ) -> None:
         rounds = rounds or self.effort.rounds
         tuning = self.tuning
-        race = Race(
+        timing = InterleavedTiming(
             {
-                setting: contender(sample, setting, tuning.work, tuning.threads)
+                setting: candidate(sample, setting, tuning.work, tuning.threads)
                 for setting, sample in tries.items()
             },
             limit,
@@ -249,12 +249,16 @@ class Tuner:
             done += more
             watch(name, done, steps)
 
-        into.update(race.outcomes)  # the same objects: what was measured stays, come what may
+        into.update(
+            timing.outcomes
+        )  # the same objects, so measurements are kept if the run is interrupted
         advance(0)
-        race.run(rounds, share * self.effort.seconds, advance)
+        timing.run(rounds, share * self.effort.seconds, advance)
 
     def _once(self, setting: Setting) -> float:
-        """Return about how long a setting takes: the best of three calls, with nothing else on."""
-        race = Race({0: contender(self._sample, setting, self.tuning.work, self.tuning.threads)})
-        race.run(3)
-        return min(race.outcomes[0].rounds)
+        """Return the approximate time of a setting: the best of three calls."""
+        timing = InterleavedTiming(
+            {0: candidate(self._sample, setting, self.tuning.work, self.tuning.threads)}
+        )
+        timing.run(3)
+        return min(timing.outcomes[0].rounds)

@@ -1,8 +1,8 @@
-"""The protocol: every round times every contender once, in an order drawn anew.
+"""Interleaved timing: every round times every candidate once, in random order.
 
-So the noise of the machine falls on all alike, and two contenders can be compared round by round. A
-measurement is the median of a few calls: what else the machine does now and then is not in it.
-What would take too long is found out before it is run, or after it ran once, and left out.
+So noise of the machine affects all alike, and candidates are compared round by round. A measurement
+is the median of a few calls. Candidates that take too long are omitted, by an estimate before the
+first call or after it.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from typing import Generic, TypeVar
 Key = TypeVar("Key", bound=Hashable)
 Clock = Callable[[], float]
 
-LEAST = 5e-3  # seconds of one measurement; shorter calls are repeated within it
+LEAST = 5e-3  # seconds of one measurement; shorter calls are repeated
 MOST_CALLS = 200  # in one measurement
-FORGIVEN = 2  # times the limit: up to there a contender has a second chance,
-STALL = 0.1  # and in any case up to this many seconds
+FORGIVEN = 2  # times the limit; up to here a candidate is tried twice,
+STALL = 0.1  # and up to this many seconds
 CONFIDENCE = 0.95
-FEWEST = 6  # rounds; the extremes of fewer hold the median less often than that
+FEWEST = 6  # rounds; with fewer there is no such confidence interval
 
 
 def _nothing() -> None:
@@ -31,17 +31,17 @@ def _nothing() -> None:
 
 
 @dataclass(frozen=True)
-class Contender:
-    """Something to be timed.
+class Candidate:
+    """A call to be timed.
 
     Parameters
     ----------
     call
-        What the clock sees.
+        The timed function.
     prepare
-        Comes before every call, outside the clock.
+        Called before each call, not timed.
     expect
-        Returns the seconds that a call takes at the least; asked once, before the first call.
+        Returns a lower bound of the seconds of a call; called once, before the first call.
     """
 
     call: Callable[[], object]
@@ -51,7 +51,7 @@ class Contender:
 
 @dataclass
 class Outcome:
-    """Seconds a call, one for each round; and whether the contender was left out as too slow."""
+    """Seconds per call, one for each round; and whether the candidate was omitted as too slow."""
 
     rounds: list[float] = field(default_factory=list)
     too_slow: bool = False
@@ -63,12 +63,12 @@ class Outcome:
 
     @property
     def median(self) -> float:
-        """Return the median, infinite where nothing was measured."""
+        """Return the median, infinite without measurements."""
         return statistics.median(self.rounds) if self.rounds else math.inf
 
     @property
     def quartiles(self) -> tuple[float, float]:
-        """Return what a quarter of the rounds stayed below, and a quarter above."""
+        """Return the lower and the upper quartile."""
         ordered = sorted(self.rounds)
         skip = len(ordered) // 4
         return (ordered[skip], ordered[-1 - skip]) if ordered else (math.inf, math.inf)
@@ -76,9 +76,9 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Ratio:
-    """How many times as long one took as another: the median of all rounds, and its uncertainty.
+    """Ratio of two times: the median of all rounds, and its confidence interval.
 
-    Of too few rounds nothing is certain: low is 0 and high infinite.
+    With too few rounds, low is 0 and high infinite.
     """
 
     median: float
@@ -87,20 +87,20 @@ class Ratio:
 
     @property
     def within_noise(self) -> bool:
-        """Whether the two cannot be told apart."""
+        """Whether the difference is not significant."""
         return self.low <= 1.0 <= self.high
 
     @property
     def too_few(self) -> bool:
-        """Whether there were too few rounds to tell anything apart."""
+        """Whether there were too few rounds."""
         return math.isinf(self.high)
 
 
 def compare(slow: Outcome, quick: Outcome) -> Ratio:
     """Return `slow` over `quick`, round by round.
 
-    Low and high hold the median of ever more rounds with 95 % confidence, whatever the noise is
-    like; below six rounds nothing does, and they are 0 and infinity.
+    Low and high are the 95 % confidence interval of the median, for any distribution of the noise;
+    with fewer than six rounds they are 0 and infinity.
     """
     ratios = sorted(a / b for a, b in zip(slow.rounds, quick.rounds, strict=False) if b > 0)
     if len(ratios) < FEWEST:
@@ -110,40 +110,40 @@ def compare(slow: Outcome, quick: Outcome) -> Ratio:
 
 
 def _ranks_outside(count: int) -> int:
-    """Return how many of the lowest ranks cannot be the median: heads of `count` coins."""
-    chance, rank = 0.0, 0
+    """Return the number of the lowest ranks outside the interval, by the binomial distribution."""
+    probability, rank = 0.0, 0
     while True:
-        chance += math.comb(count, rank) / 2**count
-        if chance > (1 - CONFIDENCE) / 2:
+        probability += math.comb(count, rank) / 2**count
+        if probability > (1 - CONFIDENCE) / 2:
             return max(rank - 1, 0)
         rank += 1
 
 
-class Race(Generic[Key]):
-    """Contenders, and what their calls took so far: `outcomes` can be read at any time.
+class InterleavedTiming(Generic[Key]):
+    """Candidates and their times so far: `outcomes` can be read at any time.
 
     Parameters
     ----------
-    contenders
+    candidates
         By any key.
     limit
-        Seconds; a contender whose call takes longer is left out.
+        Seconds; slower candidates are omitted.
     clock
         Returns seconds.
     seed
-        Of the order within the rounds.
+        Seed of the order within the rounds.
     """
 
     def __init__(
         self,
-        contenders: Mapping[Key, Contender],
+        candidates: Mapping[Key, Candidate],
         limit: float = math.inf,
         clock: Clock = time.perf_counter,
         seed: int = 0,
     ) -> None:
         self.limit = limit
-        self.outcomes: dict[Key, Outcome] = {key: Outcome() for key in contenders}
-        self._contenders = dict(contenders)
+        self.outcomes: dict[Key, Outcome] = {key: Outcome() for key in candidates}
+        self._candidates = dict(candidates)
         self._clock = clock
         self._random = random.Random(seed)
         self._calls: dict[Key, int] = {}
@@ -154,10 +154,10 @@ class Race(Generic[Key]):
         seconds: float = math.inf,
         advance: Callable[[int], object] = lambda done: None,
     ) -> None:
-        """Try everything once, then time whole rounds as long as they fit into `seconds`.
+        """Try every candidate once, then time complete rounds within `seconds`.
 
-        There is always one round, of whatever was tried in time. `advance` is told how many of
-        the (rounds + 1) × contenders measurements are behind us, be they made or left out.
+        There is at least one round, of the candidates tried in time. `advance` is called with the
+        number of measurements, of (rounds + 1) × candidates, that are finished or omitted.
         """
         end = self._clock() + seconds
         self._try_all(end, rounds, advance)
@@ -171,19 +171,19 @@ class Race(Generic[Key]):
             longest = max(longest, self._clock() - start)
 
     def _try_all(self, end: float, rounds: int, advance: Callable[[int], object]) -> None:
-        for key in self._shuffled(self._contenders):
-            contender = self._contenders[key]
+        for key in self._shuffled(self._candidates):
+            candidate = self._candidates[key]
             if self._clock() > end and self._calls:
                 advance(1 + rounds)
                 continue
-            seconds = contender.expect()
+            seconds = candidate.expect()
             if seconds <= self.limit:
-                seconds = self._time(contender)
+                seconds = self._time(candidate)
                 if (
                     self.limit < seconds <= max(FORGIVEN * self.limit, STALL)
                     and self._clock() < end
                 ):
-                    seconds = self._time(contender)  # the machine may have been elsewhere
+                    seconds = self._time(candidate)  # another process may have delayed it
             if seconds > self.limit:
                 self.outcomes[key].too_slow = True
             else:
@@ -191,11 +191,11 @@ class Race(Generic[Key]):
             advance(1 if key in self._calls else 1 + rounds)
 
     def _round(self, advance: Callable[[int], object]) -> None:
-        """Time everything once; a round that is broken off leaves no trace."""
+        """Time every candidate once; an interrupted round is discarded."""
         found: dict[Key, float] = {}
         for key in self._shuffled(self._calls):
-            calls, contender = self._calls[key], self._contenders[key]
-            found[key] = statistics.median(self._time(contender) for _ in range(calls))
+            calls, candidate = self._calls[key], self._candidates[key]
+            found[key] = statistics.median(self._time(candidate) for _ in range(calls))
             advance(1)
         for key, seconds in found.items():
             self.outcomes[key].rounds.append(seconds)
@@ -203,8 +203,8 @@ class Race(Generic[Key]):
     def _shuffled(self, keys: Mapping[Key, object]) -> Sequence[Key]:
         return self._random.sample(list(keys), len(keys))
 
-    def _time(self, contender: Contender) -> float:
-        contender.prepare()
+    def _time(self, candidate: Candidate) -> float:
+        candidate.prepare()
         start = self._clock()
-        contender.call()
+        candidate.call()
         return self._clock() - start

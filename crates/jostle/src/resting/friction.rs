@@ -3,8 +3,8 @@
 //! The impulse along the surfaces makes them stick, and is at most μ times the impulse along the
 //! normal at that moment.
 
-use super::pairs::{self, Pair, Pass, Phase};
-use crate::contacts::Contact;
+use super::pairs::{self, Pass, Phase};
+use crate::contacts;
 use crate::motion::Scalars;
 use crate::simd::{LANES, Simd};
 
@@ -19,42 +19,55 @@ pub struct Block {
     effective_masses: [f32; LANES],
     /// Impulses of the impacts and of the resting contacts.
     impulses: [[f32; LANES]; 2],
-}
-
-impl Default for Block {
-    fn default() -> Self {
-        Self {
-            friction: [0.0; LANES],
-            softness: [[0.0; LANES]; 2],
-            effective_masses: [0.0; LANES],
-            impulses: [[0.0; LANES]; 2],
-        }
-    }
+    /// Sums of the impulses of all sub-steps.
+    totals: [f32; LANES],
 }
 
 impl Block {
-    /// Writes the friction of the pair in a lane.
-    pub fn put(&mut self, lane: usize, pair: &Pair, radii: &[f32]) {
-        let softness = [0, 1].map(|k| {
-            let is_point = radii[pair.places[k] as usize] == 0.0;
-            if is_point { 0.0 } else { 2.0 * pair.inverse_masses[k] }
+    /// The friction of some contacts, with the impulses of the step before.
+    pub fn new(of: &contacts::Block, radii: &[f32]) -> Self {
+        let zeros = [0.0; LANES];
+        let mut block = Self {
+            friction: of.frictions,
+            softness: [zeros; 2],
+            effective_masses: zeros,
+            impulses: [zeros, of.impulses[1]],
+            totals: zeros,
+        };
+        of.each_lane(|lane| {
+            let masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
+            let softness = [0, 1].map(|k| {
+                let is_point = radii[of.places.of(k)[lane] as usize] == 0.0;
+                if is_point { 0.0 } else { 2.0 * masses[k] }
+            });
+            [block.softness[0][lane], block.softness[1][lane]] = softness;
+            let flying = masses[0] + masses[1];
+            block.effective_masses[lane] = 1.0 / (flying + (softness[0] + softness[1]));
         });
-        let flying = pair.inverse_masses[0] + pair.inverse_masses[1];
-        self.friction[lane] = pair.friction;
-        self.softness[0][lane] = softness[0];
-        self.softness[1][lane] = softness[1];
-        self.effective_masses[lane] = 1.0 / (flying + (softness[0] + softness[1]));
-        self.impulses[Phase::Rest as usize][lane] = pair.friction_impulse;
+        block
+    }
+
+    /// Begins a sub-step in which some contacts rest.
+    #[inline(always)]
+    pub fn begin<S: Simd<f32>>(&mut self, simd: S, resting: u32) {
+        let zero = simd.splat(0.0);
+        let [impacts, impulses] = &mut self.impulses;
+        simd.store(zero, impacts);
+        simd.store(simd.choose(resting, simd.load(impulses), zero), impulses);
+    }
+
+    /// Adds the impulses of a sub-step to the sums.
+    #[inline(always)]
+    pub fn count<S: Simd<f32>>(&mut self, simd: S) {
+        let [impact, rest] = [simd.load(&self.impulses[0]), simd.load(&self.impulses[1])];
+        let sum = simd.add(simd.load(&self.totals), simd.add(impact, rest));
+        simd.store(sum, &mut self.totals);
     }
 
     /// Stores the impulses in the contacts.
-    pub fn store(&self, pairs: &pairs::Block, contacts: &mut [Contact]) {
-        for (lane, &at) in pairs.contacts().iter().enumerate() {
-            let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
-            let contact = &mut contacts[at as usize];
-            contact.friction_impulse = rest;
-            contact.count([0.0, impact + rest]);
-        }
+    pub fn store(&self, to: &mut contacts::Block) {
+        to.impulses[1] = self.impulses[Phase::Rest as usize];
+        to.totals[1] = self.totals;
     }
 
     /// Corrects the impulses of friction, or only applies those that they have. Returns the new
@@ -69,15 +82,11 @@ impl Block {
         pass: Pass,
     ) -> [S::Block; 4] {
         let phase = pass.phase() as usize;
-        let mut both = [[0.0; LANES]; 2];
-        for (speeds, places) in both.iter_mut().zip(&pairs.places) {
-            for (speed, &place) in speeds.iter_mut().zip(places) {
-                *speed = surface_speeds.get(place);
-            }
-        }
-        let [au, bu] = both.map(|column| simd.load(&column));
+        let [au, zero] = simd.gather(surface_speeds.words(), &pairs.places, 0);
+        let [bu, _] = simd.gather(surface_speeds.words(), &pairs.places, 1);
         let [ax, ay, bx, by] = velocities;
-        let [tx, ty] = [pairs.normal[1].map(|y| -y), pairs.normal[0]].map(|t| simd.load(&t));
+        let tx = simd.sub(simd.splat(-0.0), simd.load(&pairs.normal[1]));
+        let ty = simd.load(&pairs.normal[0]);
         let impulses = &mut self.impulses[phase];
         let old = simd.load(impulses);
         let change = if pass == Pass::Start {
@@ -95,14 +104,10 @@ impl Block {
             let most = simd.splat(f32::MAX);
             simd.max(simd.min(simd.sub(new, old), most), simd.splat(f32::MIN))
         };
-        for (k, (speed, softness)) in [au, bu].into_iter().zip(&self.softness).enumerate() {
-            simd.store(simd.sub(speed, simd.mul(change, simd.load(softness))), &mut both[k]);
-        }
-        for (speeds, places) in both.iter().zip(&pairs.places) {
-            for (&speed, &place) in speeds.iter().zip(places) {
-                surface_speeds.set(place, speed);
-            }
-        }
+        let au = simd.sub(au, simd.mul(change, simd.load(&self.softness[0])));
+        let bu = simd.sub(bu, simd.mul(change, simd.load(&self.softness[1])));
+        simd.scatter([au, zero], surface_speeds.words(), &pairs.places, 0);
+        simd.scatter([bu, zero], surface_speeds.words(), &pairs.places, 1);
         pairs.pushed(simd, velocities, [tx, ty], change)
     }
 }

@@ -14,11 +14,12 @@
 
 mod friction;
 mod pairs;
+mod start;
 mod walls;
 
-use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::contacts::{COLOURS, Contacts};
+use crate::contacts::Contacts;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
@@ -26,10 +27,10 @@ use crate::interrupt;
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::simd::LANES;
 use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
-use pairs::{Block, Pair, Pass, Sweep};
+use pairs::{Block, Pass, Sweep};
+use start::{Counts, Limits, Starts};
 use walls::Walls;
 
 /// Surfaces touch if their gap is at most this share of the sum of radii.
@@ -57,7 +58,7 @@ const LEAST_RELAXATION: f32 = 1.7;
 const IMPACT_ITERATIONS: usize = 4;
 
 /// Blocks in one task of a thread.
-const BLOCKS_OF_A_THREAD: usize = 128;
+const BLOCKS_OF_A_THREAD: usize = 64;
 
 /// What the resting contacts of a sub-step depend on.
 pub struct Support<'a> {
@@ -100,11 +101,15 @@ pub struct Resting {
     velocities: Vectors,
     /// Angular velocity times radius; empty if there is no friction.
     surface_speeds: Scalars,
+    /// Positions at the beginning of the sub-step.
+    positions: Vectors,
+    /// The speeds that gravity and forces give to the particles in the sub-step, and 0.
+    speeds: Vectors,
+    /// The contacts of the step.
     blocks: Vec<Block>,
+    limits: Vec<Limits>,
     /// The friction of each block; empty if there is none.
     frictions: Vec<friction::Block>,
-    /// Where in `blocks` the contacts of each colour with uneven masses end, and all of it.
-    ends: Vec<[usize; 2]>,
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
     walls: Vec<Walls>,
@@ -252,30 +257,55 @@ impl Surfaces {
 }
 
 impl Resting {
+    /// Begins a step with the impulses of the step before.
+    pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles, has_friction: bool) {
+        let Self { blocks, limits, frictions, .. } = self;
+        let all = &contacts.blocks.list;
+        blocks.clear();
+        blocks.extend(all.iter().map(Block::new));
+        limits.clear();
+        limits.extend(all.iter().map(Limits::new));
+        frictions.clear();
+        if has_friction {
+            frictions.extend(all.iter().map(|of| friction::Block::new(of, &particles.radii)));
+        }
+    }
+
+    /// Stores the impulses of the step in the contacts.
+    pub fn end_step(&mut self, contacts: &mut Contacts) {
+        let Self { limits, blocks, frictions, .. } = self;
+        Counts { limits, blocks, frictions }.run();
+        let all = &mut contacts.blocks.list;
+        for ((limits, block), to) in self.limits.iter().zip(&self.blocks).zip(&mut *all) {
+            limits.store(block, to);
+        }
+        for (friction, to) in self.frictions.iter().zip(all) {
+            friction.store(to);
+        }
+    }
+
     /// Finds the impulses of the resting contacts, and changes the kicks of the particles that they
     /// support.
     pub fn support(
         &mut self,
         scene: &Support<'_>,
-        contacts: &mut Contacts,
+        contacts: &Contacts,
         mut wall_pushes: WallPushes<'_>,
         kicks: &mut [Kick],
     ) -> Result<()> {
         self.begin(scene, kicks);
-        self.list_pairs(scene, contacts, kicks);
+        self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         let threads = scene.threads;
-        let Self { velocities, surface_speeds, blocks, frictions, ends, walls, .. } = self;
+        let Self { velocities, surface_speeds, blocks, frictions, walls, .. } = self;
         let (velocities, surface_speeds) = (&*velocities, &*surface_speeds);
         let (is_fast, uneven_walls) = (self.is_fast, self.uneven_walls);
         let mut sweep = |pass, which| {
-            let mut start = 0;
-            for (colour, &[uneven_end, end]) in ends.iter().enumerate() {
-                let start = std::mem::replace(&mut start, end);
-                let range = start..if which == Which::All { end } else { uneven_end };
+            for colour in &contacts.blocks.colours {
+                let range = if which == Which::All { colour.all() } else { colour.uneven() };
                 let blocks = &mut blocks[range.clone()];
-                // The pairs of the last colour share particles; few are not worth waking threads for.
-                let is_serial = colour == COLOURS || blocks.len() <= 2 * BLOCKS_OF_A_THREAD;
+                // Few blocks are not worth a word to other threads.
+                let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
                 let threads = if is_serial { Some(1) } else { threads };
                 let mut frictions = frictions.get_mut(range).unwrap_or_default();
                 let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).map(|blocks| {
@@ -328,10 +358,6 @@ impl Resting {
                 solve_walls(walls, Pass::Relaxed, Which::Uneven);
             }
         }
-        blocks.iter().for_each(|block| block.store(&mut contacts.list));
-        for (friction, block) in frictions.iter().zip(&*blocks) {
-            friction.store(block, &mut contacts.list);
-        }
         for walls in &*walls {
             walls.store(scene.rows[walls.place as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.place as usize];
@@ -345,79 +371,52 @@ impl Resting {
     /// Writes the velocities without contacts, and the speeds that gravity and forces give.
     fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) {
         // One more for lanes without a pair.
-        self.velocities.resize(kicks.len() + 1);
-        self.velocities.set(kicks.len() as u32, [0.0; 2]);
+        for vectors in [&mut self.velocities, &mut self.positions, &mut self.speeds] {
+            vectors.resize(kicks.len() + 1);
+            vectors.set(kicks.len() as u32, [0.0; 2]);
+        }
         let turning = if scene.has_friction { kicks.len() } else { 0 };
         self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 });
         let surface_speeds = &self.surface_speeds;
         parallel::for_rows(scene.threads, turning, |place| {
             surface_speeds.set(place as u32, scene.surface_speed(place));
         });
-        let velocities = &self.velocities;
+        let Self { velocities, positions, speeds, .. } = self;
+        let (velocities, positions, speeds) = (&*velocities, &*positions, &*speeds);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, place) in kicks.iter_mut().zip(first..) {
                 velocities.set(place as u32, scene.velocity(place));
-                if !scene.moving[place] {
-                    continue;
+                positions.set(place as u32, scene.motions.position(place as u32));
+                if scene.moving[place] {
+                    let [x, y] = [0, 1].map(|k| scene.change(kick, k));
+                    kick.speed = (x * x + y * y).sqrt() as f32;
                 }
-                let [x, y] = [0, 1].map(|k| scene.change(kick, k));
-                kick.speed = (x * x + y * y).sqrt() as f32;
+                speeds.set(place as u32, [kick.speed, 0.0]);
             }
         });
     }
 
-    /// Lists the pairs whose contacts rest, colour by colour, in each those of uneven masses first.
-    fn list_pairs(&mut self, scene: &Support<'_>, contacts: &mut Contacts, kicks: &[Kick]) {
-        self.blocks.clear();
-        self.frictions.clear();
-        self.ends.clear();
-        self.is_fast = false;
-        for (colour, range) in contacts.colours().into_iter().enumerate() {
-            // The pairs of the last colour share particles.
-            let most = if colour < COLOURS { LANES } else { 1 };
-            if contacts.has_uneven() {
-                self.list_some(scene, contacts, kicks, (range.clone(), most, true));
-            }
-            let uneven_end = self.blocks.len();
-            self.list_some(scene, contacts, kicks, (range, most, false));
-            self.ends.push([uneven_end, self.blocks.len()]);
-        }
-    }
-
-    /// Lists those of a range of contacts that rest, in blocks of at most a number of pairs: those of
-    /// particles with contacts of uneven masses, or the others.
-    fn list_some(
-        &mut self,
-        scene: &Support<'_>,
-        contacts: &mut Contacts,
-        kicks: &[Kick],
-        (range, most, uneven): (Range<usize>, usize, bool),
-    ) {
-        let Self { blocks, frictions, is_fast, .. } = self;
-        let (first, has_uneven) = (blocks.len(), contacts.has_uneven());
-        for at in range {
-            if has_uneven {
-                let [a, b] = contacts.list[at].places.map(|place| contacts.is_uneven(place));
-                if (a || b) != uneven {
-                    continue;
-                }
-            }
-            let contact = &mut contacts.list[at];
-            if let Some(pair) = Pair::of(contact, at as u32, scene, kicks) {
-                *is_fast |= pair.is_fast;
-                let has_room = |block: &Block| block.len() < most;
-                if blocks.len() == first || !blocks.last().is_some_and(has_room) {
-                    blocks.push(Block::new(kicks.len() as u32));
-                    frictions.extend(scene.has_friction.then(friction::Block::default));
-                }
-                let block = blocks.last_mut().expect("it has room");
-                if let Some(friction) = frictions.last_mut() {
-                    friction.put(block.len(), &pair, &scene.particles.radii);
-                }
-                block.push(&pair);
-            }
-            (contact.impulse, contact.friction_impulse) = (0.0, 0.0);
-        }
+    /// Finds the contacts of two particles that rest.
+    fn find_starts(&mut self, scene: &Support<'_>, contacts: &Contacts) {
+        let Self { blocks, limits, frictions, positions, velocities, speeds, is_fast, .. } = self;
+        let (positions, velocities, speeds) = (&*positions, &*velocities, &*speeds);
+        let duration = scene.flow.duration as f32;
+        let all_of = &contacts.blocks.list;
+        let threads = if all_of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { scene.threads };
+        let size = BLOCKS_OF_A_THREAD;
+        let mut frictions = &mut frictions[..];
+        let blocks = blocks.chunks_mut(size).map(|blocks| {
+            let count = blocks.len().min(frictions.len());
+            (blocks, frictions.split_off_mut(..count).unwrap_or_default())
+        });
+        let parts = blocks.zip(limits.chunks_mut(size)).zip(all_of.chunks(size));
+        let any = AtomicBool::new(false);
+        parallel::for_each(threads, parts, |(((blocks, frictions), limits), of)| {
+            let starts =
+                Starts { of, limits, blocks, frictions, positions, velocities, speeds, duration };
+            any.fetch_or(starts.run(), Ordering::Relaxed);
+        });
+        *is_fast = any.into_inner();
     }
 
     /// Lists the particles that rest on walls, those with contacts of uneven masses first.

@@ -1,75 +1,16 @@
-//! Resting contacts of two particles, in blocks of contacts that share no particle that moves.
+//! Impulses of resting contacts of two particles, in blocks of contacts that share no particle that
+//! moves.
 
-use super::{Support, Surfaces, friction, relaxation};
-use crate::contacts::Contact;
-use crate::flow::Kick;
+use super::{friction, relaxation};
+use crate::contacts;
 use crate::motion::{Scalars, Vectors};
-use crate::simd::{LANES, Number, Simd, Work};
+use crate::simd::{LANES, Number, PairPlaces, Simd, Work};
 
-/// Two particles whose contact rests.
+/// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Lanes whose
+/// contact does not rest have impulses of 0, which stay 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair {
-    /// Whether they touch and approach too fast to rest.
-    pub is_fast: bool,
-    pub places: [u32; 2],
-    normal: [f32; 2],
-    pub inverse_masses: [f32; 2],
-    /// Speed at which the gap may close.
-    closing_speed: f32,
-    /// Speed at which the two separate at least after the impact at the beginning.
-    bounce: f32,
-    impulse: f32,
-    /// Coefficient of friction.
-    pub friction: f32,
-    /// Impulse of friction in the sub-step before.
-    pub friction_impulse: f32,
-    /// The index of the contact.
-    contact: u32,
-}
-
-impl Pair {
-    /// The pair, if its contact may rest in this sub-step. The contact is up to date with the
-    /// positions.
-    #[inline(always)]
-    pub fn of(contact: &Contact, index: u32, scene: &Support<'_>, kicks: &[Kick]) -> Option<Self> {
-        let h = scene.flow.duration as f32;
-        let places = contact.places;
-        let [a, b] = places.map(|place| scene.velocity(place as usize));
-        let relative = [b[0] - a[0], b[1] - a[1]];
-        let surfaces = Surfaces {
-            gap: contact.gap,
-            reach: contact.reach,
-            normal_speed: dot(contact.normal, relative),
-            restitution: contact.restitution,
-            speeds: places.map(|place| kicks[place as usize].speed),
-            has_pushed: contact.impulse > 0.0,
-        };
-        let start = surfaces.start(h)?;
-        // The normal is taken as constant.
-        if dot(relative, relative).sqrt() * h > 0.5 * contact.reach {
-            return None;
-        }
-        Some(Self {
-            is_fast: start.is_fast,
-            places,
-            normal: contact.normal,
-            inverse_masses: contact.inverse_masses,
-            closing_speed: start.closing_speed,
-            bounce: start.bounce,
-            impulse: contact.impulse,
-            friction: contact.friction,
-            friction_impulse: contact.friction_impulse,
-            contact: index,
-        })
-    }
-}
-
-/// Up to [`LANES`] pairs of one colour, one column for each quantity. Unused lanes have impulses of
-/// 0 and the place `spare`.
-#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))] // Each column in a cache line of its own.
 pub struct Block {
-    len: usize,
-    pub places: [[u32; LANES]; 2],
     pub normal: [[f32; LANES]; 2],
     pub inverse_masses: [[f32; LANES]; 2],
     /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
@@ -80,7 +21,9 @@ pub struct Block {
     least_speeds: [[f32; LANES]; 2],
     /// Impulses of the impacts and of the resting contacts.
     pub impulses: [[f32; LANES]; 2],
-    contacts: [u32; LANES],
+    pub places: PairPlaces,
+    /// A bit for each contact that rests in this sub-step.
+    pub resting: u32,
 }
 
 /// What the impulses of a sweep belong to: the first or the second of [`Block::impulses`].
@@ -113,85 +56,63 @@ impl Pass {
 }
 
 impl Block {
-    /// A block without pairs; `spare` is a place without a particle.
-    pub fn new(spare: u32) -> Self {
-        Self {
-            len: 0,
-            places: [[spare; LANES]; 2],
-            normal: [[0.0; LANES]; 2],
-            inverse_masses: [[0.0; LANES]; 2],
+    /// The contacts, with the impulses of the step before.
+    pub fn new(of: &contacts::Block) -> Self {
+        let mut block = Self {
+            // That of coincident centres.
+            normal: [[1.0; LANES], [0.0; LANES]],
+            inverse_masses: of.inverse_masses,
             effective_masses: [0.0; LANES],
             relaxed_masses: [0.0; LANES],
-            least_speeds: [[0.0; LANES]; 2],
-            impulses: [[0.0; LANES]; 2],
-            contacts: [0; LANES],
+            least_speeds: [[f32::MIN; LANES]; 2],
+            impulses: [[0.0; LANES], of.impulses[0]],
+            places: of.places,
+            resting: 0,
+        };
+        for lane in 0..LANES {
+            let masses = [of.inverse_masses[0][lane], of.inverse_masses[1][lane]];
+            block.effective_masses[lane] = 1.0 / (masses[0] + masses[1]);
+            block.relaxed_masses[lane] = block.effective_masses[lane] * relaxation(masses);
         }
+        block
     }
 
-    /// Adds a pair.
-    pub fn push(&mut self, pair: &Pair) {
-        let lane = self.len;
-        self.len += 1;
-        for k in [0, 1] {
-            self.places[k][lane] = pair.places[k];
-            self.normal[k][lane] = pair.normal[k];
-            self.inverse_masses[k][lane] = pair.inverse_masses[k];
-        }
-        let effective_mass = 1.0 / (pair.inverse_masses[0] + pair.inverse_masses[1]);
-        self.effective_masses[lane] = effective_mass;
-        self.relaxed_masses[lane] = effective_mass * relaxation(pair.inverse_masses);
-        self.least_speeds[Phase::Impact as usize][lane] = pair.bounce;
-        self.least_speeds[Phase::Rest as usize][lane] = -pair.closing_speed;
-        self.impulses[Phase::Rest as usize][lane] = pair.impulse;
-        self.contacts[lane] = pair.contact;
-    }
-
-    /// The number of pairs.
-    pub fn len(&self) -> usize {
-        self.len
-    }
-
-    /// The contacts of the pairs.
-    pub fn contacts(&self) -> &[u32] {
-        &self.contacts[..self.len]
-    }
-
-    /// Stores the impulses in the contacts.
-    pub fn store(&self, contacts: &mut [Contact]) {
-        for lane in 0..self.len {
-            let [impact, rest] = self.impulses.map(|impulses| impulses[lane]);
-            let contact = &mut contacts[self.contacts[lane] as usize];
-            contact.impulse = rest;
-            contact.count([impact + rest, 0.0]);
-            contact.touched |= rest > 0.0 || impact > 0.0;
-        }
+    /// Begins a sub-step with the contacts that rest in it.
+    #[inline(always)]
+    pub fn begin<S: Simd<f32>>(
+        &mut self,
+        simd: S,
+        normal: [S::Block; 2],
+        least_speeds: [S::Block; 2],
+        resting: u32,
+    ) {
+        let (zero, none) = (simd.splat(0.0), simd.splat(f32::MIN));
+        let [impact, rest] = least_speeds;
+        let [impacts, impulses] = &mut self.impulses;
+        simd.store(zero, impacts);
+        simd.store(simd.choose(resting, simd.load(impulses), zero), impulses);
+        simd.store(simd.choose(resting, impact, none), &mut self.least_speeds[0]);
+        simd.store(simd.choose(resting, rest, none), &mut self.least_speeds[1]);
+        let [x, y] = normal;
+        simd.store(x, &mut self.normal[0]);
+        simd.store(y, &mut self.normal[1]);
+        self.resting = resting;
     }
 
     /// The velocities of the first and of the second particles: x and y of each.
     #[inline(always)]
     fn velocities<S: Simd<f32>>(&self, simd: S, of: &Vectors) -> [S::Block; 4] {
-        let mut both = [[0.0; LANES]; 4];
-        for k in [0, 1] {
-            for (lane, &place) in self.places[k].iter().enumerate() {
-                [both[2 * k][lane], both[2 * k + 1][lane]] = of.get(place);
-            }
-        }
-        both.map(|column| simd.load(&column))
+        let [ax, ay] = simd.gather(of.words(), &self.places, 0);
+        let [bx, by] = simd.gather(of.words(), &self.places, 1);
+        [ax, ay, bx, by]
     }
 
     /// Writes the velocities. Particles that do not move get the velocity that they had: finite
     /// impulses times 0. Several threads may write the same value.
     #[inline(always)]
-    fn set_velocities<S: Simd<f32>>(&self, simd: S, blocks: [S::Block; 4], of: &Vectors) {
-        let mut both = [[0.0; LANES]; 4];
-        for (column, block) in both.iter_mut().zip(blocks) {
-            simd.store(block, column);
-        }
-        for k in [0, 1] {
-            for (lane, &place) in self.places[k].iter().enumerate() {
-                of.set(place, [both[2 * k][lane], both[2 * k + 1][lane]]);
-            }
-        }
+    fn set_velocities<S: Simd<f32>>(&self, simd: S, [ax, ay, bx, by]: [S::Block; 4], of: &Vectors) {
+        simd.scatter([ax, ay], of.words(), &self.places, 0);
+        simd.scatter([bx, by], of.words(), &self.places, 1);
     }
 
     /// Corrects the impulses so that the pairs separate with their least speeds, or only applies
@@ -273,6 +194,10 @@ impl Work<f32> for Sweep<'_> {
     fn run<S: Simd<f32>>(self, simd: S) {
         let mut frictions = self.frictions.iter_mut();
         for block in self.blocks {
+            if block.resting == 0 {
+                frictions.next();
+                continue;
+            }
             let mut velocities = block.velocities(simd, self.velocities);
             velocities = block.solve(simd, velocities, self.pass);
             if let Some(friction) = frictions.next() {
@@ -282,8 +207,4 @@ impl Work<f32> for Sweep<'_> {
             block.set_velocities(simd, velocities, self.velocities);
         }
     }
-}
-
-fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
-    a[0] * b[0] + a[1] * b[1]
 }

@@ -7,10 +7,12 @@
 #[allow(dead_code, reason = "x86-64 uses its packing only; the tests compare with the rest")]
 mod portable;
 #[cfg(target_arch = "x86_64")]
+mod gather;
+#[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::ops::{Add, Div, Mul, Sub};
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
 /// Numbers in a block.
 pub const LANES: usize = 16;
@@ -42,9 +44,52 @@ pub fn block_mut<V>(column: &mut [V], start: usize) -> &mut [V; LANES] {
     column[start..].first_chunk_mut().expect("columns carry spare rows")
 }
 
+/// The two float32 of the word at `place`.
+#[inline(always)]
+pub fn numbers_at(from: &[AtomicU64], place: u32) -> [f32; 2] {
+    let word = from[place as usize].load(Ordering::Relaxed);
+    [word as u32, (word >> 32) as u32].map(f32::from_bits)
+}
+
+/// Replaces the two float32 of the word at `place`.
+#[inline(always)]
+pub fn set_numbers_at(to: &[AtomicU64], place: u32, numbers: [f32; 2]) {
+    let [a, b] = numbers.map(|number| u64::from(number.to_bits()));
+    to[place as usize].store(a | b << 32, Ordering::Relaxed);
+}
+
+/// The places of [`LANES`] pairs in columns of words. The largest is stored, so that one test is
+/// sufficient for all.
+#[derive(Clone, Copy, Debug)]
+pub struct PairPlaces {
+    places: [[u32; LANES]; 2],
+    largest: u32,
+}
+
+impl PairPlaces {
+    /// The places of the first and of the second of each pair.
+    pub fn new(places: [[u32; LANES]; 2]) -> Self {
+        let largest = places.as_flattened().iter().copied().fold(0, u32::max);
+        Self { places, largest }
+    }
+
+    /// The places of the first (k = 0) or of the second (k = 1) of each pair.
+    #[inline(always)]
+    pub fn of(&self, k: usize) -> &[u32; LANES] {
+        &self.places[k]
+    }
+
+    /// As [`of`](Self::of). Panics unless all places are below `len`.
+    #[inline(always)]
+    fn below(&self, len: usize, k: usize) -> &[u32; LANES] {
+        assert!((self.largest as usize) < len, "a place is too large");
+        &self.places[k]
+    }
+}
+
 /// Operations on blocks of [`LANES`] numbers by one set of vector instructions. A value of such a
 /// type exists only if the processor has these instructions.
-pub trait Simd<T>: Copy {
+pub trait Simd<T: Number>: Copy {
     /// [`LANES`] numbers in registers.
     type Block: Copy;
     /// A block of equal numbers.
@@ -59,6 +104,10 @@ pub trait Simd<T>: Copy {
     fn sub(self, a: Self::Block, b: Self::Block) -> Self::Block;
     /// a · b.
     fn mul(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// a / b.
+    fn div(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// √a.
+    fn sqrt(self, a: Self::Block) -> Self::Block;
     /// The larger number in each lane.
     fn max(self, a: Self::Block, b: Self::Block) -> Self::Block;
     /// The smaller number in each lane.
@@ -69,6 +118,30 @@ pub trait Simd<T>: Copy {
     fn both_negative(self, a: Self::Block, b: Self::Block) -> u32;
     /// A bit for each lane in which a < b.
     fn less(self, a: Self::Block, b: Self::Block) -> u32;
+    /// A bit for each lane in which a ≤ b.
+    fn at_most(self, a: Self::Block, b: Self::Block) -> u32;
+    /// a in lanes whose bit is set, b in the others (blend).
+    fn choose(self, bits: u32, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// The first and the second numbers of the words at the places of the k-th of each pair.
+    #[inline(always)]
+    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
+        let mut columns = [[T::default(); LANES]; 2];
+        for (lane, &place) in places.of(k).iter().enumerate() {
+            let word = numbers_at(from, place);
+            (columns[0][lane], columns[1][lane]) = (T::from(word[0]), T::from(word[1]));
+        }
+        columns.map(|column| self.load(&column))
+    }
+    /// Writes words to the places of the k-th of each pair. Of several words with the same place
+    /// one is written.
+    #[inline(always)]
+    fn scatter(self, blocks: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
+        let mut columns = [[T::default(); LANES]; 2];
+        blocks.into_iter().zip(&mut columns).for_each(|(block, to)| self.store(block, to));
+        for (lane, &place) in places.of(k).iter().enumerate() {
+            set_numbers_at(to, place, [columns[0][lane].single(), columns[1][lane].single()]);
+        }
+    }
     /// Writes the numbers whose bit is set, contiguously (stream compaction). Numbers after these
     /// are unspecified.
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]);
@@ -83,7 +156,7 @@ pub trait Simd<T>: Copy {
 }
 
 /// A computation that is generic over the vector instructions.
-pub trait Work<T> {
+pub trait Work<T: Number> {
     /// Its result.
     type Out;
     /// Computes the result. Must be inlined, with every function that calls `simd`.
@@ -99,17 +172,30 @@ pub trait Number:
     + Sub<Output = Self>
     + Mul<Output = Self>
     + Div<Output = Self>
+    + From<f32>
     + Send
     + Sync
     + 'static
 {
     /// Runs `work` with the widest instructions of the processor.
     fn with_widest<W: Work<Self>>(work: W) -> W::Out;
+    /// The square root.
+    fn root(self) -> Self;
+    /// In float32.
+    fn single(self) -> f32;
 }
 
 macro_rules! number {
     ($t:ty) => {
         impl Number for $t {
+            #[inline(always)]
+            fn root(self) -> Self {
+                <$t>::sqrt(self)
+            }
+            #[inline(always)]
+            fn single(self) -> f32 {
+                self as f32
+            }
             fn with_widest<W: Work<Self>>(work: W) -> W::Out {
                 #[cfg(target_arch = "x86_64")]
                 match widest() {
@@ -164,11 +250,16 @@ mod tests {
     struct All<T>([T; LANES], [T; LANES]);
 
     impl<T: Number> Work<T> for All<T> {
-        type Out = (Vec<[T; LANES]>, [u32; 2], [Vec<T>; 2]);
+        type Out = (Vec<[T; LANES]>, [u32; 4], [Vec<T>; 2]);
 
         #[inline(always)]
         fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
             let (a, b) = (simd.load(&self.0), simd.load(&self.1));
+            let words: [AtomicU64; LANES] = std::array::from_fn(|_| AtomicU64::default());
+            let places = |step: u32| std::array::from_fn(|lane| (lane as u32 * step + 3) % 16);
+            let places = PairPlaces::new([places(5), places(7)]);
+            simd.scatter([a, b], &words, &places, 0);
+            let shuffled = simd.gather(&words, &places, 1);
             let blocks = [
                 simd.splat(self.0[3]),
                 simd.add(a, b),
@@ -177,6 +268,11 @@ mod tests {
                 simd.max(a, b),
                 simd.min(a, b),
                 simd.distance(a, b),
+                simd.div(a, b),
+                simd.sqrt(simd.mul(a, a)),
+                simd.choose(0b0110_1010_0110_0101, a, b),
+                shuffled[0],
+                shuffled[1],
             ];
             let stored = blocks.map(|block| {
                 let mut to = [T::default(); LANES];
@@ -188,7 +284,9 @@ mod tests {
                 simd.pack(a, bits, &mut to);
                 to[..bits.count_ones() as usize].to_vec()
             });
-            (stored.to_vec(), [simd.both_negative(a, b), simd.less(a, b)], packed)
+            let bits =
+                [simd.both_negative(a, b), simd.less(a, b), simd.at_most(a, b), simd.at_most(a, a)];
+            (stored.to_vec(), bits, packed)
         }
     }
 

@@ -73,6 +73,14 @@ impl<T: Number> Simd<T> for Portable {
         both(a, b, |a, b| a * b)
     }
     #[inline(always)]
+    fn div(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        both(a, b, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::Block) -> Self::Block {
+        a.map(T::root)
+    }
+    #[inline(always)]
     fn max(self, a: Self::Block, b: Self::Block) -> Self::Block {
         both(a, b, |a, b| if a > b { a } else { b })
     }
@@ -93,6 +101,15 @@ impl<T: Number> Simd<T> for Portable {
     #[inline(always)]
     fn less(self, a: Self::Block, b: Self::Block) -> u32 {
         (0..LANES).fold(0, |bits, lane| bits | u32::from(a[lane] < b[lane]) << lane)
+    }
+    #[inline(always)]
+    fn at_most(self, a: Self::Block, b: Self::Block) -> u32 {
+        (0..LANES).fold(0, |bits, lane| bits | u32::from(a[lane] <= b[lane]) << lane)
+    }
+    #[inline(always)]
+    fn choose(self, bits: u32, a: Self::Block, b: Self::Block) -> Self::Block {
+        let chosen = |lane: usize| if bits >> lane & 1 == 1 { a[lane] } else { b[lane] };
+        std::array::from_fn(chosen)
     }
     #[inline(always)]
     fn prefetch<V>(self, _column: &[V]) {}

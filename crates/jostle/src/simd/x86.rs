@@ -1,4 +1,4 @@
-//! SSE2, AVX2 and AVX-512, the only unsafe code of the core.
+//! SSE2, AVX2 and AVX-512, with [`gather`](super::gather) the only unsafe code of the core.
 //!
 //! It is sound for two reasons. A token ([`Avx2`], [`Avx512`]) is created only in [`with_avx2`]
 //! and [`with_avx512`], after a check of the CPU features, so its instructions exist. Every
@@ -9,8 +9,10 @@
 #![allow(unused_unsafe)]
 
 use std::arch::x86_64::*;
+use std::sync::atomic::AtomicU64;
 
-use super::{Instructions, LANES, Simd, Work, portable};
+use super::gather;
+use super::{Instructions, LANES, Number, PairPlaces, Simd, Work, portable};
 
 /// SSE2, which every x86-64 processor has. Auto-vectorized code would be slower, and would take
 /// several times longer to compile.
@@ -44,12 +46,12 @@ pub fn widest() -> Instructions {
 
 /// Runs `work` with AVX2.
 #[inline]
-pub fn with_avx2<T, W: Work<T>>(work: W) -> W::Out
+pub fn with_avx2<T: Number, W: Work<T>>(work: W) -> W::Out
 where
     Avx2: Simd<T>,
 {
     #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
-    fn inner<T, W: Work<T>>(work: W) -> W::Out
+    fn inner<T: Number, W: Work<T>>(work: W) -> W::Out
     where
         Avx2: Simd<T>,
     {
@@ -62,12 +64,12 @@ where
 
 /// Runs `work` with AVX-512.
 #[inline]
-pub fn with_avx512<T, W: Work<T>>(work: W) -> W::Out
+pub fn with_avx512<T: Number, W: Work<T>>(work: W) -> W::Out
 where
     Avx512: Simd<T>,
 {
     #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,popcnt")]
-    fn inner<T, W: Work<T>>(work: W) -> W::Out
+    fn inner<T: Number, W: Work<T>>(work: W) -> W::Out
     where
         Avx512: Simd<T>,
     {
@@ -80,7 +82,7 @@ where
 
 /// Runs `work` with SSE2.
 #[inline(never)]
-pub fn with_sse2<T, W: Work<T>>(work: W) -> W::Out
+pub fn with_sse2<T: Number, W: Work<T>>(work: W) -> W::Out
 where
     Sse2: Simd<T>,
 {
@@ -95,7 +97,7 @@ const CACHE_LINE: usize = 64;
 macro_rules! arithmetic {
     ($t:ty, [$($k:literal)*] of $each:literal in $register:ty, $splat:ident, $load:ident,
      $store:ident, $add:ident, $sub:ident, $mul:ident, $max:ident, $min:ident, $less:expr,
-     $abs:expr, $negative:expr) => {
+     $abs:expr, $negative:expr, $div:ident, $sqrt:ident, $at_most:expr, $choose:expr) => {
         type Block = [$register; LANES / $each];
 
         #[inline(always)]
@@ -131,6 +133,16 @@ macro_rules! arithmetic {
             unsafe { [$($mul(a[$k], b[$k])),*] }
         }
         #[inline(always)]
+        fn div(self, a: Self::Block, b: Self::Block) -> Self::Block {
+            // SAFETY: as above.
+            unsafe { [$($div(a[$k], b[$k])),*] }
+        }
+        #[inline(always)]
+        fn sqrt(self, a: Self::Block) -> Self::Block {
+            // SAFETY: as above.
+            unsafe { [$($sqrt(a[$k])),*] }
+        }
+        #[inline(always)]
         fn max(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
             unsafe { [$($max(a[$k], b[$k])),*] }
@@ -159,6 +171,14 @@ macro_rules! arithmetic {
         #[inline(always)]
         fn less(self, a: Self::Block, b: Self::Block) -> u32 {
             0 $(| $less(self, a[$k], b[$k]) << ($k * $each))*
+        }
+        #[inline(always)]
+        fn at_most(self, a: Self::Block, b: Self::Block) -> u32 {
+            0 $(| $at_most(self, a[$k], b[$k]) << ($k * $each))*
+        }
+        #[inline(always)]
+        fn choose(self, bits: u32, a: Self::Block, b: Self::Block) -> Self::Block {
+            [$($choose(self, bits >> ($k * $each), a[$k], b[$k])),*]
         }
     };
 }
@@ -267,6 +287,84 @@ fn less_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
     (unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) }) as u32
 }
 
+#[inline(always)]
+fn at_most_128(_: Sse2, a: __m128, b: __m128) -> u32 {
+    (unsafe { _mm_movemask_ps(_mm_cmple_ps(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn at_most_128d(_: Sse2, a: __m128d, b: __m128d) -> u32 {
+    (unsafe { _mm_movemask_pd(_mm_cmple_pd(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn at_most_256(_: Avx2, a: __m256, b: __m256) -> u32 {
+    (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn at_most_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
+    (unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) }) as u32
+}
+
+#[inline(always)]
+fn at_most_512(_: Avx512, a: __m512, b: __m512) -> u32 {
+    u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
+}
+
+#[inline(always)]
+fn at_most_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
+    u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b) })
+}
+
+#[inline(always)]
+fn choose_128(_: Sse2, bits: u32, a: __m128, b: __m128) -> __m128 {
+    unsafe {
+        let lanes = _mm_setr_epi32(1, 2, 4, 8);
+        let chosen = _mm_and_si128(_mm_set1_epi32(bits as i32), lanes);
+        let mask = _mm_castsi128_ps(_mm_cmpeq_epi32(chosen, lanes));
+        _mm_or_ps(_mm_and_ps(mask, a), _mm_andnot_ps(mask, b))
+    }
+}
+
+#[inline(always)]
+fn choose_128d(_: Sse2, bits: u32, a: __m128d, b: __m128d) -> __m128d {
+    unsafe {
+        let lanes = _mm_setr_epi32(1, 1, 2, 2);
+        let chosen = _mm_and_si128(_mm_set1_epi32(bits as i32), lanes);
+        let mask = _mm_castsi128_pd(_mm_cmpeq_epi32(chosen, lanes));
+        _mm_or_pd(_mm_and_pd(mask, a), _mm_andnot_pd(mask, b))
+    }
+}
+
+#[inline(always)]
+fn choose_256(_: Avx2, bits: u32, a: __m256, b: __m256) -> __m256 {
+    unsafe {
+        let lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        let chosen = _mm256_and_si256(_mm256_set1_epi32(bits as i32), lanes);
+        _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(chosen, lanes)))
+    }
+}
+
+#[inline(always)]
+fn choose_256d(_: Avx2, bits: u32, a: __m256d, b: __m256d) -> __m256d {
+    unsafe {
+        let lanes = _mm256_setr_epi64x(1, 2, 4, 8);
+        let chosen = _mm256_and_si256(_mm256_set1_epi64x(i64::from(bits)), lanes);
+        _mm256_blendv_pd(b, a, _mm256_castsi256_pd(_mm256_cmpeq_epi64(chosen, lanes)))
+    }
+}
+
+#[inline(always)]
+fn choose_512(_: Avx512, bits: u32, a: __m512, b: __m512) -> __m512 {
+    unsafe { _mm512_mask_blend_ps(bits as u16, b, a) }
+}
+
+#[inline(always)]
+fn choose_512d(_: Avx512, bits: u32, a: __m512d, b: __m512d) -> __m512d {
+    unsafe { _mm512_mask_blend_pd(bits as u8, b, a) }
+}
+
 impl Simd<f32> for Avx512 {
     arithmetic!(
         f32,
@@ -281,9 +379,26 @@ impl Simd<f32> for Avx512 {
         _mm512_min_ps,
         less_512,
         abs_512,
-        negative_512
+        negative_512,
+        _mm512_div_ps,
+        _mm512_sqrt_ps,
+        at_most_512,
+        choose_512
     );
 
+    #[inline(always)]
+    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
+        let places = places.below(from.len(), k);
+        // SAFETY: the line above, and the token.
+        let [x, y] = unsafe { gather::gather_512(from, places) };
+        [[x], [y]]
+    }
+    #[inline(always)]
+    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
+        let places = places.below(to.len(), k);
+        // SAFETY: the line above, and the token.
+        unsafe { gather::scatter_512([x[0], y[0]], to, places) }
+    }
     #[inline(always)]
     fn pack(self, [from]: Self::Block, bits: u32, to: &mut [f32; LANES]) {
         // SAFETY: the token proves the instruction; the array is one register long.
@@ -322,7 +437,11 @@ impl Simd<f64> for Avx512 {
         _mm512_min_pd,
         less_512d,
         abs_512d,
-        negative_512d
+        negative_512d,
+        _mm512_div_pd,
+        _mm512_sqrt_pd,
+        at_most_512d,
+        choose_512d
     );
 
     #[inline(always)]
@@ -413,9 +532,30 @@ impl Simd<f32> for Avx2 {
         _mm256_min_ps,
         less_256,
         abs_256,
-        negative_256
+        negative_256,
+        _mm256_div_ps,
+        _mm256_sqrt_ps,
+        at_most_256,
+        choose_256
     );
 
+    #[inline(always)]
+    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
+        let places = places.below(from.len(), k);
+        // SAFETY: the line above, and the token.
+        let [[a, b], [c, d]] =
+            unsafe { [gather::gather_256(from, places, 0), gather::gather_256(from, places, 8)] };
+        [[a, c], [b, d]]
+    }
+    #[inline(always)]
+    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
+        let places = places.below(to.len(), k);
+        // SAFETY: the line above, and the token.
+        unsafe {
+            gather::scatter_256([x[0], y[0]], to, places, 0);
+            gather::scatter_256([x[1], y[1]], to, places, 8);
+        }
+    }
     #[inline(always)]
     fn pack(self, from: Self::Block, bits: u32, to: &mut [f32; LANES]) {
         let behind = (bits & 0xff).count_ones() as usize;
@@ -468,7 +608,11 @@ impl Simd<f64> for Avx2 {
         _mm256_min_pd,
         less_256d,
         abs_256d,
-        negative_256d
+        negative_256d,
+        _mm256_div_pd,
+        _mm256_sqrt_pd,
+        at_most_256d,
+        choose_256d
     );
 
     pack_one_by_one!(f64);
@@ -511,8 +655,36 @@ impl Simd<f32> for Sse2 {
         _mm_min_ps,
         less_128,
         abs_128,
-        negative_128
+        negative_128,
+        _mm_div_ps,
+        _mm_sqrt_ps,
+        at_most_128,
+        choose_128
     );
+
+    #[inline(always)]
+    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
+        let places = places.below(from.len(), k);
+        // SAFETY: the line above; every x86-64 processor has SSE2.
+        unsafe {
+            let [a, b] = gather::gather_128(from, places, 0);
+            let [c, d] = gather::gather_128(from, places, 4);
+            let [e, f] = gather::gather_128(from, places, 8);
+            let [g, h] = gather::gather_128(from, places, 12);
+            [[a, c, e, g], [b, d, f, h]]
+        }
+    }
+    #[inline(always)]
+    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
+        let places = places.below(to.len(), k);
+        // SAFETY: the line above; every x86-64 processor has SSE2.
+        unsafe {
+            gather::scatter_128([x[0], y[0]], to, places, 0);
+            gather::scatter_128([x[1], y[1]], to, places, 4);
+            gather::scatter_128([x[2], y[2]], to, places, 8);
+            gather::scatter_128([x[3], y[3]], to, places, 12);
+        }
+    }
     pack_one_by_one!(f32);
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
@@ -542,7 +714,11 @@ impl Simd<f64> for Sse2 {
         _mm_min_pd,
         less_128d,
         abs_128d,
-        negative_128d
+        negative_128d,
+        _mm_div_pd,
+        _mm_sqrt_pd,
+        at_most_128d,
+        choose_128d
     );
     pack_one_by_one!(f64);
     #[inline(always)]

@@ -1,21 +1,22 @@
 //! Changes of the pairs since the last update.
 //!
-//! Only pairs with a shape that changed can have entered or left. The pairs of the last update
-//! are in the lists of these shapes, the current ones come from a join of their layer with all.
-//! Each pair is compared once, at its *owner*, the changed one of its shapes.
+//! Only pairs with a shape that changed can have entered or left. The current ones come from a join
+//! of the layer of these shapes with all, and are compared with those of the last update.
 
 use super::Space;
+use super::keys::{Key, slots_of};
 use super::layers::Layers;
 use super::slots::Id;
-use super::touching::{MOST_RECORDS, NONE, Touching};
+use super::touching::MOST_PAIRS;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
+use crate::pairs::JoinScratch;
 use crate::sorting;
 
-/// Approximate number of values read, not adjacent in memory, when a pair is compared.
-const RECORD_WORK: usize = 16;
+/// Pairs converted to ids between two checks for an interruption.
+const CHUNK: usize = 1 << 14;
 
 /// Pairs of ids, the smaller first, sorted by first, then by second.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub struct Events {
     update: u64,
 }
 
-/// Slots that changed since the last update, and memory for comparing.
+/// Slots that changed since the last update, and memory for their pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
     slots: Vec<u32>,
@@ -38,26 +39,17 @@ pub(super) struct Changes {
     pub(super) leaving: Vec<u32>,
     /// Updates so far.
     updates: u64,
-    /// The first of the new pairs that each slot owns.
-    firsts: Vec<u32>,
-    /// The record of the pair of an owner and this slot, while the owner is looked at.
-    records: Vec<u32>,
-}
-
-/// Changes to be made to the pairs of the last update.
-#[derive(Default)]
-struct Difference {
-    entered: Vec<[u32; 2]>,
-    /// Records.
-    left: Vec<u32>,
+    /// Memory for the pairs that are found.
+    found: Vec<[u32; 2]>,
 }
 
 impl<T: Scalar> Space<T> {
     /// The pairs that entered and left since the last update. If the shapes that changed have
     /// more than `max_pairs` pairs, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
-        let max_pairs = max_pairs.min(MOST_RECORDS);
-        let present = self.changes.present(&self.layers)?;
+        let max_pairs = max_pairs.min(MOST_PAIRS);
+        let any_removed = self.slots.len() < self.slots.count();
+        let present = self.changes.present(&self.layers, any_removed)?;
         let front = match self.layers.layer_of(&present) {
             Some(layer) => Some(layer),
             None => {
@@ -69,52 +61,71 @@ impl<T: Scalar> Space<T> {
                 self.layers.fold(&self.slots, self.settings)?
             }
         };
-        let found = match self.pairs_with_changed(front, max_pairs) {
+        let found = match self.pairs_with_changed(front, &present, max_pairs) {
             Err(Error::TooManyPairs { .. }) => {
                 // Dead or unchanged shapes may have been counted; they are excluded here.
                 let front = self.layers.part(&present, &self.slots, self.settings)?;
-                self.pairs_with_changed(front, max_pairs)?
+                self.pairs_with_changed(front, &present, max_pairs)?
             }
             found => found?,
         };
-        let difference = self.changes.compare(&found, &self.touching)?;
-        drop(found);
-        self.take_over(&difference)
+        let events = self.take_over(&found)?;
+        // Memory is freed if much more is allocated than needed.
+        let is_wasteful = found.capacity() > 4 * found.len();
+        self.changes.found = if is_wasteful { Vec::new() } else { found };
+        Ok(events)
     }
 
-    /// Overlapping pairs of slots, at least one of which changed. All of those are in `front`.
-    fn pairs_with_changed(&self, front: Option<usize>, most: usize) -> Result<Vec<[u32; 2]>> {
+    /// Overlapping pairs of slots, at least one of which changed. All of those, `present`, are in
+    /// `front`.
+    fn pairs_with_changed(
+        &mut self,
+        front: Option<usize>,
+        present: &[u32],
+        most: usize,
+    ) -> Result<Vec<[u32; 2]>> {
         let mut found = Vec::new();
         let Some(front) = front else { return Ok(found) };
-        let changed = &self.changes.changed;
-        let wanted = |[a, b]: [u32; 2]| changed[a as usize] || changed[b as usize];
+        let mut memory = JoinScratch::default();
+        memory.keep(std::mem::take(&mut self.changes.found));
+        let all_changed = self.layers.alive(front) == present.len();
+        let changed = (!all_changed).then_some(&self.changes.changed[..]);
         for other in self.layers.indices() {
-            self.layers.join([front, other], None, wanted, most, &mut found)?;
+            self.layers.join_changed([front, other], changed, most, &mut memory, &mut found)?;
         }
         Ok(found)
     }
 
-    /// Stores the current pairs as those of the last update. Everything that can fail comes first.
-    fn take_over(&mut self, difference: &Difference) -> Result<Events> {
-        let update = self.changes.updates + 1;
-        let left = difference.left.iter().map(|&record| self.touching.pair(record));
+    /// Stores the current pairs of the slots that changed. Everything that can fail comes first.
+    fn take_over(&mut self, found: &[[u32; 2]]) -> Result<Events> {
+        let Changes { slots, changed, leaving, updates, .. } = &self.changes;
+        let update = updates + 1;
+        let difference = self.touching.compare(slots, changed, found)?;
         let (left, entered) =
-            (self.sorted_ids(left)?, self.sorted_ids(difference.entered.iter().copied())?);
-        self.slots.reserve_free(self.changes.leaving.len())?;
-        self.touching.change(&difference.left, &difference.entered)?;
+            (self.sorted_ids(&difference.left)?, self.sorted_ids(&difference.entered)?);
+        self.slots.reserve_free(leaving.len())?;
+        self.touching.change(difference);
         self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
         self.changes.clear();
         Ok(Events { entered, left, update })
     }
 
-    fn sorted_ids(&self, pairs: impl ExactSizeIterator<Item = [u32; 2]>) -> Result<Vec<[Id; 2]>> {
+    /// The pairs of ids, sorted, from ascending keys.
+    fn sorted_ids(&self, keys: &[Key]) -> Result<Vec<[Id; 2]>> {
         let mut pulse = Pulse::current();
-        let mut ids = memory::with_room(pairs.len())?;
-        for pair in pairs {
-            pulse.check(1)?;
-            ids.push(self.pair_of_ids(pair));
+        let mut ids = memory::with_room(keys.len())?;
+        let are_ids = self.slots.are_ids();
+        for some in keys.chunks(CHUNK) {
+            pulse.check(some.len())?;
+            if are_ids {
+                ids.extend(some.iter().map(|&key| slots_of(key).map(Id::from)));
+            } else {
+                ids.extend(some.iter().map(|&key| self.pair_of_ids(slots_of(key))));
+            }
         }
-        sorting::sort(&mut ids, &mut pulse)?;
+        if !are_ids {
+            sorting::sort(&mut ids, &mut pulse)?;
+        }
         Ok(ids)
     }
 
@@ -124,13 +135,8 @@ impl<T: Scalar> Space<T> {
         if events.update != self.changes.updates {
             return Ok(None);
         }
+        let mut pairs = self.sorted_ids(&self.touching.all()?)?;
         let mut pulse = Pulse::current();
-        let mut pairs = memory::with_room(self.touching.len())?;
-        for pair in self.touching.pairs() {
-            pulse.check(1)?;
-            pairs.push(self.pair_of_ids(pair));
-        }
-        sorting::sort(&mut pairs, &mut pulse)?;
         let mut entered = events.entered.iter().peekable();
         pairs.retain(|pair| !pulse.stops(1) && entered.next_if_eq(&pair).is_none());
         pulse.check(0)?;
@@ -141,9 +147,7 @@ impl<T: Scalar> Space<T> {
 impl Changes {
     /// Makes room for so many slots.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
-        memory::lengthen(&mut self.changed, slots, false)?;
-        memory::lengthen(&mut self.firsts, slots, NONE)?;
-        memory::lengthen(&mut self.records, slots, NONE)
+        memory::lengthen(&mut self.changed, slots, false)
     }
 
     /// Reserves memory for `more` changed slots.
@@ -159,96 +163,29 @@ impl Changes {
         }
     }
 
-    /// Those in which there is a shape.
-    fn present<T: Scalar>(&self, layers: &Layers<T>) -> Result<Vec<u32>> {
+    /// Those in which there is a shape, if `any_removed`; all otherwise.
+    fn present<T: Scalar>(&self, layers: &Layers<T>, any_removed: bool) -> Result<Vec<u32>> {
+        if !any_removed {
+            return memory::collect(self.slots.iter().copied());
+        }
         let mut present = memory::with_room(self.slots.len())?;
         present.extend(self.slots.iter().copied().filter(|&slot| layers.has(slot)));
         Ok(present)
     }
 
-    /// The slot that owns a pair, and the other one.
-    fn owned(&self, [a, b]: [u32; 2]) -> [u32; 2] {
-        let owner_is_a = self.changed[a as usize] && (a < b || !self.changed[b as usize]);
-        if owner_is_a { [a, b] } else { [b, a] }
-    }
-
-    /// Compares the pairs of now with those of the last update, one owner after the other, in
-    /// time that grows with their number and no faster.
-    fn compare(&mut self, found: &[[u32; 2]], touching: &Touching) -> Result<Difference> {
-        let difference = self.compare_all(found, touching);
-        if difference.is_err() {
-            self.firsts.fill(NONE);
-            self.records.fill(NONE);
-        }
-        difference
-    }
-
-    fn compare_all(&mut self, found: &[[u32; 2]], touching: &Touching) -> Result<Difference> {
-        let mut difference = Difference::default();
-        let mut pulse = Pulse::current();
-        let mut nexts = memory::filled(found.len(), NONE)?;
-        for (index, &pair) in found.iter().enumerate() {
-            pulse.check(RECORD_WORK)?;
-            let [owner, _] = self.owned(pair);
-            nexts[index] = std::mem::replace(&mut self.firsts[owner as usize], index as u32);
-        }
-        for index in 0..self.slots.len() {
-            let owner = self.slots[index];
-            self.compare_owner(owner, found, &nexts, touching, &mut difference, &mut pulse)?;
-        }
-        Ok(difference)
-    }
-
-    fn compare_owner(
-        &mut self,
-        owner: u32,
-        found: &[[u32; 2]],
-        nexts: &[u32],
-        touching: &Touching,
-        difference: &mut Difference,
-        pulse: &mut Pulse,
-    ) -> Result<()> {
-        let mut own = std::mem::replace(&mut self.firsts[owner as usize], NONE);
-        let mut gone = 0;
-        for (record, other) in touching.of(owner) {
-            pulse.check(RECORD_WORK)?;
-            if self.owned([owner, other])[0] == owner {
-                self.records[other as usize] = record;
-                gone += 1;
-            }
-        }
-        while own != NONE {
-            pulse.check(RECORD_WORK)?;
-            let pair = self.owned(found[own as usize]);
-            if std::mem::replace(&mut self.records[pair[1] as usize], NONE) == NONE {
-                memory::push(&mut difference.entered, pair)?;
-            } else {
-                gone -= 1;
-            }
-            own = nexts[own as usize];
-        }
-        if gone == 0 {
-            return Ok(());
-        }
-        for (record, other) in touching.of(owner) {
-            pulse.check(RECORD_WORK)?;
-            if std::mem::replace(&mut self.records[other as usize], NONE) == record {
-                memory::push(&mut difference.left, record)?;
-            }
-        }
-        Ok(())
-    }
-
     fn clear(&mut self) {
-        self.slots.iter().for_each(|&slot| self.changed[slot as usize] = false);
+        if self.slots.len() == self.changed.len() {
+            self.changed.fill(false);
+        } else {
+            self.slots.iter().for_each(|&slot| self.changed[slot as usize] = false);
+        }
         self.slots.clear();
         self.updates += 1;
     }
 
     /// Bytes of memory that they keep, used or not.
     pub(super) fn kept_bytes(&self) -> usize {
-        let words = [&self.slots, &self.leaving, &self.firsts, &self.records];
-        let bytes: usize = words.iter().map(|column| 4 * column.capacity()).sum();
-        bytes + self.changed.capacity()
+        let words = self.slots.capacity() + self.leaving.capacity();
+        4 * (words + 2 * self.found.capacity()) + self.changed.capacity()
     }
 }

@@ -6,7 +6,6 @@
 //! if there would be too many of about its size, or if most shapes of a tree are dead. So a tree
 //! of shapes that do not change is not rebuilt while others move.
 
-use std::cmp::Ordering;
 use std::mem;
 
 use super::slots::Slots;
@@ -14,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
-use crate::pairs;
+use crate::pairs::{self, Filters, JoinScratch};
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
@@ -40,6 +39,14 @@ const RATIO: usize = 4;
 /// of the other. They hold no fewer than this.
 const FEWEST: usize = 2;
 
+/// If all shapes of a layer change but one of so many, the next one of about its size has leaves
+/// [`LARGER`] times as large. It is built and searched for pairs faster, and queries take about as
+/// long.
+const SHORT_LIVED: usize = 16;
+
+/// As above.
+const LARGER: usize = 3;
+
 /// A tree over some slots.
 #[derive(Clone, Debug)]
 struct Layer<T> {
@@ -48,6 +55,19 @@ struct Layer<T> {
     slots: Vec<u32>,
     /// How many of them have their home here.
     alive: usize,
+}
+
+impl<T: Scalar> Layer<T> {
+    /// Whether no shape has left it.
+    fn is_alive(&self) -> bool {
+        self.alive == self.slots.len()
+    }
+
+    /// The slot of the shape at a place of the tree.
+    #[inline(always)]
+    fn slot_at(&self, place: u32) -> u32 {
+        self.slots[self.tree.rows()[place as usize] as usize]
+    }
 }
 
 impl<T: Scalar> Default for Layer<T> {
@@ -285,12 +305,17 @@ impl<T: Scalar> Layers<T> {
         if old.slots.len() > RATIO * rows.len() {
             old = Layer::default();
         }
+        // What replaces a tree that almost all shapes have left is not used for long either.
+        let is_like = old.slots.len() >= rows.len() / 2;
+        let larger = if is_like && old.alive <= old.slots.len() / SHORT_LIVED { LARGER } else { 1 };
         self.fresh = mem::take(&mut old.slots);
         self.fresh.clear();
-        let fitting = settings.leaf_capacity.saturating_mul(rows.len()) / slots.len();
+        let capacity = settings.leaf_capacity.saturating_mul(larger);
+        let fitting = capacity.saturating_mul(rows.len()) / slots.len();
         let settings = Settings { leaf_capacity: fitting.max(FEWEST), ..settings };
         let gathered = slots.gather(&rows, &mut self.shapes);
-        if let Err(error) = gathered.and_then(|()| rebuild(&mut old.tree, &self.shapes, settings)) {
+        if let Err(error) = gathered.and_then(|()| old.tree.fill_unordered(&self.shapes, settings))
+        {
             return Err(self.undo(rows, error));
         }
         if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
@@ -308,14 +333,13 @@ impl<T: Scalar> Layers<T> {
         Ok(Some(index))
     }
 
-    /// Adds the overlapping pairs of shapes of two layers that are `wanted`, or of one with
-    /// itself, as pairs of slots; with a `mask` only those of which both have a category in
-    /// it. There may be at most `max_pairs` in all.
+    /// Adds the overlapping pairs of shapes of two layers, or of one with itself, as pairs of slots;
+    /// with a `mask` only those of which both have a category in it. There may be at most
+    /// `max_pairs` in all.
     pub(super) fn join(
         &self,
         [a, b]: [usize; 2],
         mask: Option<u32>,
-        wanted: impl Fn([u32; 2]) -> bool,
         max_pairs: usize,
         found: &mut Vec<[u32; 2]>,
     ) -> Result<()> {
@@ -326,21 +350,64 @@ impl<T: Scalar> Layers<T> {
         } else {
             pairs::between(&first.tree, &second.tree, mask, left)
         };
-        let rows = rows.map_err(|error| match error {
-            Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
-            other => other,
-        })?;
+        let rows = rows.map_err(|error| of_all(error, max_pairs))?;
         let mut pulse = Pulse::current();
         for rows in rows.pairs.chunks(CHUNK) {
             pulse.check(rows.len())?;
             memory::reserve(found, rows.len())?;
             let slots =
                 rows.iter().map(|&[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
-            found.extend(
-                slots.filter(|&[i, j]| self.is_home(i, a) && self.is_home(j, b) && wanted([i, j])),
-            );
+            found.extend(slots.filter(|&[i, j]| self.is_home(i, a) && self.is_home(j, b)));
         }
         Ok(())
+    }
+
+    /// As [`Layers::join`]; only pairs of which a slot is `changed`, unless all shapes of the first
+    /// layer are.
+    pub(super) fn join_changed(
+        &self,
+        [a, b]: [usize; 2],
+        changed: Option<&[bool]>,
+        max_pairs: usize,
+        memory: &mut JoinScratch,
+        found: &mut Vec<[u32; 2]>,
+    ) -> Result<()> {
+        let (first, second) = (&self.layers[a], &self.layers[b]);
+        let left = max_pairs - found.len();
+        let places = if a == b {
+            pairs::places_within(&first.tree, left, memory)
+        } else {
+            let (shift, filters) = ([T::ZERO; 2], Filters::Apply);
+            pairs::places_between(&first.tree, &second.tree, shift, filters, left, memory)
+        };
+        let mut pairs = places.map_err(|error| of_all(error, max_pairs))?.pairs;
+        let all_alive = first.is_alive() && second.is_alive();
+        let mut pulse = Pulse::current();
+        let mut kept = 0;
+        for start in (0..pairs.len()).step_by(CHUNK) {
+            pulse.check(CHUNK)?;
+            for index in start..pairs.len().min(start + CHUNK) {
+                let [i, j] = pairs[index];
+                let (i, j) = (first.slot_at(i), second.slot_at(j));
+                pairs[kept] = [i, j];
+                let alive = all_alive || self.is_home(i, a) && self.is_home(j, b);
+                let wanted = changed.is_none_or(|of| of[i as usize] || of[j as usize]);
+                kept += usize::from(alive && wanted);
+            }
+        }
+        pairs.truncate(kept);
+        if found.is_empty() {
+            *found = pairs;
+            return Ok(());
+        }
+        memory::reserve(found, pairs.len())?;
+        found.append(&mut pairs);
+        Ok(())
+    }
+
+    /// Number of shapes of a layer.
+    pub(super) fn alive(&self, index: usize) -> usize {
+        self.layers[index].alive
     }
 
     /// Bytes of memory that they keep, used or not.
@@ -381,11 +448,10 @@ impl<T: Scalar> Layers<T> {
     }
 }
 
-/// Builds a tree in its old memory; coincident shapes keep the order of their rows.
-fn rebuild<T: Scalar>(
-    tree: &mut Quadtree<T>,
-    shapes: &Shapes<T>,
-    settings: Settings,
-) -> Result<()> {
-    tree.rebuild(shapes, settings, &|_, _| Ordering::Equal)
+/// The error of a join as that of all.
+fn of_all(error: Error, max_pairs: usize) -> Error {
+    match error {
+        Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
+        other => other,
+    }
 }

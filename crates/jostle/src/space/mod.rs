@@ -1,11 +1,13 @@
 //! Shapes with ids that are added, moved, changed and removed, and the events of their pairs.
 //!
-//! `slots` holds the shapes, `layers` the trees over them, `touching` the pairs of the last
-//! update; `events` compares those with the current pairs, only for the shapes that
-//! changed.
+//! `slots` holds the shapes, `layers` the trees over them. `touching` holds the pairs of the last
+//! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
+//! them with the current pairs, only for the shapes that changed.
 
 mod events;
+mod keys;
 mod layers;
+mod links;
 mod queries;
 mod slots;
 mod touching;
@@ -181,6 +183,7 @@ impl<T: Scalar> Space<T> {
         let slots = self.slots.find(ids)?;
         self.reserve_changes(slots.len())?;
         self.slots.reserve_free(slots.len())?;
+        self.touching.prepare_has(self.slots.count())?;
         for slot in slots {
             self.slots.remove(slot);
             self.layers.remove(slot);
@@ -222,7 +225,7 @@ impl<T: Scalar> Space<T> {
         let layers: Vec<usize> = self.layers.indices().collect();
         for (which, &a) in layers.iter().enumerate() {
             for &b in &layers[which..] {
-                self.layers.join([a, b], mask, |_| true, max_pairs, &mut found)?;
+                self.layers.join([a, b], mask, max_pairs, &mut found)?;
             }
         }
         Ok(found)

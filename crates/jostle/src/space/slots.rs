@@ -37,6 +37,8 @@ pub(super) struct Slots<T> {
     named: Vec<u32>,
     call: u32,
     len: usize,
+    /// Whether a slot has been freed.
+    freed: bool,
 }
 
 impl<T> Default for Slots<T> {
@@ -52,6 +54,7 @@ impl<T> Default for Slots<T> {
             named: Vec::new(),
             call: 0,
             len: 0,
+            freed: false,
         }
     }
 }
@@ -70,6 +73,11 @@ impl<T: Scalar> Slots<T> {
     /// The id of the shape that is, or was last, in `slot`.
     pub(super) fn id(&self, slot: u32) -> Id {
         Id::from(self.generations[slot as usize] & !VACANT) << 32 | Id::from(slot)
+    }
+
+    /// Whether every id is the same number as its slot.
+    pub(super) fn are_ids(&self) -> bool {
+        !self.freed
     }
 
     /// The slot of the shape with this id, if there is one.
@@ -219,6 +227,7 @@ impl<T: Scalar> Slots<T> {
             return;
         }
         self.generations[slot as usize] = generation | VACANT;
+        self.freed = true;
         self.free.push(slot);
     }
 
@@ -403,7 +412,9 @@ mod tests {
         assert_eq!([slots.id(first), slots.id(second)], [0, 1]);
         slots.remove(first);
         assert_eq!((slots.slot(0), slots.id(first), slots.len()), (None, 0, 1));
+        assert!(slots.are_ids());
         slots.free(first);
+        assert!(!slots.are_ids());
         let third = slots.put(&disc(2.0));
         assert_eq!((third, slots.id(third), slots.slot(0)), (first, 1 << 32, None));
         assert_eq!(slots.ids().unwrap(), [1, 1 << 32]);

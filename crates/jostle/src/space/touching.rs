@@ -1,285 +1,281 @@
-//! The pairs of the last update, stored so that those of one shape are found directly.
+//! The pairs of the last update.
 //!
-//! Each pair is a record in two doubly linked lists, one for each of its shapes.
+//! If many of them change, they are a sorted list, which is compared as a whole. If few change,
+//! they are linked, so that the pairs of the shapes that changed are found directly.
 
+use super::keys::{self, Key, slots_of};
+use super::links::Links;
 use crate::error::Result;
-use crate::interrupt::{self, Pulse, Stop};
+use crate::interrupt::Pulse;
 use crate::memory;
-
-/// No record, or no slot.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Most pairs of the shapes that change at a time: half of what numbers of records can tell
 /// apart, so that as many others fit beside them.
-pub(super) const MOST_RECORDS: usize = 1 << 31;
+pub(super) const MOST_PAIRS: usize = 1 << 31;
 
-/// Fewer records than this are never moved together.
-const FEW: usize = 1024;
+/// A list is linked if the shapes that changed have fewer than one of so many pairs.
+const LINKED_BELOW: usize = 16;
 
-/// Changes of fewer pairs take less than 0.1 s and are not interrupted.
-const MANY: usize = 1 << 20;
+/// Links become a list if the shapes that changed have more than one of so many pairs. This is a
+/// larger share than that of [`LINKED_BELOW`], so that the form does not change often.
+const LISTED_ABOVE: usize = 8;
 
-/// Values that are copied between two checks for an interruption.
-const COPIED: usize = 1 << 16;
-
-/// Approximate number of values read, not adjacent in memory, when a record changes.
-const RECORD_WORK: usize = 16;
-
-/// Two slots, and the neighbours of the record in the list of either.
-#[derive(Clone, Copy, Debug)]
-struct Record {
-    slots: [u32; 2],
-    next: [u32; 2],
-    back: [u32; 2],
-}
+/// Changes of fewer linked pairs take less than 0.1 s and are not interrupted; more are not made.
+const MOST_LINKED: usize = 1 << 20;
 
 /// Pairs of slots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Touching {
-    records: Vec<Record>,
-    /// Records that hold no pair.
-    free: Vec<u32>,
-    /// The first record in the list of each slot.
-    heads: Vec<u32>,
+    /// All pairs, ascending; empty if they are in `links`.
+    list: Vec<Key>,
+    links: Option<Links>,
+    /// Whether each slot is in a pair of the list; empty if that is not known.
+    paired: Vec<bool>,
+    /// Memory for sorting.
+    starts: Vec<u32>,
+    /// Memory for the next list.
+    spare: Vec<Key>,
+}
+
+/// What an update changes, ascending.
+pub(super) struct Difference {
+    pub(super) entered: Vec<Key>,
+    pub(super) left: Vec<Key>,
+    next: Next,
+}
+
+/// What is to be stored.
+enum Next {
+    /// All pairs.
+    List(Vec<Key>),
+    /// The records to remove, each behind its key.
+    Records(Vec<[i64; 2]>),
 }
 
 impl Touching {
     /// Makes room for pairs of so many slots.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
-        memory::lengthen(&mut self.heads, slots, NONE)
+        self.links.as_mut().map_or(Ok(()), |links| links.widen(slots))
     }
 
-    /// Removes the records `left` and adds the pairs `entered`. After an error, which may be an
-    /// interruption, all is as before: changes that take long are made to a copy.
-    pub(super) fn change(&mut self, left: &[u32], entered: &[[u32; 2]]) -> Result<()> {
-        interrupt::check()?;
-        let len = self.len() + entered.len() - left.len();
-        let moved = if self.is_wasteful(len) { len } else { 0 };
-        if left.len() + entered.len() + moved < MANY {
-            self.reserve(entered.len(), left.len())?;
-            return self.apply(left, entered, &mut Pulse::of(&Stop::default()));
+    /// Compares with the current pairs of the slots that changed, and reserves the memory for
+    /// [`Touching::change`]. After an error the pairs are the same as before.
+    pub(super) fn compare(
+        &mut self,
+        slots: &[u32],
+        is_changed: &[bool],
+        found: &[[u32; 2]],
+    ) -> Result<Difference> {
+        let memory = std::mem::take(&mut self.spare);
+        let found = keys::sorted(found, is_changed.len(), &mut self.starts, memory)?;
+        if let Some(links) = &self.links {
+            let most = MOST_LINKED.min(links.len() / LISTED_ABOVE).checked_sub(found.len());
+            let is_fit = !links.is_wasteful() && links.len() <= MOST_PAIRS;
+            if let Some(most) = most.filter(|_| is_fit)
+                && let Some(old) = links.of_changed(slots, is_changed, most)?
+            {
+                return self.compare_linked(old, found);
+            }
+            self.list = links.list()?;
+            self.links = None;
+        }
+        if slots.len() == is_changed.len() {
+            return self.compare_list(&self.list, &[], found);
+        }
+        let [old, rest] = keys::parted(&self.list, is_changed)?;
+        let changing = old.len() + found.len();
+        let most = MOST_LINKED.min(self.list.len() / LINKED_BELOW);
+        if changing >= most || self.list.len() > MOST_PAIRS {
+            return self.compare_list(&old, &rest, found);
+        }
+        self.links = Some(Links::of(&self.list, is_changed.len())?);
+        self.forget_list();
+        let links = self.links.as_ref().expect("they were made");
+        let old = links.of_changed(slots, is_changed, MOST_LINKED)?.expect("they are few");
+        self.compare_linked(old, found)
+    }
+
+    /// Compares the pairs `old` of the slots that changed; `rest` are the others.
+    fn compare_list(&self, old: &[Key], rest: &[Key], found: Vec<Key>) -> Result<Difference> {
+        let (left, entered) = keys::difference(old, |key| *key, &found)?;
+        let list = if rest.is_empty() { found } else { keys::merged(&found, rest)? };
+        Ok(Difference { entered, left, next: Next::List(list) })
+    }
+
+    /// As [`Touching::compare_list`], of linked pairs.
+    fn compare_linked(&mut self, old: Vec<[i64; 2]>, found: Vec<Key>) -> Result<Difference> {
+        let (records, entered) = keys::difference(&old, |found| found[0], &found)?;
+        let left = memory::collect(records.iter().map(|record| record[0]))?;
+        let links = self.links.as_mut().expect("they are linked");
+        links.reserve(entered.len(), left.len())?;
+        self.spare = found;
+        Ok(Difference { entered, left, next: Next::Records(records) })
+    }
+
+    /// Stores the current pairs.
+    pub(super) fn change(&mut self, difference: Difference) {
+        match difference.next {
+            Next::List(list) => {
+                let old = std::mem::replace(&mut self.list, list);
+                self.paired.clear();
+                // Memory is freed if much more is allocated than needed.
+                let is_wasteful = old.capacity() > 4 * self.list.len();
+                self.spare = if is_wasteful { Vec::new() } else { old };
+            }
+            Next::Records(left) => {
+                let links = self.links.as_mut().expect("they were compared");
+                links.change(&left, &difference.entered);
+            }
+        }
+    }
+
+    /// Frees the memory of the list and of what belongs to it.
+    fn forget_list(&mut self) {
+        (self.list, self.paired, self.starts) = Default::default();
+    }
+
+    /// Prepares [`Touching::has`], which takes time only once after an update.
+    pub(super) fn prepare_has(&mut self, slots: usize) -> Result<()> {
+        if self.list.is_empty() || !self.paired.is_empty() {
+            return Ok(());
         }
         let mut pulse = Pulse::current();
-        let mut changed = Self {
-            records: copied(&self.records, &mut pulse)?,
-            free: copied(&self.free, &mut pulse)?,
-            heads: copied(&self.heads, &mut pulse)?,
-        };
-        changed.reserve(entered.len(), left.len())?;
-        changed.apply(left, entered, &mut pulse)?;
-        *self = changed;
+        let mut paired = std::mem::take(&mut self.paired);
+        memory::resize(&mut paired, slots, false)?;
+        for &key in &self.list {
+            pulse.check(1)?;
+            slots_of(key).into_iter().for_each(|slot| paired[slot as usize] = true);
+        }
+        self.paired = paired;
         Ok(())
-    }
-
-    /// Reserves memory for numbers of added and of removed pairs.
-    fn reserve(&mut self, come: usize, go: usize) -> Result<()> {
-        memory::reserve(&mut self.records, come.saturating_sub(self.free.len()))?;
-        memory::reserve(&mut self.free, go)
-    }
-
-    /// As [`change`](Self::change), in place; there is memory for it.
-    fn apply(&mut self, left: &[u32], entered: &[[u32; 2]], pulse: &mut Pulse) -> Result<()> {
-        for &record in left {
-            pulse.check(RECORD_WORK)?;
-            self.unlink(record);
-        }
-        for &pair in entered {
-            pulse.check(RECORD_WORK)?;
-            self.link(pair);
-        }
-        self.tidy(pulse)
-    }
-
-    /// Number of pairs.
-    pub(super) fn len(&self) -> usize {
-        self.records.len() - self.free.len()
     }
 
     /// Whether a slot is in any pair.
     pub(super) fn has(&self, slot: u32) -> bool {
-        self.heads[slot as usize] != NONE
-    }
-
-    /// The records of a slot, each with the slot on its other side.
-    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = (u32, u32)> {
-        let mut at = self.heads[slot as usize];
-        std::iter::from_fn(move || {
-            let record = self.records.get(at as usize)?;
-            let side = record.side(slot);
-            let this = (at, record.slots[1 - side]);
-            at = record.next[side];
-            Some(this)
-        })
-    }
-
-    /// All pairs, in no promised order.
-    pub(super) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.records.iter().map(|record| record.slots).filter(|slots| slots[0] != NONE)
-    }
-
-    /// Both slots of a record.
-    pub(super) fn pair(&self, record: u32) -> [u32; 2] {
-        self.records[record as usize].slots
-    }
-
-    /// Adds a pair that is not there.
-    fn link(&mut self, slots: [u32; 2]) {
-        let next = slots.map(|slot| self.heads[slot as usize]);
-        let record = Record { slots, next, back: [NONE; 2] };
-        let index = if let Some(index) = self.free.pop() {
-            self.records[index as usize] = record;
-            index
-        } else {
-            self.records.push(record);
-            self.records.len() as u32 - 1
-        };
-        for (slot, next) in slots.into_iter().zip(next) {
-            self.heads[slot as usize] = index;
-            if let Some(next) = self.records.get_mut(next as usize) {
-                next.back[next.side(slot)] = index;
-            }
+        match &self.links {
+            Some(links) => links.has(slot),
+            None => self.paired.get(slot as usize) == Some(&true),
         }
     }
 
-    /// Takes a pair out.
-    fn unlink(&mut self, index: u32) {
-        let Record { slots, next, back } = self.records[index as usize];
-        for side in 0..2 {
-            let slot = slots[side];
-            match self.records.get_mut(back[side] as usize) {
-                None => self.heads[slot as usize] = next[side],
-                Some(before) => before.next[before.side(slot)] = next[side],
-            }
-            if let Some(after) = self.records.get_mut(next[side] as usize) {
-                after.back[after.side(slot)] = back[side];
-            }
+    /// The keys of all pairs, ascending.
+    pub(super) fn all(&self) -> Result<Vec<Key>> {
+        match &self.links {
+            Some(links) => links.list(),
+            None => memory::collect(self.list.iter().copied()),
         }
-        self.records[index as usize].slots = [NONE; 2];
-        self.free.push(index);
-    }
-
-    /// Whether most of the records are unused if there are `len` pairs.
-    fn is_wasteful(&self, len: usize) -> bool {
-        self.records.len() >= FEW && len <= self.records.len() / 4
-    }
-
-    /// Frees memory if most of it is unused and there is enough memory for that.
-    fn tidy(&mut self, pulse: &mut Pulse) -> Result<()> {
-        if !self.is_wasteful(self.len()) {
-            return Ok(());
-        }
-        let (Ok(mut pairs), Ok(records)) =
-            (memory::with_room(self.len()), memory::with_room(2 * self.len()))
-        else {
-            return Ok(());
-        };
-        for pair in self.pairs() {
-            pulse.check(1)?;
-            pairs.push(pair);
-        }
-        for slot in pairs.as_flattened() {
-            pulse.check(1)?;
-            self.heads[*slot as usize] = NONE;
-        }
-        self.records = records;
-        self.free = Vec::new();
-        for pair in pairs {
-            pulse.check(RECORD_WORK)?;
-            self.link(pair);
-        }
-        Ok(())
     }
 
     /// Bytes of memory that they keep, used or not.
     pub(super) fn kept_bytes(&self) -> usize {
-        let words = self.free.capacity() + self.heads.capacity();
-        self.records.capacity() * size_of::<Record>() + words * size_of::<u32>()
+        let keys = self.list.capacity() + self.spare.capacity();
+        let links = self.links.as_ref().map_or(0, Links::kept_bytes);
+        keys * size_of::<Key>()
+            + self.starts.capacity() * size_of::<u32>()
+            + self.paired.capacity()
+            + links
     }
-}
-
-impl Record {
-    /// Where in the record a slot stands.
-    fn side(&self, slot: u32) -> usize {
-        usize::from(self.slots[1] == slot)
-    }
-}
-
-/// A copy that can be interrupted.
-fn copied<V: Copy>(values: &[V], pulse: &mut Pulse) -> Result<Vec<V>> {
-    let mut copy = memory::with_room(values.len())?;
-    for some in values.chunks(COPIED) {
-        pulse.check(some.len())?;
-        copy.extend_from_slice(some);
-    }
-    Ok(copy)
 }
 
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell;
+    use std::collections::BTreeSet;
 
+    use super::super::keys::key_of;
     use super::*;
     use crate::error::Error;
+    use crate::interrupt;
 
-    fn of(touching: &Touching, slot: u32) -> Vec<u32> {
-        let mut others: Vec<u32> = touching.of(slot).map(|(_, other)| other).collect();
-        others.sort_unstable();
-        others
+    const SLOTS: usize = 400;
+
+    fn is_changed(slots: &[u32], len: usize) -> Vec<bool> {
+        let mut changed = vec![false; len];
+        slots.iter().for_each(|&slot| changed[slot as usize] = true);
+        changed
+    }
+
+    /// Pairs of neighbours and others, some of which depend on the round.
+    fn pairs(round: u32) -> Vec<[u32; 2]> {
+        let all = (0..SLOTS as u32).flat_map(|a| (a + 1..SLOTS as u32).map(move |b| [b, a]));
+        let mixed = |[a, b]: [u32; 2]| (a * 31 + b * 17 + round * 7 * (a % 3)).is_multiple_of(29);
+        all.filter(|&[a, b]| a == b + 1 || mixed([a, b])).collect()
     }
 
     #[test]
-    fn every_shape_finds_its_own_pairs() {
+    fn lists_and_links_tell_the_same_as_sets() {
         let mut touching = Touching::default();
-        touching.widen(5).unwrap();
-        for pair in [[0, 1], [2, 0], [0, 3], [3, 1]] {
-            touching.link(pair);
+        let mut expected = BTreeSet::new();
+        let all: Vec<u32> = (0..SLOTS as u32).collect();
+        let mut forms = [0; 2];
+        for round in 0..40 {
+            // All, a few and single slots; also none, whose pairs are gone, and all but one.
+            let slots: &[u32] = match round % 5 {
+                0 if round % 3 == 0 => &all,
+                0 => &all[1..],
+                1 => &all[7..13],
+                2 => &all[round..=round],
+                _ => &[],
+            };
+            let changed = is_changed(slots, SLOTS);
+            let mut found = pairs(round as u32);
+            found.retain(|&[a, b]| changed[a as usize] || changed[b as usize]);
+            found.retain(|_| round != 30);
+            let difference = touching.compare(slots, &changed, &found).unwrap();
+            let of_changed = |key: &&Key| slots_of(**key).iter().any(|&s| changed[s as usize]);
+            let old: BTreeSet<Key> = expected.iter().filter(of_changed).copied().collect();
+            let new: BTreeSet<Key> = found.iter().map(|&pair| key_of(pair)).collect();
+            assert!(difference.left.iter().eq(old.difference(&new)), "{round}");
+            assert!(difference.entered.iter().eq(new.difference(&old)), "{round}");
+            touching.change(difference);
+            expected = &(&expected - &old) | &new;
+            assert!(touching.all().unwrap().iter().eq(&expected), "{round}");
+            touching.prepare_has(SLOTS).unwrap();
+            let has = |slot| expected.iter().any(|&key| slots_of(key).contains(&slot));
+            assert!(all.iter().all(|&slot| touching.has(slot) == has(slot)), "{round}");
+            forms[usize::from(touching.links.is_some())] += 1;
         }
-        assert_eq!(of(&touching, 0), [1, 2, 3]);
-        assert_eq!(of(&touching, 1), [0, 3]);
-        assert!(!touching.has(4));
-        // The middle, the last and the first of a list.
-        for (slot, other, rest) in [(0, 2, vec![1, 3]), (0, 1, vec![3]), (3, 1, vec![0])] {
-            let (record, _) = touching.of(slot).find(|found| found.1 == other).unwrap();
-            touching.unlink(record);
-            assert_eq!(of(&touching, slot), rest);
-        }
-        assert_eq!(touching.pairs().collect::<Vec<_>>(), [[0, 3]]);
+        assert!(forms[0] > 5 && forms[1] > 5, "{forms:?}");
     }
 
     #[test]
-    fn memory_is_given_back() {
+    fn memory_of_links_is_given_back() {
+        const MANY: u32 = 100_000;
         let mut touching = Touching::default();
-        touching.widen(10_000).unwrap();
-        (0..9_999).for_each(|slot| touching.link([slot, slot + 1]));
-        let full = touching.kept_bytes();
-        for slot in 0..9_900 {
-            let (record, _) = touching.of(slot).next().unwrap();
-            touching.unlink(record);
+        let all: Vec<u32> = (0..MANY).collect();
+        let pairs: Vec<[u32; 2]> = all.windows(2).map(|two| [two[0], two[1]]).collect();
+        let mut update = |slots: &[u32], found: &[[u32; 2]]| {
+            let difference =
+                touching.compare(slots, &is_changed(slots, MANY as usize), found).unwrap();
+            touching.change(difference);
+            (touching.links.is_some(), touching.kept_bytes())
+        };
+        update(&all, &pairs);
+        let (linked, full) = update(&[5], &pairs[4..6]);
+        assert!(linked);
+        // Each update removes few of the pairs.
+        for slots in all.chunks(1000).take(99) {
+            update(slots, &[]);
         }
-        touching.tidy(&mut Pulse::current()).unwrap();
-        assert!(touching.kept_bytes() < full / 4);
-        assert_eq!(touching.len(), 99);
-        assert_eq!(of(&touching, 9_950), [9_949, 9_951]);
+        let (_, kept) = update(&[], &[]);
+        assert!(kept < full / 4, "{kept} of {full}");
     }
 
     #[test]
-    fn an_interrupted_change_changes_nothing() {
-        thread_local! {
-            static POLLS: Cell<u32> = const { Cell::new(0) };
-        }
-        fn third_time() -> bool {
-            POLLS.set(POLLS.get() + 1);
-            POLLS.get() >= 3
-        }
+    fn an_interrupted_comparison_changes_nothing() {
+        const MANY: u32 = 1 << 20;
+        let all: Vec<u32> = (0..MANY).collect();
+        let pairs: Vec<[u32; 2]> = all.windows(2).map(|two| [two[0], two[1]]).collect();
         let mut touching = Touching::default();
-        touching.widen(MANY + 1).unwrap();
-        touching.link([0, 7]);
-        touching.link([3, 7]);
-        let entered: Vec<[u32; 2]> = (0..MANY as u32).map(|slot| [slot, slot + 1]).collect();
-        let stopped = interrupt::watch(third_time, || touching.change(&[0], &entered));
-        assert_eq!(stopped, Err(Error::Interrupted));
-        assert_eq!((of(&touching, 7), touching.len()), (vec![0, 3], 2));
-        touching.change(&[0], &entered).unwrap();
-        assert_eq!((of(&touching, 7), touching.len()), (vec![3, 6, 8], MANY + 1));
+        let first = touching.compare(&all, &is_changed(&all, all.len()), &pairs).unwrap();
+        touching.change(first);
+        let expected = touching.all().unwrap();
+        for slots in [&all[..], &all[1..], &[3]] {
+            let changed = is_changed(slots, all.len());
+            let found = if slots.len() > 1 { &pairs[1..] } else { &[] };
+            let compared = || touching.compare(slots, &changed, found).map(|_| ());
+            let stopped = interrupt::watch(|| true, compared);
+            assert_eq!(stopped, Err(Error::Interrupted));
+            assert!(touching.all().unwrap() == expected);
+        }
     }
 }

@@ -33,7 +33,7 @@ impl Contact {
 impl Walls {
     /// The contact of a disc and the closest point of the wall with a number.
     pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> Contact {
-        let line = &self.lines[(wall - FIRST) as usize];
+        let line = self.line(wall - FIRST);
         let offset = line.offset(position);
         let distance = dot(offset, offset).sqrt();
         let is_end = line.part_at(position) != Part::Side;
@@ -54,20 +54,20 @@ impl Walls {
     /// The same, if the part of the wall that is closest acts on the disc.
     pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<Contact> {
         let index = wall - FIRST;
-        let part = self.lines[index as usize].part_at(position);
+        let part = self.line(index).part_at(position);
         self.acts(index, part, position).then(|| self.contact(wall, position, radius))
     }
 
     /// Whether a disc does not overlap a wall at the second point, and its centre does not cross
     /// the wall on the way from the first.
     pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
-        let line = &self.lines[(wall - FIRST) as usize];
+        let line = self.line(wall - FIRST);
         line.distance(to) >= line.reach(radius) && !self.is_crossed(wall, from, to)
     }
 
     /// Whether the way from one point to another crosses a wall.
     fn is_crossed(&self, wall: u32, from: Vector, to: Vector) -> bool {
-        let line = &self.lines[(wall - FIRST) as usize];
+        let line = self.line(wall - FIRST);
         let [a, b] = line.ends;
         let side = |[p, q]: [Vector; 2], of: Vector| {
             let [u, v] = [vector(|k| q[k] - p[k]), vector(|k| of[k] - p[k])];

@@ -17,7 +17,7 @@ impl Walls {
         limits: &Limits,
     ) -> Option<Impact> {
         let index = wall - FIRST;
-        let line = &self.lines[index as usize];
+        let line = self.line(index);
         let reach = line.reach(radius);
         let acceleration = if segment.falls { gravity } else { [0.0; 2] };
         let mut first = None::<Impact>;
@@ -94,13 +94,13 @@ impl Walls {
         after: f64,
     ) -> f64 {
         let next = |line: &Line, end: usize| line.crossing(end, segment, gravity, after);
-        let own = &self.lines[index as usize];
+        let own = self.line(index);
         let of_both = |line: &Line| next(line, 0).min(next(line, 1));
         match part {
             Part::Side => of_both(own),
             Part::End(end) => {
                 let others = self.covering(index, end).iter();
-                let others = others.map(|&other| of_both(&self.lines[other as usize]));
+                let others = others.map(|&other| of_both(self.line(other)));
                 others.fold(next(own, end), f64::min)
             }
         }

@@ -102,7 +102,10 @@ impl Default for Sides {
 #[derive(Debug, Default)]
 pub struct Walls {
     all: Vec<Wall>,
+    /// In the order of the tree, so that discs near each other find their walls near each other.
     lines: Vec<Line>,
+    /// Where in this order each wall is.
+    places: Vec<u32>,
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
     /// wall k lies.
     starts: Vec<u32>,
@@ -186,15 +189,18 @@ impl Walls {
 
     /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        let Self { all, lines, tree, .. } = self;
-        lines.clear();
-        lines.extend(all.iter().map(|wall| Line { travel: wall.travel(dt), ..Line::of(wall) }));
+        let Self { all, lines, places, tree, .. } = self;
+        let line = |wall: &Wall| Line { travel: wall.travel(dt), ..Line::of(wall) };
         let bounds = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
-        let radii = lines.iter().map(|line| line.least_radius.max(1e-18) as f32).collect();
+        let radii = all.iter().map(|wall| line(wall).least_radius.max(1e-18) as f32).collect();
         let shapes = Shapes::from_boxes(bounds, Each::Rows(radii), None)?;
         // A leaf of the walls is about as large as one of the bounds of particles.
         let leaf_capacity = settings.leaf_capacity.min(LEAF_CAPACITY);
         tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &|a, b| compare(all, a, b))?;
+        lines.clear();
+        lines.extend(tree.rows().iter().map(|&row| line(&all[row as usize])));
+        places.resize(all.len(), 0);
+        (0..).zip(tree.rows()).for_each(|(place, &row)| places[row as usize] = place);
         self.find_covering();
         Ok(())
     }
@@ -238,8 +244,13 @@ impl Walls {
 
     /// The distance from the wall with a number at which a disc touches it.
     pub fn reach(&self, wall: u32, radius: f64) -> f64 {
-        let line = wall.checked_sub(FIRST).and_then(|index| self.lines.get(index as usize));
-        line.map_or(radius, |line| line.reach(radius))
+        wall.checked_sub(FIRST).map_or(radius, |index| self.line(index).reach(radius))
+    }
+
+    /// Wall `index` in float64.
+    #[inline(always)]
+    fn line(&self, index: u32) -> &Line {
+        &self.lines[self.places[index as usize] as usize]
     }
 
     /// The wall with a number; none if the number is that of a wall of the container.
@@ -253,12 +264,13 @@ impl Walls {
         let mut covering = Vec::new();
         let mut stack = Vec::new();
         let mut shared = Vec::new();
-        for (index, line) in (0u32..).zip(&self.lines) {
+        for index in 0..self.all.len() as u32 {
+            let line = self.line(index);
             for (end, &point) in line.ends.iter().enumerate() {
                 let first = covering.len();
                 let tolerance = line.least_radius;
                 self.each_in([point; 2], tolerance, &mut stack, |other| {
-                    let there = &self.lines[other as usize];
+                    let there = self.line(other);
                     if other != index && there.distance(point) <= tolerance {
                         covering.push(other);
                         if other < index && there.ends.contains(&point) {
@@ -271,7 +283,9 @@ impl Walls {
             }
         }
         (self.starts, self.covering) = (starts, covering);
-        shared.into_iter().for_each(|(index, end)| self.lines[index as usize].has_end[end] = false);
+        for (index, end) in shared {
+            self.lines[self.places[index as usize] as usize].has_end[end] = false;
+        }
     }
 
     /// The other walls on which an end lies.
@@ -282,12 +296,12 @@ impl Walls {
 
     /// Whether a part of a wall acts on a disc with its centre at a point.
     fn acts(&self, index: u32, part: Part, point: Vector) -> bool {
-        let line = &self.lines[index as usize];
+        let line = self.line(index);
         if line.part_at(point) != part {
             return false;
         }
         let Part::End(end) = part else { return true };
-        let is_beside = |&other: &u32| self.lines[other as usize].part_at(point) == Part::Side;
+        let is_beside = |&other: &u32| self.line(other).part_at(point) == Part::Side;
         line.has_end[end] && !self.covering(index, end).iter().any(is_beside)
     }
 }

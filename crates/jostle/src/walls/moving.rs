@@ -75,9 +75,10 @@ impl Walls {
 
     /// Moves the walls to the end of a step of `dt` seconds.
     pub fn end_step(&mut self, dt: f64) {
-        for (wall, line) in self.all.iter_mut().zip(&mut self.lines) {
+        for (wall, &place) in self.all.iter_mut().zip(&self.places) {
             if wall.moves() {
                 wall.advance(dt);
+                let line = &mut self.lines[place as usize];
                 *line = Line { has_end: line.has_end, ..Line::of(wall) };
             }
         }

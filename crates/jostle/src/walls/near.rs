@@ -3,13 +3,12 @@
 use std::cell::Cell;
 
 use super::moving::Clock;
-use super::{FIRST, Walls};
+use super::{FIRST, Part, Walls};
 use crate::container::size;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Shape};
 use crate::motion::exact;
 use crate::pairs::{self, Filters, JoinScratch};
-use crate::parallel;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::query::each_overlap;
@@ -63,7 +62,7 @@ impl Near {
             return Ok(());
         }
         // The bounds of a wall that is not parallel to an axis are much larger than the wall.
-        let line = |place: u32| &walls.lines[walls.tree.rows()[place as usize] as usize];
+        let line = |place: u32| &walls.lines[place as usize];
         let is_near = |[wall, place]: [u32; 2]| {
             let (line, circle) = (line(wall), bounds.columns().shape(place as usize));
             let distance = line.distance(circle.min.map(f64::from));
@@ -111,26 +110,21 @@ impl Near {
 
     /// Finds the displacements after which discs touch no wall yet.
     fn find_free(&mut self, walls: &Walls, bounds: &Quadtree<f32>, reaches: &[f32]) {
+        let Self { found, free, .. } = self;
         self.reaches.clear();
         self.reaches.extend_from_slice(reaches);
-        let mut free = std::mem::take(&mut self.free);
         free.clear();
         free.extend_from_slice(reaches);
-        let threads = bounds.settings().threads;
-        parallel::for_chunks(threads, &mut free, |first, free| {
-            for (free, place) in free.iter_mut().zip(first..) {
-                for &wall in self.of(place as u32) {
-                    let line = &walls.lines[(wall - FIRST) as usize];
-                    let circle = bounds.columns().shape(place);
-                    // The radius of the disc, with the reserve of the circle for rounding.
-                    let radius = line.reach(f64::from(circle.radius) - f64::from(reaches[place]));
-                    let distance = line.distance(circle.min.map(f64::from));
-                    let left = distance - radius * (1.0 + MARGIN) - line.travel;
-                    *free = free.min(left as f32);
-                }
-            }
-        });
-        self.free = free;
+        for &[wall, place] in &*found {
+            let (line, circle) =
+                (&walls.lines[wall as usize], bounds.columns().shape(place as usize));
+            let (free, reach) = (&mut free[place as usize], reaches[place as usize]);
+            // The radius of the disc, with the reserve of the circle for rounding.
+            let radius = line.reach(f64::from(circle.radius) - f64::from(reach));
+            let distance = line.distance(circle.min.map(f64::from));
+            let left = distance - radius * (1.0 + MARGIN) - line.travel;
+            *free = free.min(left as f32);
+        }
     }
 
     fn of(&self, place: u32) -> &[u32] {
@@ -220,12 +214,7 @@ impl Around<'_> {
             let bounds = bounds(segment, [start, end], gravity);
             self.each(place, bounds, 0.0, |wall| {
                 let seen = self.seen_from(wall, segment);
-                let bounds = if self.walls.velocity(wall) == [0.0; 2] {
-                    bounds
-                } else {
-                    self::bounds(&seen, [start, end], gravity)
-                };
-                if !self.walls.is_near(wall, bounds, radius) {
+                if !self.walls.may_hit(wall, &seen, [start, end], radius, gravity) {
                     return;
                 }
                 let until = first.map_or(until, |(impact, _)| impact.time);
@@ -333,7 +322,7 @@ impl Walls {
     /// the wall and across it (separating axes).
     #[inline(always)]
     pub fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
-        let line = &self.lines[(wall - FIRST) as usize];
+        let line = self.line(wall - FIRST);
         let [ux, uy] = line.along;
         let [x, y] = vector(|k| 0.5 * (min[k] + max[k]) - line.ends[0][k]);
         let [width, height] = vector(|k| 0.5 * (max[k] - min[k]));
@@ -345,6 +334,46 @@ impl Walls {
         across.abs() <= reach + (ay * width + ax * height)
             && along >= -far
             && along <= line.length + far
+    }
+
+    /// Whether a disc on a segment may touch the wall with a number between two times, by its extent
+    /// along the wall and across it, and by the direction in which it moves.
+    #[inline(always)]
+    fn may_hit(
+        &self,
+        wall: u32,
+        segment: &Segment,
+        times: [f64; 2],
+        radius: f64,
+        gravity: Vector,
+    ) -> bool {
+        let line = self.line(wall - FIRST);
+        let [ux, uy] = line.along;
+        // Its distances from the first end across the wall and along it, at both times.
+        let [[a, along_a], [b, along_b]] = times.map(|time| {
+            let place = segment.place_at(time, gravity);
+            let [x, y] = vector(|k| place[k] - line.ends[0][k]);
+            [y * ux - x * uy, x * ux + y * uy]
+        });
+        // A parabola leaves its chord by at most g t² / 8.
+        let span = times[1] - times[0];
+        let sag =
+            if segment.falls { 0.125 * dot(gravity, gravity).sqrt() * span * span } else { 0.0 };
+        // The skin of points, and a reserve for rounding.
+        let reach = line.reach(radius) + line.least_radius;
+        let far = reach + sag;
+        let is_apart = a.min(b) > far
+            || a.max(b) < -far
+            || along_a.max(along_b) < -far
+            || along_a.min(along_b) > line.length + far;
+        // A disc that moves away from the line does not come nearer to any of its points; if it is
+        // beside the wall and touches it, it will not touch an end either.
+        let side = if a < 0.0 { -1.0 } else { 1.0 };
+        let speed = side * dot(line.across(), segment.velocity);
+        let leaves = !segment.falls
+            && speed >= 0.0
+            && (side * a > reach || line.part_at(segment.position) == Part::Side);
+        !(is_apart || leaves)
     }
 
     /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given

@@ -149,6 +149,10 @@ impl World {
             particles,
             clock,
         };
+        if may_rest {
+            memory.resting.begin_step(&self.contacts, particles, has_friction);
+        }
+        memory.correction.begin_step(&self.contacts, particles);
         for substep in 0..substeps {
             interrupt::check()?;
             let (at_start, at_end) = (walls(clock(substep)), walls(clock(substep + 1)));
@@ -184,8 +188,7 @@ impl World {
                     restitution: settings.restitution,
                     threads,
                 };
-                self.contacts.each(threads, |contact| contact.measure(motions));
-                let contacts = &mut self.contacts;
+                let contacts = &self.contacts;
                 let (normal, friction) = (&mut self.wall_pushes[..], &mut self.wall_frictions[..]);
                 let impulses = &mut memory.wall_impulses;
                 let new = &mut memory.new_wall_pushes;
@@ -223,11 +226,15 @@ impl World {
             };
             memory.events.fly(&flight, &mut bounds)?;
             watch(Stage::Events);
-            let (contacts, container) = (&mut self.contacts, &settings.container);
+            let (contacts, container) = (&self.contacts, &settings.container);
             memory.correction.run(contacts, motions, particles, (container, at_end), threads);
             merge::note(&mut memory.meetings, motions, threads);
             watch(Stage::Correction);
         }
+        if may_rest {
+            memory.resting.end_step(&mut self.contacts);
+        }
+        memory.correction.end_step(&mut self.contacts);
         Ok(())
     }
 

@@ -1,14 +1,18 @@
 """User actions, in reading order.
 
 ======================= ========================================================================
-controls                the table of keys
-picking, selection      what is under the cursor; which particles are chosen
-hand                    pick up and throw
-deeds, pulls, gravity   what a person does to particles, with attractions, to gravity
-tools                   what the left mouse button does
-menu                    what the right one offers
-hands                   all that a mouse does to a scene: the base of a session
-explain                 why two particles touch or do not
-acts, input             what each key does to a session; events to acts
+keymap                  the table of mouse gestures and keys
+picking, selection      which particle is under the cursor; which particles are selected
+messages                the message in the window, and the time of the session
+drag_tool               dragging and throwing a particle
+commands                commands on particles and walls
+attractors, gravity     attractors placed by the user; direction and strength of gravity
+tools                   the tools of the left mouse button
+menu                    the context menu
+interaction             all mouse actions in the scene
+explanation             why two particles touch or do not
+interaction_view        selection and the current drag, drawn
+explanation_view        that explanation, drawn
+help_overlay            the list of keys, drawn
 ======================= ========================================================================
 """

@@ -1,4 +1,4 @@
-"""Which particle is under the cursor, and which are inside a box: questions to a frame."""
+"""Picking: the particle under the cursor, and those inside a box."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jostle.app.simulate.simulation import Frame, Point, Rect, Tags
 
 
 def pick(frame: Frame, point: Point, reach: float) -> int | None:
-    """Return the tag of the particle under the point, or of the nearest within `reach` of it."""
+    """Return the tag of the particle under a point, or of the nearest within `reach` of it."""
     if len(frame) == 0:
         return None
     away = frame.positions.astype(np.float64) - np.array(point)
@@ -18,7 +18,7 @@ def pick(frame: Frame, point: Point, reach: float) -> int | None:
 
 
 def pick_first(frame: Frame, point: Point) -> int | None:
-    """Return the tag of the first particle in list order under the point: the article's rule."""
+    """Return the tag of the first particle in list order under a point: the article's rule."""
     away = frame.positions.astype(np.float64) - np.array(point)
     under = np.flatnonzero(np.hypot(away[:, 0], away[:, 1]) <= frame.radii)
     return int(frame.tags[under[0]]) if len(under) else None

@@ -1,4 +1,4 @@
-"""The tools of the left mouse button: pick up and select, draw a wall, place an attractor."""
+"""The tools of the left mouse button: drag and select, draw a wall, place an attractor."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
-from jostle.app.act.deeds import Deeds
-from jostle.app.act.hand import Hand
+from jostle.app.act.attractors import STRENGTH, Attractors
+from jostle.app.act.commands import Commands
+from jostle.app.act.drag_tool import DragTool
 from jostle.app.act.picking import inside
-from jostle.app.act.pulls import STRENGTH, Pulls
 from jostle.app.act.selection import Selection
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Point
 
-STRETCH = 0.1  # diagonals of the view: dragging an attractor so far gives the usual strength
-LEAST, MOST = 0.1, 10.0  # of the usual strength
+STRETCH = 0.1  # diagonals of the view: a drag of this length gives the default strength
+LEAST, MOST = 0.1, 10.0  # times the default strength
 
 
 class Tool(Enum):
-    """What the left mouse button is for."""
+    """The tool of the left mouse button."""
 
     POINTER = "pointer"
     WALL = "wall"
@@ -29,7 +29,7 @@ class Tool(Enum):
 
 @dataclass(frozen=True)
 class Preview:
-    """A drag under way, in world units; `size` is an attractor's strength."""
+    """The current drag, in world units; `size` is an attractor's strength."""
 
     tool: Tool
     start: Point
@@ -42,8 +42,8 @@ class _Drag:
     tool: Tool
     start: Point
     end: Point
-    tag: int | None  # what lay under the cursor
-    slack: float  # world units within which it is still a click
+    tag: int | None  # the particle under the cursor
+    slack: float  # world units; a shorter drag is a click
     add: bool
 
     @property
@@ -52,31 +52,31 @@ class _Drag:
 
 
 class Tools:
-    """One tool at a time, and the drag that is under way with it.
+    """The current tool, and the current drag.
 
     Attributes
     ----------
     tool
-        The one in use.
+        The current tool.
     """
 
     def __init__(
         self,
         engine: Engine,
-        hand: Hand,
+        drag_tool: DragTool,
         selection: Selection,
-        deeds: Deeds,
-        pulls: Pulls,
+        commands: Commands,
+        attractors: Attractors,
         say: Callable[[str | None], None],
     ) -> None:
         self.tool = Tool.POINTER
-        self._engine, self._hand, self._selection = engine, hand, selection
-        self._deeds, self._pulls, self._say = deeds, pulls, say
+        self._engine, self._drag_tool, self._selection = engine, drag_tool, selection
+        self._commands, self._attractors, self._say = commands, attractors, say
         self._drag: _Drag | None = None
         self._cursor: Point | None = None
 
     def choose(self, tool: Tool) -> None:
-        """Take a tool; a drag with another is given up."""
+        """Choose a tool; the current drag is cancelled."""
         self.cancel()
         self.tool = tool
         self._say(f"Tool: {tool.value}")
@@ -86,21 +86,21 @@ class Tools:
     def press(
         self, point: Point, now: float, tag: int | None, slack: float, *, add: bool = False
     ) -> None:
-        """Begin at a point, with the particle that lies there; `add` to the selection."""
+        """Begin a drag at a point and its particle; `add` extends the selection."""
         self._drag = _Drag(self.tool, point, point, tag, slack, add)
         if self.tool is Tool.POINTER:
             frame = self._engine.frame
             free = tag is not None and bool(frame.movable[frame.rows(tag)].all())
-            self._hand.grab(tag if free else None, point, now)
+            self._drag_tool.grab(tag if free else None, point, now)
 
     def move(self, point: Point) -> None:
-        """Go on to a point."""
+        """Continue the drag to a point."""
         self._cursor = point
         if self._drag is not None:
             self._drag.end = point
 
     def release(self, point: Point) -> None:
-        """End at a point, and do what the tool does; the hand lets go elsewhere."""
+        """End the drag at a point, and apply the tool."""
         drag, self._drag = self._drag, None
         if drag is None:
             return
@@ -116,28 +116,28 @@ class Tools:
             self._selection.take(inside(self._engine.frame, box), add=drag.add)
 
     def cancel(self) -> bool:
-        """Give up the drag under way; return whether there was one."""
+        """Cancel the current drag; return whether there was one."""
         under_way, self._drag = self._drag is not None, None
-        self._hand.drop()
+        self._drag_tool.drop()
         return under_way
 
     @property
     def preview(self) -> Preview | None:
-        """Return what to show of the tool: a drag under way, or what a click would do."""
+        """Return the preview of the current drag, or of a click."""
         drag = self._drag
         if drag is None:
             if self.tool is Tool.POINTER or self._cursor is None:
                 return None
             drag = _Drag(self.tool, self._cursor, self._cursor, None, 0.0, add=False)
         if drag.tool is Tool.POINTER and (drag.tag is not None or drag.is_click):
-            return None  # picking up shows itself
+            return None  # the particle itself is visible
         size = 0.0
         if drag.tool is Tool.ATTRACTOR:
             size = self._strength(drag)
         return Preview(drag.tool, drag.start, drag.end, size)
 
     def _click(self, drag: _Drag) -> None:
-        """Select the particle, or on empty ground nothing."""
+        """Select the particle; on the background, deselect all."""
         if drag.tag is None:
             if not drag.add:
                 self._selection.clear()
@@ -147,26 +147,26 @@ class Tools:
             self._selection.take([drag.tag])
 
     def _wall(self, drag: _Drag) -> None:
-        """Draw a wall; a click on one removes it."""
+        """Add a wall; a click on one removes it."""
         if drag.is_click:
-            self._deeds.erase_wall(drag.start, 2 * drag.slack)
+            self._commands.erase_wall(drag.start, 2 * drag.slack)
         else:
-            self._deeds.wall(drag.start, drag.end)
+            self._commands.wall(drag.start, drag.end)
 
     def _place(self, drag: _Drag) -> None:
-        """Place an attractor; a click on one takes it away."""
-        there = self._pulls.near(drag.start, 2 * drag.slack) if drag.is_click else None
+        """Place an attractor; a click on one removes it."""
+        there = self._attractors.near(drag.start, 2 * drag.slack) if drag.is_click else None
         if there is not None:
-            self._pulls.lift(there)
+            self._attractors.remove(there)
         else:
-            self._pulls.place(drag.start, self._strength(drag))
+            self._attractors.place(drag.start, self._strength(drag))
 
     def _strength(self, drag: _Drag) -> float:
         if drag.is_click:
             return STRENGTH
         min_x, min_y, max_x, max_y = self._engine.view
-        usual = STRETCH * math.hypot(max_x - min_x, max_y - min_y)
-        return STRENGTH * min(max(math.dist(drag.start, drag.end) / usual, LEAST), MOST)
+        default = STRETCH * math.hypot(max_x - min_x, max_y - min_y)
+        return STRENGTH * min(max(math.dist(drag.start, drag.end) / default, LEAST), MOST)
 
 
 def _box(drag: _Drag) -> tuple[float, float, float, float]:

@@ -11,14 +11,14 @@ from jostle.app.simulate.simulation import Point, Rect
 
 Size = tuple[int, int]
 
-ZOOM_OUT_LIMIT = 1e-3  # of the scale at which the scene fits
+ZOOM_OUT_LIMIT = 1e-3  # times the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
-MARGIN = 24  # pixels left free around the scene
-HEADING = 76  # pixels left free above it where there are several columns
+MARGIN = 24  # free pixels around the scene
+HEADING = 76  # free pixels above it if there are several columns
 
 
 class Camera:
-    """A centre in the world and a scale in pixels a world unit, over a screen.
+    """A centre in the world and a scale in pixels per world unit.
 
     Parameters
     ----------
@@ -27,13 +27,13 @@ class Camera:
     view
         The part of the world to show, as min_x, min_y, max_x, max_y.
     left, right
-        Pixels at the edges that the scene shall stay clear of (the panels).
+        Pixels at the edges that the panels cover.
 
     Attributes
     ----------
     columns
-        Into how many equal parts the width between the panels is divided; the view is shown in
-        the first. `column` gives the others.
+        Number of equal columns between the panels. The view is shown in the first; `column`
+        gives the others.
     """
 
     def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:
@@ -49,17 +49,17 @@ class Camera:
         self.home()
 
     def follow(self, view: Rect) -> None:
-        """Know that the view has changed its size; a camera at home shows all of it again."""
+        """Update the size of the view; a camera at home shows all of it."""
         if view != self._view:
             self._view = view
             if self._at_home:
                 self.home()
 
     def home(self) -> None:
-        """Show the whole view, as large as fits between the panels."""
+        """Show the whole view, as large as possible between the panels."""
         min_x, min_y, max_x, max_y = self._view
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
-        left, column = self._clear, self.column_width
+        left, column = self._left_margin, self.column_width
         top = HEADING if self.columns > 1 else 0
         free = max(column - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN - top, 16)
         self.scale = min(free[0] / width, free[1] / height)
@@ -71,39 +71,36 @@ class Camera:
         )
         self._at_home = True
 
-    def keep_clear(self, left: int, right: int) -> None:
-        """Leave other edges free from now on; a view at home stays at home."""
+    def set_margins(self, left: int, right: int) -> None:
+        """Set the margins; a camera at home stays at home."""
         if (left, right) != (self.left, self.right):
             self.left, self.right = left, right
             if self._at_home:
                 self.home()
 
     @property
-    def _clear(self) -> int:
-        """Return what the scene keeps clear of at the left, where there is room for that."""
+    def _left_margin(self) -> int:
+        """Return the left margin, or 0 if the window is too narrow."""
         return self.left if self.left < self.size[0] / 2 else 0
 
     @property
     def column_width(self) -> float:
         """Return the width of one of the columns in pixels."""
-        left = self._clear
+        left = self._left_margin
         right = self.right if left + self.right < 0.7 * self.size[0] else 0
         return (self.size[0] - left - right) / self.columns
 
     def column_edge(self, column: int) -> float:
-        """Return the left edge of a column in pixels; the first has all that is left of it."""
-        return self._clear + column * self.column_width if column else 0.0
+        """Return the left edge of a column in pixels; 0 for the first."""
+        return self._left_margin + column * self.column_width if column else 0.0
 
     def divide(self, columns: int) -> None:
-        """Show the view in the first of so many columns."""
+        """Show the view in the first of a number of columns."""
         self.columns = columns
         self.home()
 
     def column(self, column: int, shift: Point = (0.0, 0.0)) -> Camera:
-        """Return a camera that shows in another column what this one shows in the first.
-
-        Its world may lie elsewhere: by `shift` from the point that this camera shows.
-        """
+        """Return a camera that shows the same in another column, shifted by `shift`."""
         other = copy(self)
         aside = column * self.column_width / self.scale
         other.center = self.center[0] + shift[0] - aside, self.center[1] + shift[1]
@@ -111,16 +108,16 @@ class Camera:
 
     @property
     def at_home(self) -> bool:
-        """Whether the whole view is shown, as large as fits."""
+        """Whether the whole view is shown."""
         return self._at_home
 
     def aim(self, center: Point, scale: float) -> None:
-        """Show the surroundings of a world point, at a scale within the limits of the zoom."""
+        """Centre a world point, at a scale within the limits of the zoom."""
         self._at_home = False
         self.center, self.scale = center, self._limited(scale)
 
     def on(self, size: Size) -> Camera:
-        """Return a camera that shows the same on a screen of another size, without a readout."""
+        """Return a camera that shows the same on a screen of another size, without margins."""
         other = Camera(size, self._view)
         if not self._at_home:
             zoom = min(size[0] / self.size[0], size[1] / self.size[1])
@@ -128,7 +125,7 @@ class Camera:
         return other
 
     def resize(self, size: Size) -> None:
-        """Take a new screen size; a view at home stays at home."""
+        """Set the size of the screen; a camera at home stays at home."""
         self.size = size
         if self._at_home:
             self.home()
@@ -138,7 +135,7 @@ class Camera:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the columns x and y, in pixels, of (n, 2) world points.
 
-        In float64: float32 would jitter in a view zoomed in far.
+        In float64: float32 jitters at high zoom.
         """
         x = (points[:, 0].astype(np.float64) - self.center[0]) * self.scale + self.size[0] / 2
         y = (points[:, 1].astype(np.float64) - self.center[1]) * self.scale + self.size[1] / 2
@@ -152,7 +149,7 @@ class Camera:
         )
 
     def pan(self, pixels: Point) -> None:
-        """Move the camera by pixels of the screen."""
+        """Move the camera by screen pixels."""
         self._at_home = False
         self.center = (
             self.center[0] + pixels[0] / self.scale,
@@ -160,7 +157,7 @@ class Camera:
         )
 
     def zoom_at(self, pixel: Point, factor: float) -> None:
-        """Scale by `factor`; the world point under `pixel` stays there."""
+        """Multiply the scale by `factor`; the world point under `pixel` stays there."""
         self._at_home = False
         before = self.to_world(pixel)
         self.scale = self._limited(self.scale * factor)

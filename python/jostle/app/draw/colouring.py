@@ -1,7 +1,7 @@
-"""Which particle gets which colour of the ramp.
+"""The colour of each particle.
 
-Unless asked otherwise a scene is coloured by what tells its particles apart: density as in the
-article where it varies, else radius, else speed.
+The automatic choice is the density if it varies, as in the article, else the radius if it varies,
+else the speed.
 """
 
 from __future__ import annotations
@@ -9,18 +9,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jostle.app.draw.choosing import scattered
 from jostle.app.draw.legend import Legend
 from jostle.app.draw.palette import DISCS, FIXED_SHADE, SHADES
-from jostle.app.draw.shown import ColourBy
+from jostle.app.draw.subsampling import hashed
+from jostle.app.draw.view_options import ColourBy
 from jostle.app.simulate.simulation import Frame
 
-FAST = 2.5  # the speed that gets the last colour, in root mean squares
-ENERGETIC = 4.0  # the energy that gets the last colour, in means
-FORGET = 0.995  # a frame: how slowly the ramp follows a world that comes to rest
-VARIES = 1.05  # largest over smallest, above which a column is worth showing
+FAST = 2.5  # times the root mean square speed: the speed of the last colour
+ENERGETIC = 4.0  # times the mean energy: the energy of the last colour
+DECAY = 0.995  # per frame, of the upper end of the ramp
+VARIES = 1.05  # largest over smallest, above which a column varies
 DECADES = 30.0  # largest over smallest, above which a ramp is logarithmic
-YOUNG = 1.0  # seconds: the ramp of ages spans at least so much
+YOUNG = 1.0  # seconds: the least span of the ramp of ages
 
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
@@ -31,7 +31,7 @@ _NAMES = {
     ColourBy.DENSITY: "density",
     ColourBy.AGE: "age",
     ColourBy.ENERGY: "kinetic energy",
-    ColourBy.RANDOM: "each its own",
+    ColourBy.RANDOM: "random",
 }
 
 
@@ -41,57 +41,57 @@ class Colouring:
     Attributes
     ----------
     shows
-        What the colours tell, in words.
+        Name of the quantity.
     range
-        The values at both ends of the ramp; None where colours have no order.
+        The values at both ends of the ramp; None for random colours.
     """
 
     def __init__(self) -> None:
         self.shows = "speed"
         self.range: tuple[float, float] | None = None
         self._reference = 0.0
-        self._columns: tuple[Values, Values, str] | None = None  # what `_kept` was made of
-        self._told: tuple[Values, Values, str] | None = None  # the columns, and which tells most
+        self._columns: tuple[Values, Values, str] | None = None  # from which `_kept` was made
+        self._automatic: tuple[Values, Values, str] | None = None  # columns, and the choice
         self._kept: Shades = np.zeros(0, np.uint8)
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
         """Return a shade in 0..SHADES for each particle."""
-        shows = self._telling(frame) if by is ColourBy.AUTO else _NAMES[by]
+        shows = self._choose(frame) if by is ColourBy.AUTO else _NAMES[by]
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in ("density", "radius", "mass"):
             return self._by_column(frame)
         self._columns = None
-        if shows == "each its own":
+        if shows == "random":
             self.range = None
-            return _with_fixed(_buckets(scattered(frame.tags)), frame)
+            return _with_fixed(_buckets(hashed(frame.tags)), frame)
         return _with_fixed(self._by_motion(frame), frame)
 
-    def _telling(self, frame: Frame) -> str:
-        """Return the column that tells the particles apart."""
-        told = self._told
-        if told and told[0] is frame.densities and told[1] is frame.radii:
-            return told[2]
-        telling = "speed"
+    def _choose(self, frame: Frame) -> str:
+        """Return the automatic choice."""
+        known = self._automatic
+        if known and known[0] is frame.densities and known[1] is frame.radii:
+            return known[2]
+        chosen = "speed"
         for name, values in (("radius", frame.radii), ("density", frame.densities)):
             if _spread(values[frame.movable]) > VARIES:
-                telling = name
-        self._told = frame.densities, frame.radii, telling
-        return telling
+                chosen = name
+        self._automatic = frame.densities, frame.radii, chosen
+        return chosen
 
     @property
     def legend(self) -> Legend | None:
-        """Return what the colours mean now; nothing where they have no order."""
+        """Return the legend of the colours; None for random colours."""
         if self.range is None:
             return None
         low, high = (f"{value:,.3g}" if abs(value) < 1e4 else f"{value:,.0f}"
                      for value in self.range)  # fmt: skip
-        unit = {"speed": "a second", "age": "seconds"}.get(self.shows)
-        name = f"{self.shows}, {unit}" if unit else self.shows
+        unit = {"speed": "units/s", "age": "s"}.get(self.shows)
+        name = f"{self.shows} ({unit})" if unit else self.shows
         return Legend(name, low, high, DISCS[:SHADES])
 
     def _by_column(self, frame: Frame) -> Shades:
-        """Shade by what does not change while nobody edits; frames then share their columns."""
+        """Shade by a column that only edits change; frames share it in between."""
         same = self._columns is not None and (
             self._columns[0] is frame.densities
             and self._columns[1] is frame.radii
@@ -107,7 +107,7 @@ class Colouring:
         return _with_fixed(self._kept, frame)
 
     def _unit(self, values: Values, movable: NDArray[np.bool_]) -> Values:
-        """Stretch over 0..1, on a logarithmic scale where values span decades."""
+        """Scale to 0..1, logarithmically if the values span decades."""
         some = values[movable] if movable.any() else values
         if len(some) == 0:
             self.range = None
@@ -117,16 +117,16 @@ class Colouring:
         if high <= low:
             return np.full(len(values), 0.5)
         if low > 0 and high > DECADES * low:
-            stretched: Values = np.log(np.maximum(values, low) / low) / np.log(high / low)
-            return stretched
+            scaled: Values = np.log(np.maximum(values, low) / low) / np.log(high / low)
+            return scaled
         return (values - low) / (high - low)
 
     def _by_motion(self, frame: Frame) -> Shades:
-        """Shade by speed, energy or age: the ends of the ramp move slowly, if at all."""
+        """Shade by speed, energy or age; the upper end of the ramp changes slowly."""
         if self.shows == "age":
-            ages = np.maximum(frame.facts.time - frame.born, 0.0)
+            ages = np.maximum(frame.stats.time - frame.born, 0.0)
             oldest = max(float(ages[frame.movable].max(initial=0.0)), YOUNG)
-            self.range = oldest, 0.0  # the young glow, the old are calm
+            self.range = oldest, 0.0  # young particles are bright
             return _buckets(1 - ages / oldest)
         x, y = frame.velocities[:, 0], frame.velocities[:, 1]
         squares = x * x + y * y
@@ -136,7 +136,7 @@ class Colouring:
         else:
             values = 0.5 * frame.masses * squares
             top = float(values.mean(dtype=np.float64)) * ENERGETIC if len(values) else 0.0
-        self._reference = max(top, self._reference * FORGET, 1e-9)
+        self._reference = max(top, self._reference * DECAY, 1e-9)
         self.range = 0.0, self._reference
         return _buckets(values / np.float32(self._reference))
 

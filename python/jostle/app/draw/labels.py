@@ -1,4 +1,4 @@
-"""Small words beside discs: which particle it is, and how fast."""
+"""Labels on discs: the tag and the speed."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ import numpy as np
 import pygame
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.choosing import few, in_view
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import TEXT
+from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.draw.text import SMALL, font, word
 from jostle.app.simulate.simulation import Frame
 
-SMALLEST = 7.0  # pixels: smaller discs would drown in words
-INSIDE = 20.0  # pixels: larger discs have room for theirs
+SMALLEST = 7.0  # pixels of radius; smaller discs have no label
+INSIDE = 20.0  # pixels of radius; larger discs show the speed, too
 MOST = 200
-SHADE = (8, 10, 14)  # below the words, so that they can be read on any disc
+SHADE = (8, 10, 14)  # outline of the text
 
 
 def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
-    """Write tag and speed at discs that are large enough; say so when some are left out."""
+    """Draw tag and speed at large discs; return a note if some are omitted."""
     seen = in_view(frame.positions, camera)
     seen = seen[frame.movable[seen]]
     sizes = frame.radii[seen].astype(np.float64) * camera.scale
     places = seen[sizes >= SMALLEST]
     if len(seen) and not len(places):
-        return "labels: zoom in to read them"
-    drawn = places[few(frame.tags[places], MOST)]
+        return "labels: zoom in to see them"
+    drawn = places[subset(frame.tags[places], MOST)]
     x, y = camera.to_screen(frame.positions[drawn])
     radii = frame.radii[drawn] * camera.scale
     speeds = np.hypot(frame.velocities[drawn, 0], frame.velocities[drawn, 1])
@@ -51,7 +51,7 @@ _SHEETS: dict[str, pygame.Surface] = {}
 
 
 def _shaded(text: str) -> pygame.Surface:
-    """Return a word with a dark seam around it; words are kept."""
+    """Return a text with a dark outline, cached."""
     sheet = _SHEETS.get(text)
     if sheet is None:
         if len(_SHEETS) > 4_000:

@@ -1,4 +1,4 @@
-"""Small cards in the lower right corner: what colours mean, and what is left out."""
+"""Cards in the lower right corner: legends of colours, and notes on what is omitted."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import pygame
 
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
-from jostle.app.draw.text import SMALL, font, panel, write
+from jostle.app.draw.text import SMALL, font, panel, wrapped, write
 
 WIDTH = 188
 PAD = 10
 BAR = 8  # pixels, the height of a ramp
-EDGE = 12  # to the edge of the picture
-FOOT = 44  # what stays free below: the hint is there
+EDGE = 12  # pixels to the edge of the canvas
+FOOT = 44  # free pixels below, for the hint
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ Card = Legend | str
 def draw_cards(painter: Painter, cards: Sequence[Card], right: float) -> None:
     """Draw legends and sentences, one above the other, the first at the bottom.
 
-    They end at `right`, the edge of what they belong to.
+    Their right edge is at `right`.
     """
     width, height = painter.size
     if width < 3 * WIDTH:
-        return  # they would hide the scene
+        return  # too narrow
     y = float(height - FOOT)
     for card in cards:
         sheet = _legend(card, tuple(card.ramp)) if isinstance(card, Legend) else _sentence(card)
@@ -68,22 +68,9 @@ def _legend(card: Legend, ramp: tuple[Colour, ...]) -> pygame.Surface:
 
 @lru_cache(maxsize=16)
 def _sentence(text: str) -> pygame.Surface:
-    lines, line = _wrapped(text), font(SMALL).get_linesize()
+    lines, line = wrapped(text, WIDTH - 2 * PAD, SMALL), font(SMALL).get_linesize()
     width = max(font(SMALL).size(words)[0] for words in lines)
     sheet = panel((width + 2 * PAD, len(lines) * line + PAD))
     for k, words in enumerate(lines):
         write(sheet, (PAD, PAD // 2 + k * line), words, TEXT_SOFT, SMALL)
     return sheet
-
-
-def _wrapped(text: str) -> list[str]:
-    """Return lines that are no wider than a legend, as far as words allow."""
-    first, *words = text.split(" ")
-    lines = [first]
-    for word in words:
-        longer = f"{lines[-1]} {word}"
-        if font(SMALL).size(longer)[0] <= WIDTH - 2 * PAD:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines

@@ -9,37 +9,37 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.choosing import few, in_view
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ARROW, CONTACT_STOPS, PULL, SPRING, STAGE, blend
+from jostle.app.draw.palette import ARROW, ATTRACTOR, CONTACT_STOPS, SPRING, STAGE, blend
+from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.simulate.simulation import Frame, Point
 
-MOST_CONTACTS = 1_600  # drawn; a line costs about 2 µs
-MOST_ARROWS = 500  # three lines each
+MOST_CONTACTS = 1_600  # drawn; a line takes about 2 µs
+MOST_ARROWS = 500  # of three lines
 MOST_SPRINGS = 2_000
 MOST_SPINS = 5_000
-LEAST_SPIN = 3.0  # pixels of the radius
-SHORTEST_SPRING = 0.5  # pixels between two discs, below which they hide their spring
-DEEP = 0.25  # depth that gets the last colour, as a share of the smaller radius
-ARROW_TIME = 0.2  # seconds of its way that an arrow shows, shorter where that is too long
-SAMPLE = 5_000  # particles that the typical speed is taken from
+LEAST_SPIN = 3.0  # pixels; smaller discs have no radius line
+SHORTEST_SPRING = 0.5  # pixels between two discs; shorter springs are hidden
+DEEP = 0.25  # depth at the last colour, as a fraction of the smaller radius
+ARROW_TIME = 0.2  # seconds of motion that an arrow shows at most
+SAMPLE = 5_000  # particles from which the typical speed is computed
 LONGEST_ARROW = 90.0
-HEAD = 0.32  # of an arrow, up to so many pixels:
-LONGEST_HEAD = 7.0
+HEAD = 0.32  # times the length of an arrow, at most
+LONGEST_HEAD = 7.0  # pixels
 RINGS = (5.0, 11.0, 18.0)  # pixels, around the point of an attractor
 
 Floats = NDArray[np.float64]
 
 
 def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
-    """Draw springs as lines where discs do not hide them, nor the seam of a torus parts them."""
+    """Draw visible springs as lines, except those across the boundary of a torus."""
     if frame.springs is None or len(frame.springs) == 0:
         return
     i, j = frame.springs[:, 0], frame.springs[:, 1]
     away = frame.positions[i] - frame.positions[j]
     gaps = np.hypot(away[:, 0], away[:, 1]) - frame.radii[i] - frame.radii[j]
     open_ones = frame.springs[gaps * camera.scale >= SHORTEST_SPRING]
-    pairs = open_ones[few(np.arange(len(open_ones)), MOST_SPRINGS)]
+    pairs = open_ones[subset(np.arange(len(open_ones)), MOST_SPRINGS)]
     first, second = frame.positions[pairs[:, 0]], frame.positions[pairs[:, 1]]
     if isinstance(frame.container, jostle.Torus):
         sides = np.array([frame.container.width, frame.container.height])
@@ -51,13 +51,13 @@ def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
 
 
 def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
-    """Draw a radius line on each disc that is large enough, so that its rotation can be seen."""
+    """Draw a radius line on each large disc, which shows its rotation."""
     if frame.angles is None:
         return
     seen = in_view(frame.positions, camera)
     radii = frame.radii[seen].astype(np.float64) * camera.scale
     large = (radii >= LEAST_SPIN) & frame.movable[seen]
-    drawn = seen[large][few(frame.tags[seen[large]], MOST_SPINS)]
+    drawn = seen[large][subset(frame.tags[seen[large]], MOST_SPINS)]
     x, y = camera.to_screen(frame.positions[drawn])
     angles = frame.angles[drawn].astype(np.float64)
     radii = frame.radii[drawn].astype(np.float64) * camera.scale
@@ -66,15 +66,15 @@ def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
 
 
 def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
-    """Draw a bar along the normal where two particles touch; say so when some are left out."""
-    touching = frame.touching
+    """Draw a bar along the normal of each contact; return a note if some are omitted."""
+    touching = frame.contacts
     if touching is None or len(touching.pairs) == 0:
         return None
     i, j = touching.pairs[:, 0], touching.pairs[:, 1]
     radii = frame.radii.astype(np.float64)
     touch = frame.positions[i] + touching.normals * (radii[i] - touching.depths / 2)[:, None]
     seen = in_view(touch, camera)
-    drawn = seen[few(frame.tags[i[seen]] * 7919 + frame.tags[j[seen]], MOST_CONTACTS)]
+    drawn = seen[subset(frame.tags[i[seen]] * 7919 + frame.tags[j[seen]], MOST_CONTACTS)]
     x, y = camera.to_screen(touch[drawn])
     smaller = np.minimum(radii[i[drawn]], radii[j[drawn]])
     half = np.clip(0.45 * smaller * camera.scale, 1.5, 14.0)[:, None]
@@ -87,10 +87,10 @@ def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
 
 
 def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | None:
-    """Draw velocities as arrows; say so when some are left out."""
+    """Draw velocities as arrows; return a note if some are omitted."""
     seen = in_view(frame.positions, camera)
     seen = seen[frame.movable[seen]]
-    drawn = seen[few(frame.tags[seen], MOST_ARROWS)]
+    drawn = seen[subset(frame.tags[seen], MOST_ARROWS)]
     x, y = camera.to_screen(frame.positions[drawn])
     velocities = frame.velocities[drawn].astype(np.float64)
     arrows = velocities * arrow_seconds(frame) * camera.scale
@@ -104,10 +104,9 @@ def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | Non
 
 
 def arrow_seconds(frame: Frame) -> float:
-    """Return the seconds of its way that an arrow shows: fewer in a fast scene.
+    """Return the seconds of motion that an arrow shows, less in a fast scene.
 
-    Taken from the typical speed and the typical size, so that arrows keep their length as a view
-    is zoomed, relative to the discs.
+    It depends on the typical speed and size, so arrows keep their length relative to the discs.
     """
     some = slice(None, None, max(len(frame) // SAMPLE, 1))
     movable = frame.movable[some]
@@ -120,12 +119,12 @@ def arrow_seconds(frame: Frame) -> float:
 
 
 def draw_attractors(painter: Painter, frame: Frame, camera: Camera) -> None:
-    """Draw rings around what attracts: a point, or a particle."""
-    for pull in frame.attractors:
-        place: Point | None = pull.point
+    """Draw rings around attractors: points or particles."""
+    for attractor in frame.attractors:
+        place: Point | None = attractor.point
         inner = 0.0
-        if pull.tag is not None:
-            rows = frame.rows(pull.tag)
+        if attractor.tag is not None:
+            rows = frame.rows(attractor.tag)
             if len(rows):
                 x, y = frame.positions[rows[0]].tolist()
                 place, inner = (x, y), float(frame.radii[rows[0]]) * camera.scale
@@ -134,14 +133,14 @@ def draw_attractors(painter: Painter, frame: Frame, camera: Camera) -> None:
         (at_x,), (at_y,) = camera.to_screen(np.array([place], np.float64))
         center = float(at_x), float(at_y)
         for k, radius in enumerate(RINGS):
-            colour = blend(STAGE, PULL, 0.9 - 0.28 * k)
+            colour = blend(STAGE, ATTRACTOR, 0.9 - 0.28 * k)
             painter.circle(center, inner + radius, colour, 1.5)
         if inner == 0.0:
-            painter.circle(center, 2.0, PULL)
+            painter.circle(center, 2.0, ATTRACTOR)
 
 
 def _with_heads(tails: Floats, arrows: Floats) -> Floats:
-    """Return the lines of arrows: shafts, and two short strokes at each tip."""
+    """Return the lines of arrows: a shaft and two short lines at the tip."""
     tips = tails + arrows
     lengths = np.maximum(np.hypot(arrows[:, 0], arrows[:, 1]), 1e-9)
     back = -arrows * (np.minimum(HEAD, LONGEST_HEAD / lengths))[:, None]
@@ -151,7 +150,7 @@ def _with_heads(tails: Floats, arrows: Floats) -> Floats:
 
 
 def _depth_colours(depth: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Return calm colours for what just touches, warm ones for what overlaps."""
+    """Return colours by depth."""
     stops = np.array(CONTACT_STOPS, np.float64)
     at = np.clip(depth, 0, 1) * (len(stops) - 1)
     columns = [np.interp(at, np.arange(len(stops)), stops[:, c]) for c in range(3)]
@@ -160,7 +159,7 @@ def _depth_colours(depth: NDArray[np.floating]) -> NDArray[np.uint8]:
 
 
 def _seen(ends: Floats, camera: Camera) -> Floats:
-    """Return the lines that are near the screen; pygame walks the others pixel by pixel."""
+    """Return the lines near the screen; pygame draws the others pixel by pixel, too."""
     size = np.array(camera.size, np.float64)
     low, high = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
     near = ((high >= 0) & (low <= size) & (high - low < 20_000)).all(axis=1)

@@ -1,4 +1,4 @@
-"""Short sentences at the foot of the picture."""
+"""Messages at the lower edge of the window."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from jostle.app.draw.palette import RECORDING, TEXT, TEXT_SOFT
 from jostle.app.draw.text import BODY, font, panel, word, write
 
 HINT = "H help"
-EDGE = 12  # pixels to the edge of the picture
-DOT = 5.0  # pixels: the radius of the mark of a film under way
+EDGE = 12  # pixels to the edge of the canvas
+DOT = 5.0  # pixels: radius of the mark of a recording
 
 
 def draw_notice(painter: Painter, notice: str, middle: float | None = None) -> None:
-    """Show a sentence at the foot of the picture; its middle is at an x, or in the middle."""
+    """Draw a message at the lower edge, centred at an x or in the window."""
     width, height = font(BODY).size(notice)
     sheet = panel((width + 32, height + 18))
     write(sheet, (16, 9), notice, TEXT)
@@ -21,14 +21,14 @@ def draw_notice(painter: Painter, notice: str, middle: float | None = None) -> N
 
 
 def draw_hint(painter: Painter, right: int = 0) -> None:
-    """Say in a corner that there is help, so many pixels from the edge."""
+    """Draw the hint on the help in a corner, `right` pixels from the edge."""
     hint = word(HINT, TEXT_SOFT, BODY)
     width, height = painter.size[0] - right, painter.size[1]
     painter.sheet(hint, (width - EDGE - hint.get_width(), height - EDGE - hint.get_height()))
 
 
 def draw_recording(painter: Painter, seconds: float, right: int = 0) -> None:
-    """Say beside the hint that a film is made, and how long it is."""
+    """Draw the length of the recording to the left of the hint."""
     minutes, rest = divmod(int(seconds), 60)
     clock = word(f"{minutes}:{rest:02}", TEXT, BODY)
     bottom = painter.size[1] - EDGE

@@ -1,7 +1,6 @@
 """The painter on a graphics card: each method is one draw call for any number of discs.
 
-It draws into a texture of its own, so that the picture can be read at any time, and `show` puts
-that on the window.
+It draws into a texture, which can be read at any time; `show` copies it to the window.
 """
 
 from __future__ import annotations
@@ -13,18 +12,18 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from jostle.app.draw import dust, shaders
+from jostle.app.draw import points, shaders
 from jostle.app.draw.camera import Size
 from jostle.app.draw.painter import Colours, Floats, Shades
 from jostle.app.draw.palette import DISCS, Colour
 
-_MASKS = 0xFF0000, 0xFF00, 0xFF, 0  # as in `software`: the same bytes for a film
+_MASKS = 0xFF0000, 0xFF00, 0xFF, 0  # as in `software`: the same bytes in a video
 _DISC = np.dtype([("x", "f4"), ("y", "f4"), ("radius", "f4"), ("shade", "u1"), ("", "V3")])
 _BOX = np.dtype([("box", "f4", 4), ("tint", "u1", 3), ("", "V1")])
 _LINE = np.dtype([("ends", "f4", 4), ("tint", "u1", 4)])
-# Names in GL_RENDERER under which a processor plays the card.
-_PLAYED = ("llvmpipe", "softpipe", "swiftshader", "swrast", "gdi generic", "basic render")
-_KEPT = 16  # textures for sheets
+# Names of software renderers in GL_RENDERER.
+_EMULATORS = ("llvmpipe", "softpipe", "swiftshader", "swrast", "gdi generic", "basic render")
+_KEPT = 16  # textures for surfaces
 
 
 class OpenGLPainter:
@@ -40,11 +39,11 @@ class OpenGLPainter:
     Attributes
     ----------
     renderer
-        The name of what draws.
-    played
-        Whether that is a processor in the part of a graphics card.
+        Its name.
+    emulated
+        Whether OpenGL runs in software.
     target
-        Where strokes go.
+        The framebuffer of the canvas.
     """
 
     name = "opengl"
@@ -52,7 +51,7 @@ class OpenGLPainter:
     def __init__(self, size: Size, context: moderngl.Context) -> None:
         self.context = context
         self.renderer: str = context.info["GL_RENDERER"]
-        self.played = any(name in self.renderer.lower() for name in _PLAYED)
+        self.emulated = any(name in self.renderer.lower() for name in _EMULATORS)
         self._corners = context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], "f4"))
         self._buffer = context.buffer(reserve=2**16, dynamic=True)
         self._textures: dict[Size, moderngl.Texture] = {}
@@ -66,7 +65,7 @@ class OpenGLPainter:
         self.resize(size)
 
     def resize(self, size: Size) -> None:
-        """Take a new size in pixels."""
+        """Set the size in pixels."""
         self.size = max(size[0], 1), max(size[1], 1)
         self.target.release()
         self._picture.release()
@@ -88,7 +87,7 @@ class OpenGLPainter:
         return surface
 
     def clip(self, rect: pygame.Rect | None) -> None:
-        """Draw only inside a rectangle from now on."""
+        """Restrict drawing to a rectangle."""
         if rect is None:
             self._clip = None
             return
@@ -96,13 +95,13 @@ class OpenGLPainter:
         self._clip = inside.x, self.size[1] - inside.bottom, inside.width, inside.height
 
     def fill(self, colour: Colour) -> None:
-        """Cover the canvas, or the clip, with a colour."""
+        """Fill the canvas, or the clip, with a colour."""
         red, green, blue = (channel / 255 for channel in colour)
         if self._clip is None or min(self._clip[2:]) > 0:
             self.target.clear(red, green, blue, 1.0, viewport=self._clip)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        """Draw every disc that the canvas shows: the large ones first, so that they hide none."""
+        """Draw the visible discs, large ones first."""
         (width, height), reach = self.size, radii + 1
         seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
         rows = np.empty(int(np.count_nonzero(seen)), _DISC)
@@ -110,26 +109,26 @@ class OpenGLPainter:
             return
         for name, column in (("x", x), ("y", y), ("radius", radii), ("shade", shades)):
             rows[name] = column[seen]
-        fine = rows["radius"] <= dust.MAX_RADIUS
+        fine = rows["radius"] <= points.MAX_RADIUS
         if fine.any() and not fine.all():
             rows = np.concatenate([rows[~fine], rows[fine]])
-        least = dust.least_radius(int(fine.sum()), self.size)
+        least = points.least_radius(int(fine.sum()), self.size)
         _set(self._disc, least=least)
         self._draw(self._disc, rows)
-        if self.played:
-            self.context.finish()  # it would be done later, and who counts the time be deceived
+        if self.emulated:
+            self.context.finish()  # so that the time is measured here
 
     def circle(
         self, center: tuple[float, float], radius: float, colour: Colour, width: float = 0.0
     ) -> None:
-        """Draw one circle of any size: filled, or a ring of a width."""
+        """Draw one circle: filled, or a ring of a width."""
         if radius > 0:
             shade = tuple(channel / 255 for channel in colour)
             _set(self._circle, disc=(*center, radius), width=max(width, 0.0), colour=shade)
             self._draw(self._circle)
 
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
-        """Draw rectangles on whole pixels; filled ones a pixel short, so that they stay apart."""
+        """Draw rectangles on whole pixels; filled ones leave a gap of one pixel."""
         if len(corners) == 0:
             return
         width, height = self.size
@@ -137,7 +136,7 @@ class OpenGLPainter:
         x0, y0, x1, y1 = whole.T
         if filled:
             boxes = [(x0, y0, np.maximum(x1 - 1, x0 + 1), np.maximum(y1 - 1, y0 + 1))]
-        else:  # four sides, each a pixel wide
+        else:  # four sides, each one pixel wide
             boxes = [(x0, y0, x1 + 1, y0 + 1), (x0, y1, x1 + 1, y1 + 1)]
             boxes += [(x0, y0, x0 + 1, y1 + 1), (x1, y0, x1 + 1, y1 + 1)]
         rows = np.empty((len(corners), len(boxes)), _BOX)
@@ -146,18 +145,18 @@ class OpenGLPainter:
         self._draw(self._box, rows.ravel())
 
     def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw lines, smoothed."""
+        """Draw antialiased lines."""
         if len(ends) == 0:
             return
         rows = np.empty(len(ends), _LINE)
-        rows["ends"] = ends + 0.5  # from the middle of a pixel to that of another
+        rows["ends"] = ends + 0.5  # from pixel centre to pixel centre
         rows["tint"] = 255
         rows["tint"][:, : colours.shape[1]] = colours
         _set(self._line, width=width)
         self._draw(self._line, rows)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
-        """Lay a surface, with its alpha, over the canvas."""
+        """Blend a surface over the canvas."""
         size = surface.get_size()
         if 0 in size:
             return
@@ -174,7 +173,7 @@ class OpenGLPainter:
         self._draw(self._sheet)
 
     def show(self) -> None:
-        """Put the picture on the window, whose size it has."""
+        """Copy the canvas to the window, which has its size."""
         screen = self.context.screen
         screen.viewport = (0, 0, *self.size)
         screen.use()
@@ -187,7 +186,7 @@ class OpenGLPainter:
             raise moderngl.Error(error)
 
     def release(self) -> None:
-        """Give the memory of the card back."""
+        """Release the memory of the card."""
         self.context.release()
 
     def _instanced(

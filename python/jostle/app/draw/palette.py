@@ -1,7 +1,6 @@
-"""Every colour of the app, in one place.
+"""The colours of the app.
 
-One dark, slightly blue ground; discs from a muted ramp of equal weight, so that none shouts; the
-tree from periwinkle to plum, which no disc has: large boxes stand out, small ones recede.
+A dark background, a muted ramp for discs, and a ramp from periwinkle to plum for the tree.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ ACCENT: Colour = (126, 178, 184)
 RECORDING: Colour = (214, 92, 92)
 FIXED: Colour = (104, 113, 126)  # immovable particles
 ARROW: Colour = (232, 238, 246)
-CHAIN_STOPS = ((58, 70, 88), (190, 120, 70), (255, 210, 110), (255, 250, 235))  # ever larger forces
-CONTACT_STOPS = ((238, 243, 249), (255, 214, 120), (255, 96, 84))  # touching, then ever deeper
+CHAIN_STOPS = ((58, 70, 88), (190, 120, 70), (255, 210, 110), (255, 250, 235))  # by force
+CONTACT_STOPS = ((238, 243, 249), (255, 214, 120), (255, 96, 84))  # by depth
 SPRING: Colour = (108, 124, 148)
 SENSOR: Colour = (92, 132, 128)
 TOUCHED_SENSOR: Colour = (140, 232, 214)
-PULL: Colour = (198, 160, 220)  # attractors
+ATTRACTOR: Colour = (198, 160, 220)
 
 SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
@@ -38,7 +37,7 @@ _HEAT_STOPS = ("#1b2230", "#2c2f52", "#4d3a6c", "#70406c", "#914c64")
 
 
 def _ramp(stops: tuple[str, ...], count: int) -> NDArray[np.float64]:
-    """Return `count` colours evenly spaced along the straight lines between the stops."""
+    """Return `count` colours, interpolated between the stops."""
     rgb = np.array([[int(stop[k : k + 2], 16) for k in (1, 3, 5)] for stop in stops])
     at = np.linspace(0, len(stops) - 1, count)
     return np.stack([np.interp(at, np.arange(len(stops)), rgb[:, c]) for c in range(3)], axis=1)
@@ -50,14 +49,11 @@ def _colours(ramp: NDArray[np.float64]) -> list[Colour]:
 
 DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED]
 _LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, 25))
-HEAT: list[Colour] = _colours(_ramp(_HEAT_STOPS, 12))  # leaves, from empty to full
+HEAT: list[Colour] = _colours(_ramp(_HEAT_STOPS, 12))  # of leaves, by occupancy
 
 
 def level_colour(level: int, depth: int) -> Colour:
-    """Return the colour of a level, 0 for the root, in a tree that is `depth` levels deep.
-
-    The ramp spans the tree, not a fixed count: two neighbouring levels must be told apart.
-    """
+    """Return the colour of a level, 0 for the root, in a tree of a depth, which the ramp spans."""
     return _LEVELS[round(24 * level / max(depth, 3, level))]
 
 

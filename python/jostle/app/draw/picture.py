@@ -1,4 +1,4 @@
-"""All layers of the picture in their order, for the window and films."""
+"""All layers of a frame in their order, for the window and for videos."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ from collections.abc import Callable
 
 import pygame
 
-from jostle.app.draw import overlays
+from jostle.app.draw import tree_overlay
+from jostle.app.draw.base_layers import (
+    WallDiscs,
+    draw_container,
+    draw_discs,
+    draw_walls,
+    rect_on_screen,
+)
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.chains import draw_chains
 from jostle.app.draw.colouring import Colouring
-from jostle.app.draw.extras import Extras
+from jostle.app.draw.force_chains import draw_force_chains
 from jostle.app.draw.labels import draw_labels
 from jostle.app.draw.legend import Card, Legend, draw_cards
 from jostle.app.draw.marks import (
@@ -22,75 +28,77 @@ from jostle.app.draw.marks import (
     draw_velocities,
 )
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.shown import ColourBy, Shown, TreeView
-from jostle.app.draw.stage import Beads, draw_discs, draw_stage, draw_walls, rect_on_screen
+from jostle.app.draw.scene_overlays import SceneOverlays
 from jostle.app.draw.trails import Trails
-from jostle.app.simulate.simulation import Frame, TreeBoxes, Wants
-from jostle.app.simulate.walls import bounds
+from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.simulation import Frame, FrameRequest, TreeBoxes
 
 DrawTree = Callable[[Painter, TreeBoxes, Camera], Legend | None]
 
 
 class Picture:
-    """Draws frames; it keeps what a picture remembers from frame to frame, and nothing else.
+    """Draws frames, and keeps what one frame needs of those before it.
 
-    Another run has another one. Two threads may draw with it, one after the other.
+    Each run has its own. Two threads may use it, one after the other.
 
     Attributes
     ----------
     colouring
-        What the colours tell.
+        The colour of each particle.
     trails
-        Where particles have been.
+        The past positions of particles.
     """
 
     def __init__(self) -> None:
-        self._in_use = threading.Lock()  # by the window or by the thread that draws beside it
+        self._in_use = threading.Lock()  # by the UI thread or the worker thread
         self.colouring = Colouring()
         self.trails = Trails()
-        self._beads = Beads()
-        self._extras = Extras()
+        self._beads = WallDiscs()
+        self._extras = SceneOverlays()
 
     def clear_trails(self) -> None:
-        """Forget where particles have been."""
+        """Clear the trails."""
         self.trails.clear()
 
     @staticmethod
-    def wants(shown: Shown) -> Wants:
-        """Return what a frame must hold for what is shown."""
-        return Wants(tree=shown.tree is not TreeView.OFF, contacts=shown.contacts or shown.forces)
+    def request(options: ViewOptions) -> FrameRequest:
+        """Return what a frame must contain for the view options."""
+        return FrameRequest(
+            tree=options.tree is not TreeView.OFF, contacts=options.contacts or options.forces
+        )
 
     def draw(
         self,
         painter: Painter,
         frame: Frame,
         camera: Camera,
-        shown: Shown,
+        options: ViewOptions,
         part: pygame.Rect | None = None,
     ) -> None:
-        """Draw the world as far as the camera sees it, on the whole canvas or a part of it."""
+        """Draw the part of the world in the camera's view, on the canvas or a part of it."""
         with self._in_use:
-            self._draw(painter, frame, camera, shown, part)
+            self._draw(painter, frame, camera, options, part)
 
     def _draw(
         self,
         painter: Painter,
         frame: Frame,
         camera: Camera,
-        shown: Shown,
+        options: ViewOptions,
         part: pygame.Rect | None,
     ) -> None:
         painter.clip(part)
         cards: list[Card | None] = []
-        shades = self.colouring.shades(frame, shown.colour_by)
-        if shown.colour_by is not ColourBy.AUTO:
+        shades = self.colouring.shades(frame, options.colour_by)
+        if options.colour_by is not ColourBy.AUTO:
             cards.append(self.colouring.legend)
-        draw_stage(painter, frame.container, camera)
-        if shown.tree is TreeView.FILLED:
-            _draw_tree(overlays.draw_filled, painter, frame, camera, part)
-        elif shown.tree is TreeView.HEAT:
-            cards.append(_draw_tree(overlays.draw_heat, painter, frame, camera, part))
-        if shown.trails:
+        draw_container(painter, frame.container, camera)
+        if options.tree is TreeView.FILLED:
+            _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
+        elif options.tree is TreeView.HEAT:
+            cards.append(_draw_tree(tree_overlay.draw_heat, painter, frame, camera, part))
+        if options.trails:
             cards.append(self.trails.draw(painter, frame, shades, camera))
         self._extras.draw_below(painter, frame, camera)
         draw_springs(painter, frame, camera)
@@ -98,16 +106,16 @@ class Picture:
         draw_spins(painter, frame, camera)
         self._beads.draw(painter, frame, camera)
         draw_walls(painter, frame.walls, camera)
-        if shown.tree is TreeView.OUTLINE:
-            _draw_tree(overlays.draw_outline, painter, frame, camera, part)
+        if options.tree is TreeView.OUTLINE:
+            _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
         draw_attractors(painter, frame, camera)
-        if shown.forces:
-            cards.append(draw_chains(painter, frame, camera))
-        if shown.contacts:
+        if options.forces:
+            cards.append(draw_force_chains(painter, frame, camera))
+        if options.contacts:
             cards.append(draw_contacts(painter, frame, camera))
-        if shown.velocities:
+        if options.velocities:
             cards.append(draw_velocities(painter, frame, camera))
-        if shown.labels:
+        if options.labels:
             cards.append(draw_labels(painter, frame, camera))
         cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
@@ -120,7 +128,7 @@ class Picture:
 def _draw_tree(
     draw: DrawTree, painter: Painter, frame: Frame, camera: Camera, part: pygame.Rect | None
 ) -> Legend | None:
-    """Draw the boxes inside the walls: the squares beyond them are always empty."""
+    """Draw the boxes inside the container; those outside are always empty."""
     if frame.tree is None:
         return None
     walls = bounds(frame.container)

@@ -1,26 +1,26 @@
-"""The panel of numbers: what runs, how fast, and what it cost."""
+"""The panel of numbers of a video: scene, speed, times of the stages, pairs."""
 
 from __future__ import annotations
 
 import pygame
 
+from jostle.app.draw.formatting import method_name, pairs_of, scientific, share
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
 from jostle.app.draw.text import BODY, SMALL, TITLE, font, panel, write
-from jostle.app.draw.words import method_name, pairs_of, scientific, share
 from jostle.app.simulate.engine import Engine
 
 WIDTH = 248
 EDGE = 12  # pixels between the panel and the edge of the screen
-SPACE = WIDTH + 2 * EDGE  # what the scene keeps clear of
+SPACE = WIDTH + 2 * EDGE  # margin of the scene
 PAD = 14
-BAR = 44  # the longest bar beside a stage
-SMOOTH = 0.1  # share of a new measurement in the shown one
-EVERY = 0.2  # seconds between new numbers: faster ones cannot be read
+BAR = 44  # length of the longest bar of a stage
+SMOOTH = 0.1  # weight of a new measurement
+EVERY = 0.2  # seconds between updates
 
 
 class Readout:
-    """Collects measurements every frame, and renews its panel a few times a second."""
+    """Collects measurements every frame, and redraws its panel a few times per second."""
 
     def __init__(self) -> None:
         self._times: dict[str, float] = {}
@@ -28,13 +28,13 @@ class Readout:
         self._due = 0.0
 
     def measure(self, **milliseconds: float) -> None:
-        """Take in one measurement for each stage named."""
+        """Add one measurement for each named stage."""
         for stage, value in milliseconds.items():
             shown = self._times.get(stage, value)
             self._times[stage] = shown + SMOOTH * (value - shown)
 
     def forget(self) -> None:
-        """Start afresh: after a change of method or scene old times mislead."""
+        """Discard the times, after a change of method or scene."""
         draw = self._times.get("draw")
         self._times = {} if draw is None else {"draw": draw}
         self._due = 0.0
@@ -48,7 +48,7 @@ class Readout:
         *,
         paused: bool = False,
     ) -> None:
-        """Draw the panel; `rate` is the line on speed, as label and number a second."""
+        """Draw the panel; `rate` is the label and value of the speed."""
         if self._sheet is None or now >= self._due:
             self._sheet = self._render(engine, rate, paused=paused)
             self._due = now + EVERY
@@ -59,8 +59,8 @@ class Readout:
     ) -> pygame.Surface:
         times = {stage: self._times[stage] for stage in self._times if stage != "draw"}
         if "draw" in self._times:
-            times["draw"] = self._times["draw"]  # last, as in the order of work
-        facts, n = engine.frame.facts, len(engine.frame)
+            times["draw"] = self._times["draw"]  # last, in the order of work
+        facts, n = engine.frame.stats, len(engine.frame)
         page = _Page(9 + len(times))
         page.title(engine.scene, "paused" if paused else "")
         page.soft(f"{method_name(engine.settings.method)} · {n:,} particles")
@@ -68,7 +68,7 @@ class Readout:
         label, value = rate
         page.row(label, "–" if value is None else f"{value:,.0f}")
         page.rule()
-        page.head("stage", "ms a step")
+        page.head("stage", "ms per step")
         longest = max(times.values(), default=0.0)
         for stage, milliseconds in times.items():
             page.stage(stage, milliseconds, milliseconds / longest if longest > 0 else 0.0)
@@ -76,7 +76,7 @@ class Readout:
         every_pair = pairs_of(n)
         page.row("pairs tested", f"{facts.pairs_tested:,}")
         page.row("of n(n−1)/2", f"{every_pair:,}")
-        page.row("share", share(facts.pairs_tested, every_pair))
+        page.row("tested, % of all pairs", share(facts.pairs_tested, every_pair))
         page.row("touching", f"{facts.touching:,}")
         page.row("asleep", f"{facts.asleep:,}")
         page.row("kinetic energy", scientific(facts.kinetic_energy))
@@ -84,7 +84,7 @@ class Readout:
 
 
 class _Page:
-    """A sheet filled line by line from the top."""
+    """A surface filled line by line from the top."""
 
     def __init__(self, rows: int) -> None:
         self._line = font(BODY).get_linesize() + 3

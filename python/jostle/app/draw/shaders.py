@@ -1,12 +1,12 @@
-"""The programs of the graphics card, in GLSL 3.3; all write colours with premultiplied alpha.
+"""The shaders, in GLSL 3.3; all write colours with premultiplied alpha.
 
-Every shape is one quad per instance, stretched in the vertex shader over what the shape covers.
-Places are pixels of the canvas, y down.
+Each shape is one quad per instance, scaled in the vertex shader to the bounds of the shape.
+Coordinates are pixels of the canvas, y down.
 """
 
 from __future__ import annotations
 
-from jostle.app.draw import dust, stamps
+from jostle.app.draw import points, stamps
 from jostle.app.draw.palette import DISCS
 
 _HEAD = """#version 330
@@ -14,8 +14,8 @@ uniform vec2 size;
 vec4 on_screen(vec2 at) { return vec4(2.0 * at.x / size.x - 1.0, 1.0 - 2.0 * at.y / size.y, 0, 1); }
 """
 
-# A disc is as in `stamps`: a smooth edge and a darker rim. The smallest are shared out among
-# pixels, as in `dust`, so that they neither vanish nor cover more than their area.
+# A disc has a smooth edge and a darker rim, as in `stamps`. The smallest are distributed over
+# pixels by their area, as in `points`.
 DISC = (
     f"""{_HEAD}
 in vec2 corner;
@@ -36,11 +36,11 @@ void main() {{
 uniform vec2 size;
 flat in vec3 colour;
 flat in vec3 around;
-out vec4 ink;
+out vec4 fragment;
 void main() {{
     vec2 from = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) - around.xy;
     float radius = around.z, cover = 0.0, light = 1.0;
-    if (radius < {dust.POINT_RADIUS}) {{
+    if (radius < {points.POINT_RADIUS}) {{
         vec2 near = max(1.0 - abs(from), 0.0);
         cover = 3.14159265 * radius * radius * near.x * near.y;
     }} else if (radius < {stamps.RIM_FROM}) {{
@@ -53,7 +53,7 @@ void main() {{
         cover = clamp(radius + 0.5 - away, 0.0, 1.0);
         light = mix({stamps.RIM_SHADE}, 1.0, clamp((radius - away) / {stamps.RIM_WIDTH}, 0.0, 1.0));
     }}
-    ink = vec4(colour * light * cover, cover);
+    fragment = vec4(colour * light * cover, cover);
 }}
 """,
 )
@@ -73,12 +73,12 @@ uniform vec2 size;
 uniform vec3 disc;
 uniform float width;
 uniform vec3 colour;
-out vec4 ink;
+out vec4 fragment;
 void main() {
     float away = length(vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) - disc.xy);
     float cover = clamp(disc.z + 0.5 - away, 0.0, 1.0);
     if (width > 0.0) cover = clamp(0.5 * width + 0.5 - abs(away - disc.z + 0.5 * width), 0.0, 1.0);
-    ink = vec4(colour, 1.0) * cover;
+    fragment = vec4(colour, 1.0) * cover;
 }
 """,
 )
@@ -96,8 +96,8 @@ void main() {{
 """,
     """#version 330
 flat in vec3 colour;
-out vec4 ink;
-void main() { ink = vec4(colour, 1.0); }
+out vec4 fragment;
+void main() { fragment = vec4(colour, 1.0); }
 """,
 )
 
@@ -123,10 +123,10 @@ void main() {{
 uniform float width;
 flat in vec4 colour;
 in float across;
-out vec4 ink;
+out vec4 fragment;
 void main() {
     float cover = clamp(0.5 * width + 0.5 - abs(across), 0.0, 1.0) * colour.a;
-    ink = vec4(colour.rgb * cover, cover);
+    fragment = vec4(colour.rgb * cover, cover);
 }
 """,
 )
@@ -146,10 +146,10 @@ void main() {{
     """#version 330
 uniform sampler2D picture;
 in vec2 at;
-out vec4 ink;
+out vec4 fragment;
 void main() {
     vec4 colour = texture(picture, at);
-    ink = vec4(colour.rgb * colour.a, colour.a);
+    fragment = vec4(colour.rgb * colour.a, colour.a);
 }
 """,
 )

@@ -1,6 +1,6 @@
-"""The painter that works everywhere: discs, lines and boxes by the processor alone.
+"""The painter without a graphics card.
 
-Discs fall into three kinds by their radius in pixels: large circles, stamps and dust.
+Discs are circles, stamps or points, depending on their radius in pixels.
 """
 
 from __future__ import annotations
@@ -9,19 +9,19 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from jostle.app.draw import dust
+from jostle.app.draw import points
+from jostle.app.draw.axis_lines import draw_axis_lines
 from jostle.app.draw.camera import Size
 from jostle.app.draw.painter import Colours, Floats, Shades
 from jostle.app.draw.palette import DISCS, STAGE, Colour, blend
 from jostle.app.draw.stamps import MAX_RADIUS as MAX_STAMP
 from jostle.app.draw.stamps import RIM_SHADE, RIM_WIDTH, Stamps
-from jostle.app.draw.strips import draw_strips
 
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
 
 
 class SoftwarePainter:
-    """A surface to draw on. Keeps stamps between frames."""
+    """A surface to draw on, with a cache of stamps."""
 
     name = "software"
 
@@ -30,9 +30,9 @@ class SoftwarePainter:
         self.resize(size)
 
     def resize(self, size: Size) -> None:
-        """Take a new size in pixels."""
+        """Set the size in pixels."""
         self.size = max(size[0], 1), max(size[1], 1)
-        # The same byte order everywhere, so the same picture everywhere, and fast for blits.
+        # The same byte order, and so the same bytes, on every machine; fast for blits.
         self._canvas = pygame.Surface(self.size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
 
     def canvas(self) -> pygame.Surface:
@@ -40,21 +40,21 @@ class SoftwarePainter:
         return self._canvas
 
     def clip(self, rect: pygame.Rect | None) -> None:
-        """Draw only inside a rectangle from now on."""
+        """Restrict drawing to a rectangle."""
         self._canvas.set_clip(rect)
 
     def fill(self, colour: Colour) -> None:
-        """Cover the canvas, or the clip, with a colour."""
+        """Fill the canvas, or the clip, with a colour."""
         self._canvas.fill(colour)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        """Draw every disc that the canvas shows: the large ones first, so that they hide none."""
+        """Draw the visible discs, large ones first."""
         (width, height), reach = self.size, radii + 1
         seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
         if not seen.all():
             x, y, radii, shades = x[seen], y[seen], radii[seen], shades[seen]
-        kind = np.digitize(radii, (dust.MAX_RADIUS, MAX_STAMP), right=True)
-        for number, draw in ((2, _draw_large), (1, self._stamps.blit), (0, dust.scatter)):
+        kind = np.digitize(radii, (points.MAX_RADIUS, MAX_STAMP), right=True)
+        for number, draw in ((2, _draw_large), (1, self._stamps.blit), (0, points.scatter)):
             mine = kind == number
             if mine.all():
                 draw(self._canvas, x, y, radii, shades)
@@ -64,14 +64,14 @@ class SoftwarePainter:
     def circle(
         self, center: tuple[float, float], radius: float, colour: Colour, width: float = 0.0
     ) -> None:
-        """Draw one circle of any size: filled, or a ring of a width."""
+        """Draw one circle: filled, or a ring of a width."""
         if width <= 0:
             _draw_circle(self._canvas, center, radius, colour)
         elif 0 < radius <= CIRCLE_LIMIT:
             pygame.draw.aacircle(self._canvas, colour, center, radius, max(round(width), 1))
 
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
-        """Draw rectangles on whole pixels; filled ones a pixel short, so that they stay apart."""
+        """Draw rectangles on whole pixels; filled ones leave a gap of one pixel."""
         if len(corners) == 0:
             return
         whole = np.floor(_near(corners, self.size)).astype(np.intp).tolist()
@@ -82,11 +82,11 @@ class SoftwarePainter:
                 pygame.draw.rect(self._canvas, colour, (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
 
     def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw lines; alpha is mixed with the ground, but true along the axes."""
+        """Draw lines; those along the axes are blended, others mixed with the background."""
         if colours.shape[1] == 4:
             along = (ends[:, :2] == ends[:, 2:]).any(axis=1) & (width <= 1)
             if along.any():
-                draw_strips(self._canvas, ends[along], colours[along])
+                draw_axis_lines(self._canvas, ends[along], colours[along])
                 ends, colours = ends[~along], colours[~along]
             share = colours[:, 3:] / 255
             colours = np.rint(STAGE + (colours[:, :3] - np.array(STAGE, float)) * share)
@@ -96,21 +96,21 @@ class SoftwarePainter:
             pygame.draw.aaline(self._canvas, colour, (x0, y0), (x1, y1), thick)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
-        """Lay a surface, with its alpha, over the canvas."""
+        """Blend a surface over the canvas."""
         self._canvas.blit(surface, (round(place[0]), round(place[1])))
 
     def show(self) -> None:
-        """Put the canvas on the window."""
+        """Copy the canvas to the window."""
         window = pygame.display.get_surface()
         if window is not None:
             window.blit(self._canvas, (0, 0))
 
     def release(self) -> None:
-        """Give everything back: nothing but memory."""
+        """Release nothing: there is only memory."""
 
 
 def _near(corners: Floats, size: Size) -> NDArray[np.float64]:
-    """Clip rectangles just outside the canvas, where no edge shows."""
+    """Clip rectangles just outside the canvas."""
     width, height = size
     low, high = np.array([-2.0, -2.0] * 2), np.array([width + 2.0, height + 2.0] * 2)
     return np.clip(corners, low, high)
@@ -137,7 +137,7 @@ def _draw_circle(
         if radius > 0:
             pygame.draw.aacircle(target, colour, center, radius)
         return
-    # So large that its edge is almost straight: decide pixel by pixel.
+    # Very large: its edge is almost straight, so each pixel is tested.
     width, height = target.get_size()
     x = np.arange(width) + 0.5 - center[0]
     y = np.arange(height) + 0.5 - center[1]

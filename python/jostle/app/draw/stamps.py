@@ -1,7 +1,7 @@
-"""Discs drawn once and kept: one small picture per radius, colour and sub-pixel place.
+"""A cache of small pictures of discs, one per radius, colour and sub-pixel position.
 
-Blitting a kept picture costs a fraction of drawing a circle, and the sub-pixel places let slow
-discs glide instead of hopping from pixel to pixel.
+Blitting a picture takes a fraction of the time of drawing a circle. With sub-pixel positions slow
+discs move smoothly.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from jostle.app.draw.palette import DISCS
 
-MAX_RADIUS = 48.0  # pixels; larger discs are few, and drawn as circles
-STEPS = 8  # radii kept per pixel
-PLACES = 4  # sub-pixel places each way for small discs
-FINE_BELOW, COARSE_BELOW = 12.0, 24.0  # radius: 4 places, then 2, then 1
-RIM_FROM = 3.0  # a darker rim tells discs apart where they lie in a heap
+MAX_RADIUS = 48.0  # pixels; larger discs are drawn as circles
+STEPS = 8  # radii per pixel
+PLACES = 4  # sub-pixel positions per axis for small discs
+FINE_BELOW, COARSE_BELOW = 12.0, 24.0  # radius: 4 positions, then 2, then 1
+RIM_FROM = 3.0  # radius; larger discs have a darker rim
 RIM_SHADE, RIM_WIDTH = 0.68, 1.4
-AT_ONCE = 4096  # discs; between two blits other threads have a turn
-MEMORY_LIMIT = 96 * 2**20  # bytes of stamps, then all are made anew
+BATCH = 4096  # discs per call; between calls other threads may run
+MEMORY_LIMIT = 96 * 2**20  # bytes of stamps, then the cache is cleared
 
 _BUCKETS = int(MAX_RADIUS * STEPS) + 1
 _SHADES = len(DISCS)
@@ -31,7 +31,7 @@ def _places_of(radius: float) -> int:
 
 
 class Stamps:
-    """The store of stamps, filled as they are asked for."""
+    """The cache, filled on demand."""
 
     def __init__(self) -> None:
         radii = np.arange(_BUCKETS) / STEPS
@@ -54,7 +54,7 @@ class Stamps:
         radii: NDArray[np.floating],
         shades: NDArray[np.uint8],
     ) -> None:
-        """Stamp discs, radii up to MAX_RADIUS, all measures in pixels."""
+        """Draw discs with radii up to MAX_RADIUS, in pixels."""
         if self._bytes > MEMORY_LIMIT:
             self._clear()
         buckets = np.rint(radii * STEPS).astype(np.intp)
@@ -65,15 +65,15 @@ class Stamps:
         keys = (buckets * _SHADES + shades) * _CELLS + down * places + across
         self._fill(keys)
         left, top = column - half, row - half
-        for start in range(0, len(keys), AT_ONCE):
-            part = slice(start, start + AT_ONCE)
+        for start in range(0, len(keys), BATCH):
+            part = slice(start, start + BATCH)
             stamps = self._table[keys[part]].tolist()
             corners = zip(left[part].tolist(), top[part].tolist(), strict=True)
-            # Handed over one by one: a list of tuples would take as long as the blits.
+            # An iterator: making a list of tuples would take as long as the blits.
             target.fblits(zip(stamps, corners, strict=True), pygame.BLEND_PREMULTIPLIED)
 
     def _fill(self, keys: NDArray[np.intp]) -> None:
-        """Make the stamps that are still missing."""
+        """Make the missing stamps."""
         missing = keys[~self._have[keys]]
         for key in np.unique(missing).tolist():
             rest, cell = divmod(key, _CELLS)
@@ -85,7 +85,7 @@ class Stamps:
         self._have[missing] = True
 
     def _mask(self, bucket: int, cell: int) -> pygame.Surface:
-        """Return the white disc of a radius and place, made once for all colours."""
+        """Return the white disc of a radius and position, made once for all colours."""
         mask = self._masks.get((bucket, cell))
         if mask is None:
             places = int(self._places[bucket])
@@ -96,7 +96,7 @@ class Stamps:
 
 
 def _white_disc(radius: float, half: int, offset: NDArray[np.float64]) -> pygame.Surface:
-    """Return an anti-aliased white disc, premultiplied; its centre is `half + offset`."""
+    """Return an antialiased white disc, premultiplied; its centre is `half + offset`."""
     pixels = np.arange(2 * half) + 0.5 - half
     distance = np.hypot((pixels - offset[0])[:, None], (pixels - offset[1])[None, :])
     coverage = np.clip(radius + 0.5 - distance, 0.0, 1.0)

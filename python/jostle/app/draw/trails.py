@@ -1,7 +1,6 @@
-"""Trails: where particles have been during the last second, fading.
+"""Trails: the positions of particles during the last second, fading.
 
-Kept in world coordinates, so that they stay in place while a view is panned or zoomed, and by tag,
-so that they follow particles whose rows move.
+They are stored in world coordinates, independent of the view, and by tag, independent of rows.
 """
 
 from __future__ import annotations
@@ -11,27 +10,27 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.choosing import few
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import DISCS
+from jostle.app.draw.subsampling import subset
 from jostle.app.simulate.simulation import Container, Frame
 
 SECONDS = 1.0
-POINTS = 20  # kept of each path, evenly over that time
-MOST = 150  # paths; the lines of these cost about 4 ms
-STRONGEST = 0.95  # alpha of its disc's colour, where a trail is youngest
+POINTS = 20  # per path, evenly over that time
+MOST = 150  # paths; their lines take about 4 ms
+STRONGEST = 0.95  # alpha at the newest part of a trail
 
 Floats = NDArray[np.float64]
 
 
 class Trails:
-    """A ring of past places for a lasting choice of particles."""
+    """A ring buffer of past positions for a fixed choice of particles."""
 
     def __init__(self) -> None:
         self._forget()
 
     def clear(self) -> None:
-        """Forget every path, with the next picture: one may be under way in another thread."""
+        """Clear all paths at the next frame: another thread may be drawing now."""
         self._cleared = True
 
     def _forget(self) -> None:
@@ -43,10 +42,10 @@ class Trails:
         self._last = -np.inf
 
     def note(self, frame: Frame) -> None:
-        """Take in the places of a frame, if enough time has gone by since the last."""
-        now = frame.facts.time
+        """Record the positions of a frame, if enough time has passed since the last."""
+        now = frame.stats.time
         if now < self._last or self._cleared:
-            self._forget()  # back in time is a restart, or a rewind
+            self._forget()  # after a restart or a rewind
         if now - self._last < SECONDS / POINTS * 0.999:
             return
         self._follow(frame)
@@ -57,7 +56,7 @@ class Trails:
     def draw(
         self, painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera
     ) -> str | None:
-        """Draw the paths up to the present places, the oldest parts first."""
+        """Draw the paths up to the present positions, the oldest parts first."""
         self.note(frame)
         there = np.isin(self._tags, frame.tags)
         rows = frame.rows(self._tags)
@@ -65,14 +64,14 @@ class Trails:
         times = np.roll(self._times, -self._next)
         path = np.concatenate([recent, frame.positions[None, rows].astype(np.float64)])
         ends = np.concatenate([path[:-1], path[1:]], axis=2)
-        age = np.clip((frame.facts.time - times) / SECONDS, 0.0, 1.0)
+        age = np.clip((frame.stats.time - times) / SECONDS, 0.0, 1.0)
         share = STRONGEST * (1 - np.nan_to_num(age, nan=1.0, posinf=1.0))
         steps, many = ends.shape[:2]
         flat = ends.reshape(-1, 4)
         gaps = np.isnan(flat).any(axis=1) | _jumped(flat, frame.container)
         kept = np.flatnonzero(~gaps & np.repeat(share > 0.02, many))
         flat = flat[kept]
-        inks = np.tile(np.array(DISCS, np.uint8)[shades[rows]], (steps, 1))
+        colours = np.tile(np.array(DISCS, np.uint8)[shades[rows]], (steps, 1))
         alpha = np.rint(255 * np.repeat(share, many)).astype(np.uint8)
         x0, y0 = camera.to_screen(flat[:, :2])
         x1, y1 = camera.to_screen(flat[:, 2:])
@@ -82,15 +81,15 @@ class Trails:
         seen &= (np.abs(x1 - x0) < 20_000) & (np.abs(y1 - y0) < 20_000)
         painter.lines(
             np.column_stack([x0, y0, x1, y1])[seen],
-            np.column_stack([inks, alpha])[kept][seen],
+            np.column_stack([colours, alpha])[kept][seen],
         )
         movable = int(np.count_nonzero(frame.movable))
         return f"trails: {len(rows):,} of {movable:,} shown" if len(rows) < movable else None
 
     def _follow(self, frame: Frame) -> None:
-        """Keep the paths of those that are still there, and begin those of new ones."""
+        """Keep the paths of particles that exist, and begin those of new ones."""
         moving = np.flatnonzero(frame.movable)
-        rows = moving[few(frame.tags[moving], MOST)]
+        rows = moving[subset(frame.tags[moving], MOST)]
         tags = frame.tags[rows]
         if not np.array_equal(tags, self._tags):
             ring = np.full((POINTS, len(tags), 2), np.nan)
@@ -101,7 +100,7 @@ class Trails:
 
 
 def _jumped(ends: Floats, container: Container) -> NDArray[np.bool_]:
-    """Return which parts of a path lead over the seam of a torus."""
+    """Return which parts of a path cross the boundary of a torus."""
     if not isinstance(container, jostle.Torus):
         return np.zeros(len(ends), np.bool_)
     sides = np.array([container.width, container.height])

@@ -1,10 +1,11 @@
-"""The host of ImGui, in reading order; nothing is imported if it is not installed.
+"""The host of ImGui and the input of the window, in reading order.
 
 ======================= ========================================================================
-keys, style             pygame's keys in ImGui's words; colours, spacing and the face of the app
-shapes, software        what ImGui wants drawn, sorted out; drawn without a graphics card
-opengl                  drawn by ImGui's own backend
-host                    events in, panels out
-layout                  who gets which room in the window
+keys, style             pygame's keys as ImGui's; colours, spacing and font
+shapes, software        ImGui's triangles as shapes; their drawing without a graphics card
+opengl                  drawing with ImGui's own backend
+host                    one ImGui context: events in, panels out
+layout                  the widths of the panels
+key_bindings, input     the effect of each key; events of mouse and keys
 ======================= ========================================================================
 """

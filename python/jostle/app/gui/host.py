@@ -1,40 +1,26 @@
-"""The host of ImGui: one context, which takes events and returns panels to draw.
-
-imgui-bundle is not there for every Python; the app goes on without it, so ask `available` first.
-"""
+"""The host of ImGui: one context, which receives events and draws panels."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
 import pygame
+from imgui_bundle import imgui, implot
 
 from jostle.app.draw.camera import Size
 from jostle.app.draw.painter import Painter
+from jostle.app.gui import style as gui_style
+from jostle.app.gui.keys import KEYS, MODIFIERS
+from jostle.app.gui.software import SoftwareGui
 
-try:
-    from imgui_bundle import imgui, implot
-
-    from jostle.app.gui import style as gui_style
-    from jostle.app.gui.keys import KEYS, MODIFIERS
-    from jostle.app.gui.software import SoftwareGui
-except ImportError:
-    _THERE = False
-else:
-    _THERE = True
-
-NOWHERE = -1e30  # ImGui's word for a mouse that is outside
-SHORTEST = 1e-4  # seconds; ImGui refuses a frame that takes no time
+OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
+SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
 BUTTONS = {1: 0, 3: 1, 2: 2}  # pygame's left, right, middle
-
-
-def available() -> bool:
-    """Tell whether panels can be shown at all."""
-    return _THERE
+_ANY_POPUP = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
 
 
 class GuiDrawing(Protocol):
-    """What puts ImGui's shapes on the canvas."""
+    """Draws ImGui's output on the canvas."""
 
     def begin(self) -> None:
         """Prepare a frame."""
@@ -43,27 +29,27 @@ class GuiDrawing(Protocol):
         """Draw a frame over the canvas."""
 
     def again(self) -> None:
-        """Draw the last frame once more."""
+        """Draw the last frame again."""
 
     def close(self) -> None:
-        """Give everything back."""
+        """Release all resources."""
 
 
 class Gui:
     """Panels and menus over the canvas of a painter.
 
-    Between `begin` and `end` anybody may call ImGui. All its measures are points: what the mouse
-    is measured in, whatever the density of the screen.
+    Calls of ImGui are allowed between `begin` and `end`. All its coordinates are points, like
+    those of the mouse, independent of the density of the screen.
 
     Parameters
     ----------
     painter
-        Whose canvas the panels lie on.
+        Its canvas is below the panels.
 
     Attributes
     ----------
     marks
-        Where the widgets are that were named by `mark`, in points.
+        Rectangles of the widgets named by `mark`, in points.
     """
 
     def __init__(self, painter: Painter) -> None:
@@ -72,18 +58,18 @@ class Gui:
         self._plots = implot.create_context()
         implot.set_current_context(self._plots)
         io = imgui.get_io()
-        io.set_ini_filename("")  # where panels are is not worth a file in somebody's folder
-        gui_style.dress()
+        io.set_ini_filename("")  # no settings file
+        gui_style.apply()
         self._drawing = _drawing_for(painter)
         self.marks: dict[str, pygame.Rect] = {}
         self._windows: list[pygame.Rect] = []
-        self._owned: set[int] = set()  # buttons that went down in a panel
-        self._scene: set[int] = set()  # buttons that went down in the scene
+        self._owned: set[int] = set()  # buttons pressed in a panel
+        self._scene: set[int] = set()  # buttons pressed in the scene
         self._dismiss = False
-        self._under_way = False
+        self._in_frame = False
 
     def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
-        """Begin a frame: the size of the canvas in points, and its pixels a point."""
+        """Begin a frame, with the size of the canvas in points and its pixels per point."""
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
         io = imgui.get_io()
@@ -92,33 +78,33 @@ class Gui:
         io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
         self._drawing.begin()
         imgui.new_frame()
-        self._under_way = True
+        self._in_frame = True
         if self._dismiss:
             self._dismiss = False
             imgui.internal.close_popup_to_level(0, True)
 
     def end(self) -> None:
         """End the frame and draw it over the canvas."""
-        self._under_way = False
+        self._in_frame = False
         imgui.render()
         data = imgui.get_draw_data()
         self._windows = _windows_of(data)
         self._drawing.draw(data)
 
     def again(self) -> None:
-        """Draw the last frame over the canvas once more."""
+        """Draw the last frame over the canvas again."""
         imgui.set_current_context(self._context)
         self._drawing.again()
 
     def mark(self, name: str) -> None:
-        """Remember where the last widget is."""
+        """Record the rectangle of the last widget."""
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         self.marks[name] = pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y)
 
     def handle(self, event: pygame.event.Event) -> bool:
-        """Take in an event; return whether it is for the panels, and not for the scene.
+        """Handle an event; return whether it is for the panels, and not for the scene.
 
-        A drag belongs to where it began. Letting go is told to both.
+        A drag belongs to the part where it began. Both receive releases.
         """
         imgui.set_current_context(self._context)
         io = imgui.get_io()
@@ -144,24 +130,24 @@ class Gui:
         elif event.type == pygame.WINDOWFOCUSGAINED:
             io.add_focus_event(True)
         elif event.type == pygame.WINDOWLEAVE and not self._owned:
-            io.add_mouse_pos_event(NOWHERE, NOWHERE)
+            io.add_mouse_pos_event(OUTSIDE, OUTSIDE)
         return False
 
     def covers(self, place: tuple[float, float]) -> bool:
-        """Tell whether a panel, or a menu that wants an answer first, is at a place."""
-        return any(window.collidepoint(place) for window in self._windows) or self.asks
+        """Return whether a panel is at a point, or a menu is open."""
+        return any(window.collidepoint(place) for window in self._windows) or self.modal
 
     @property
-    def asks(self) -> bool:
-        """Whether a menu or a question is open."""
+    def modal(self) -> bool:
+        """Whether a menu is open."""
         imgui.set_current_context(self._context)
         return imgui.get_frame_count() > 0 and imgui.is_popup_open("", _ANY_POPUP)
 
     def close(self) -> None:
-        """Give everything back."""
+        """Release all resources."""
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
-        if self._under_way:
+        if self._in_frame:
             imgui.end_frame()
         self._drawing.close()
         implot.destroy_context(self._plots)
@@ -170,8 +156,8 @@ class Gui:
     def _handle_button(self, io: imgui.IO, event: pygame.event.Event) -> bool:
         button = BUTTONS.get(event.button)
         if button is None:
-            return False  # the wheel, in its old clothes
-        io.add_mouse_pos_event(*event.pos)  # a press without a motion before it, from a finger
+            return False  # the wheel as a button
+        io.add_mouse_pos_event(*event.pos)  # a touch has no motion before it
         down = event.type == pygame.MOUSEBUTTONDOWN
         mine = down and not self._scene and self.covers(event.pos)
         for owners in (self._owned, self._scene):
@@ -181,7 +167,7 @@ class Gui:
         if mine or not down or not self._windows:
             io.add_mouse_button_event(button, down)
         elif button == 0:
-            imgui.set_window_focus(None)  # the scene takes the keys from a field of text
+            imgui.set_window_focus(None)  # text fields lose the keyboard focus
         return mine
 
     def _handle_key(self, io: imgui.IO, event: pygame.event.Event) -> bool:
@@ -191,14 +177,10 @@ class Gui:
         key = KEYS.get(event.key)
         if key is not None:
             io.add_key_event(key, down)
-        if down and event.key == pygame.K_ESCAPE and self.asks and not io.want_text_input:
+        if down and event.key == pygame.K_ESCAPE and self.modal and not io.want_text_input:
             self._dismiss = True
             return True
-        return down and (io.want_text_input or (io.want_capture_keyboard and self.asks))
-
-
-if _THERE:
-    _ANY_POPUP = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
+        return down and (io.want_text_input or (io.want_capture_keyboard and self.modal))
 
 
 def _drawing_for(painter: Painter) -> GuiDrawing:
@@ -212,7 +194,7 @@ def _drawing_for(painter: Painter) -> GuiDrawing:
 
 
 def _windows_of(data: imgui.ImDrawData) -> list[pygame.Rect]:
-    """Return the rectangles of the windows that are drawn and take the mouse."""
+    """Return the rectangles of the visible windows that receive the mouse."""
     found = []
     for commands in data.cmd_lists:
         window = imgui.internal.find_window_by_name(commands._owner_name)

@@ -1,4 +1,4 @@
-"""pygame's keys in ImGui's words."""
+"""The keys of pygame as those of ImGui."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MODIFIERS = (
     (pygame.KMOD_META, imgui.Key.mod_super),
 )
 
-# Pairs of names, pygame's and ImGui's; what fields of text and menus ask for.
+# Pairs of names, pygame's and ImGui's, that text fields and menus need.
 _NAMES = {
     "TAB": "tab",
     "LEFT": "left_arrow",

@@ -1,4 +1,4 @@
-"""ImGui's shapes on a graphics card, by ImGui's own means."""
+"""ImGui's output on a graphics card, drawn by ImGui's own backend."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class OpenGLGui:
         imgui.backends.opengl3_new_frame()
 
     def draw(self, data: imgui.ImDrawData) -> None:
-        """Draw a frame over the canvas; the state of OpenGL is left as it was."""
+        """Draw a frame over the canvas; the state of OpenGL does not change."""
         self._painter.target.use()
         imgui.backends.opengl3_render_draw_data(data)
 
     def again(self) -> None:
-        """Draw the last frame once more."""
+        """Draw the last frame again."""
         self.draw(imgui.get_draw_data())
 
     def close(self) -> None:
-        """Give everything back."""
+        """Release all resources."""
         imgui.backends.opengl3_shutdown()

@@ -1,4 +1,4 @@
-"""Letters, boxes, polygons and lines on sheets with premultiplied alpha, smoothed and kept."""
+"""Glyphs, boxes and polygons with premultiplied alpha, antialiased and cached."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-FINE = 4  # lines of samples in a line of pixels, for the edges of polygons
-THIN = 6.0  # pixels; a box up to so wide is a line
-MANY = 4  # so many polygons in a row are a plot, which changes every frame: none of it is kept
-KEPT = 4000  # letters, and shapes, before all are made anew
+FINE = 4  # sample rows per row of pixels, for the edges of polygons
+THIN = 6.0  # pixels; a box up to this width is a line
+MANY = 4  # more polygons of one colour are a plot, which changes every frame and is not cached
+KEPT = 4000  # glyphs, and shapes, before the cache is cleared
 GLYPH, BOX, POLYGON = range(3)
 
 LARGEST = 3000.0  # pixels
@@ -25,10 +25,10 @@ Vertices = NDArray[np.void]  # rows of `gui_software.VERTEX`
 
 @dataclass(frozen=True)
 class Outlines:
-    """Convex shapes, as fans of triangles that have been put together again.
+    """Convex shapes, merged from fans of triangles.
 
-    Outline k is made of `count[k] - 2` triangles from row `start[k]` on; those with four corners
-    have them in `quads[k]`, in their order.
+    Outline k consists of `count[k] - 2` triangles from row `start[k]` on; those with four corners
+    have them in `quads[k]`, in order.
     """
 
     triangles: Indices
@@ -40,16 +40,16 @@ class Outlines:
         return len(self.start)
 
     def corners(self, k: int) -> Indices:
-        """Return the vertices of an outline, in their order."""
+        """Return the vertices of an outline, in order."""
         fan = self.triangles[self.start[k] : self.start[k] + self.count[k] - 2]
         return np.concatenate([fan[0, :2], fan[:, 2]])
 
 
 def outlines_of(triangles: Indices) -> Outlines:
-    """Put triangles, one at least, together that ImGui has made of one convex shape.
+    """Merge triangles, at least one, that are the fan of one convex shape.
 
-    They share its first vertex, and each begins where the one before ends. ImPlot's boxes are two
-    halves that have the diagonal in common; the first half is turned, so that it is a fan too.
+    They share its first vertex, and each begins where the previous one ends. ImPlot's boxes are two
+    triangles with a common diagonal; the first is reversed, which makes them a fan.
     """
     halves = np.flatnonzero((triangles[1:, :2] == triangles[:-1, :2]).all(axis=1))
     triangles = triangles.copy()
@@ -63,24 +63,24 @@ def outlines_of(triangles: Indices) -> Outlines:
 
 
 class Shapes:
-    """Draws outlines; the store of letters and smoothed shapes."""
+    """Draws outlines, with a cache of glyphs and antialiased shapes."""
 
     def __init__(self) -> None:
-        self._letters: dict[int, NDArray[np.uint8]] = {}
+        self._atlases: dict[int, NDArray[np.uint8]] = {}
         self._glyphs: dict[bytes, pygame.Surface] = {}
         self._polygons: dict[bytes, pygame.Surface] = {}
 
-    def take_letters(self, texture: int, alpha: NDArray[np.uint8]) -> None:
-        """Take a sheet of letters, (height, width); one of other size has them elsewhere."""
-        before = self._letters.get(texture)
+    def set_font_atlas(self, texture: int, alpha: NDArray[np.uint8]) -> None:
+        """Set the font atlas, (height, width); if its size changes, glyphs are made again."""
+        before = self._atlases.get(texture)
         if before is None or before.shape != alpha.shape:
             self._glyphs.clear()
-        self._letters[texture] = alpha
+        self._atlases[texture] = alpha
 
     def draw(
         self, target: pygame.Surface, texture: int, vertices: Vertices, outlines: Outlines
     ) -> None:
-        """Draw outlines in their order, those of a kind together."""
+        """Draw outlines in order, successive ones of a kind together."""
         kinds = _kinds(vertices, outlines)
         for run in _runs(kinds):
             if kinds[run[0]] == GLYPH:
@@ -91,7 +91,7 @@ class Shapes:
                 self._fill_polygons(target, vertices, outlines, run)
 
     def _write(self, target: pygame.Surface, texture: int, quads: Vertices) -> None:
-        """Write letters: boxes that show a part of a sheet of letters."""
+        """Draw glyphs: boxes with a part of the font atlas."""
         if len(self._glyphs) > KEPT:
             self._glyphs.clear()
         low, high = quads["at"].min(axis=1), quads["at"].max(axis=1)
@@ -113,11 +113,11 @@ class Shapes:
         target.fblits(blits, pygame.BLEND_PREMULTIPLIED)
 
     def _glyph(self, texture: int, quad: Vertices, size: list[int]) -> pygame.Surface:
-        """Cut out a letter; one that runs upwards is turned."""
-        letters = self._letters[texture]
-        whole = np.rint(quad["uv"] * letters.shape[::-1]).astype(int)
+        """Cut out a glyph; vertical text is rotated."""
+        atlas = self._atlases[texture]
+        whole = np.rint(quad["uv"] * atlas.shape[::-1]).astype(int)
         (left, top), (right, bottom) = whole.min(axis=0), whole.max(axis=0)
-        picture = _tinted(letters[top:bottom, left:right].T, quad["colour"][0])
+        picture = _tinted(atlas[top:bottom, left:right].T, quad["colour"][0])
         if abs(quad["at"][1, 0] - quad["at"][0, 0]) < 0.5:
             picture = pygame.transform.rotate(picture, 90)
         if picture.get_size() != tuple(size) and min(picture.get_size()) > 0:
@@ -127,7 +127,7 @@ class Shapes:
     def _fill_polygons(
         self, target: pygame.Surface, vertices: Vertices, outlines: Outlines, run: Indices
     ) -> None:
-        """Fill convex polygons: the few of a panel from the store, the many of a plot at once."""
+        """Fill convex polygons: few from the cache, the many of a plot in one call."""
         colours = vertices["colour"][outlines.quads[run, 0]]
         for part in _runs(np.ascontiguousarray(colours).view(np.uint32).ravel()):
             colour, members = colours[part[0]], run[part]
@@ -142,7 +142,7 @@ class Shapes:
     def _fill_polygon(self, target: pygame.Surface, shape: Floats, colour: Shade) -> None:
         corner = np.floor(shape.min(axis=0))
         if (np.ptp(shape, axis=0) > LARGEST).any():
-            return  # nothing that ImGui draws of itself
+            return  # ImGui draws no shape of this size
         local = np.rint((shape - corner) * 8).astype(np.int32)
         key = local.tobytes() + colour.tobytes()
         picture = self._polygons.get(key)
@@ -155,7 +155,7 @@ class Shapes:
 
 
 def coverage(corners: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return how much of each pixel a convex polygon covers, (width, height) in 0..255."""
+    """Return the coverage of each pixel by a convex polygon, (width, height) in 0..255."""
     width, height = (int(np.ceil(top)) + 1 for top in corners.max(axis=0))
     y = (np.arange(height * FINE) + 0.5) / FINE
     (x0, y0), (x1, y1) = corners.T, np.roll(corners, -1, axis=0).T
@@ -172,12 +172,12 @@ def coverage(corners: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def _runs(values: NDArray[np.integer]) -> list[Indices]:
-    """Return the numbers 0 to n − 1, those with the same value beside each other together."""
+    """Return the numbers 0 to n − 1, split where the value changes."""
     return np.split(np.arange(len(values)), np.flatnonzero(np.diff(values)) + 1)
 
 
 def _kinds(vertices: Vertices, outlines: Outlines) -> Indices:
-    """Tell letters and upright boxes from everything else."""
+    """Tell atlas and upright boxes from everything else."""
     four = outlines.count == 4
     quads = vertices[outlines.quads]
     at, uv = quads["at"], quads["uv"]
@@ -191,7 +191,7 @@ def _kinds(vertices: Vertices, outlines: Outlines) -> Indices:
 
 
 def _fill_boxes(target: pygame.Surface, quads: Vertices) -> None:
-    """Fill upright boxes, on whole pixels."""
+    """Fill axis-aligned boxes on whole pixels."""
     corners = np.rint(quads["at"].min(axis=1)).astype(np.intp)
     sizes = np.maximum(np.rint(quads["at"].max(axis=1)).astype(np.intp) - corners, 1)
     bounds = target.get_clip()
@@ -201,15 +201,15 @@ def _fill_boxes(target: pygame.Surface, quads: Vertices) -> None:
         if colour[3] == 255:
             target.fill(colour, box)
         elif colour[3] and box.size != (0, 0):
-            veil = pygame.Surface(box.size, pygame.SRCALPHA, 32)
-            veil.fill(_premultiplied(colour))
-            target.blit(veil, box, special_flags=pygame.BLEND_PREMULTIPLIED)
+            overlay = pygame.Surface(box.size, pygame.SRCALPHA, 32)
+            overlay.fill(_premultiplied(colour))
+            target.blit(overlay, box, special_flags=pygame.BLEND_PREMULTIPLIED)
 
 
 def _fill_at_once(
     target: pygame.Surface, quads: Floats, others: list[Floats], colour: Shade
 ) -> None:
-    """Fill polygons of one colour as one shape, drawn at twice the size for smooth edges."""
+    """Fill polygons of one colour as one shape, drawn at twice the size for antialiasing."""
     points = np.concatenate([quads.reshape(-1, 2), *others])
     low, high = np.floor(points.min(axis=0)) - 1, np.ceil(points.max(axis=0)) + 1
     low, high = np.maximum(low, -LARGEST), np.minimum(high, LARGEST)
@@ -217,7 +217,7 @@ def _fill_at_once(
     if box.size == (0, 0):
         return
     mask = pygame.Surface((2 * box.width, 2 * box.height), 0, 32)
-    corner = np.array(box.topleft, np.float32) + 0.25  # pygame counts from the middles of pixels
+    corner = np.array(box.topleft, np.float32) + 0.25  # pygame's coordinates are pixel centres
     for shape in others:
         pygame.draw.polygon(mask, WHITE, (2 * (shape - corner)).tolist())
     quads = 2 * (quads - corner)
@@ -235,7 +235,7 @@ def _fill_at_once(
 
 
 def _tinted(cover: NDArray[np.uint8], colour: Shade) -> pygame.Surface:
-    """Return a colour with its alpha, as far as it covers, premultiplied; `cover` is by x, y."""
+    """Return a colour times its coverage, premultiplied; `cover` is (width, height)."""
     surface = pygame.Surface(cover.shape, pygame.SRCALPHA, 32)
     if cover.size:
         shares = np.arange(256)[:, None] * (colour[:3].astype(int) * int(colour[3])) / 255**2

@@ -1,7 +1,7 @@
-"""ImGui's shapes on a canvas without a graphics card.
+"""ImGui's output on a canvas without a graphics card.
 
-Each of ImGui's draw lists, about one a panel, becomes a sheet that is kept as long as the list
-stays the same, to the byte; so a panel that nobody touches costs one blit a frame.
+Each of ImGui's draw lists, about one per panel, becomes a surface, which is cached while the list
+does not change. An unchanged panel takes one blit per frame.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ class _Sheet:
 
 
 class SoftwareGui:
-    """Draws on the canvas of a painter; keeps letters, shapes and sheets between frames."""
+    """Draws on the canvas of a painter; caches glyphs, shapes and surfaces."""
 
     def __init__(self, painter: Painter) -> None:
         self._painter = painter
         io = imgui.get_io()
         io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
-        style = imgui.get_style()  # plain shapes; their edges are smoothed here
+        style = imgui.get_style()  # antialiasing is done here
         style.anti_aliased_fill = style.anti_aliased_lines = False
         self._shapes = Shapes()
         self._sheets: dict[bytes, _Sheet] = {}
 
     def begin(self) -> None:
-        """Prepare a frame: nothing to do."""
+        """Prepare a frame; there is nothing to do."""
 
     def draw(self, data: imgui.ImDrawData) -> None:
-        """Draw a frame over the canvas; nothing of it where it is the same as before."""
-        self._take_letters(data)
+        """Draw a frame over the canvas; unchanged draw lists come from the cache."""
+        self._update_font_atlas(data)
         canvas = self._painter.canvas()
         kept: dict[bytes, _Sheet] = {}
         for commands in data.cmd_lists:
@@ -55,20 +55,20 @@ class SoftwareGui:
         self._sheets = kept
 
     def again(self) -> None:
-        """Draw the last frame once more."""
+        """Draw the last frame again."""
         canvas = self._painter.canvas()
         for sheet in self._sheets.values():
             canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
 
     def close(self) -> None:
-        """Tell ImGui that its textures are gone."""
+        """Mark ImGui's textures as destroyed."""
         for texture in imgui.get_platform_io().textures:
             texture.set_tex_id(0)
             texture.set_status(imgui.ImTextureStatus.destroyed)
         self._sheets.clear()
 
-    def _take_letters(self, data: imgui.ImDrawData) -> None:
-        """Take over the sheets of letters that ImGui has made or added to."""
+    def _update_font_atlas(self, data: imgui.ImDrawData) -> None:
+        """Copy the font atlases that ImGui has made or changed."""
         for texture in data.textures:
             if texture.status in (
                 imgui.ImTextureStatus.want_create,
@@ -78,7 +78,7 @@ class SoftwareGui:
                     texture.set_tex_id(texture.unique_id + 1)
                     self._sheets.clear()
                 pixels = texture.get_pixels_array().reshape(texture.height, texture.width, -1)
-                self._shapes.take_letters(texture.get_tex_id(), pixels[:, :, -1].copy())
+                self._shapes.set_font_atlas(texture.get_tex_id(), pixels[:, :, -1].copy())
                 texture.set_status(imgui.ImTextureStatus.ok)
             elif texture.status == imgui.ImTextureStatus.want_destroy:
                 texture.set_tex_id(0)
@@ -87,7 +87,7 @@ class SoftwareGui:
     def _paint(
         self, commands: imgui.ImDrawList, data: imgui.ImDrawData, screen: pygame.Rect
     ) -> _Sheet:
-        """Draw a list on a sheet of its own, as large as what it draws."""
+        """Draw a list on a surface of the size of its contents."""
         vertices, indices = _buffers(commands)
         origin = np.array([data.display_pos.x, data.display_pos.y], np.float32)
         scale = np.array([data.framebuffer_scale.x, data.framebuffer_scale.y], np.float32)
@@ -130,7 +130,7 @@ def _bytes(commands: imgui.ImDrawList) -> tuple[bytes, bytes]:
 
 
 def _key(commands: imgui.ImDrawList, data: imgui.ImDrawData) -> bytes:
-    """Return all that the picture of a list depends on."""
+    """Return the cache key of a list."""
     whole = [data.display_size.x, data.display_size.y, data.framebuffer_scale.x]
     for command in commands.cmd_buffer:
         clip = command.clip_rect

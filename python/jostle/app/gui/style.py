@@ -1,4 +1,4 @@
-"""The style of the panels: the palette of the app, thin frames, wide margins."""
+"""The style of the panels: colours, spacing and font."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from jostle.app.draw.text import FACES
 FONT_SIZE = 15.0  # points
 
 FIELD: Colour = (30, 37, 47)  # frames of sliders and fields
-RAISED: Colour = (41, 51, 64)  # buttons, headers, what is under the mouse
+RAISED: Colour = (41, 51, 64)  # buttons, headers, hovered widgets
 PRESSED: Colour = (54, 70, 82)
 
 
-def dress() -> None:
-    """Dress the present contexts of ImGui and ImPlot."""
+def apply() -> None:
+    """Set the style of the present contexts of ImGui and ImPlot."""
     path = pygame.font.match_font(FACES)
     io = imgui.get_io()
     if path is not None:

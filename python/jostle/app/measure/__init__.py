@@ -1,8 +1,8 @@
 """Numbers over time, in reading order.
 
 ======================= ========================================================================
-series                  columns that remember their last rows
-statistics              times, pairs, energy, momentum, and how they drift
-traces                  the same as the lines of plots
+series                  a ring buffer of rows with named columns
+statistics              times, pairs, energy and momentum, and their change since a reference
+traces                  the statistics as the lines of plots
 ======================= ========================================================================
 """

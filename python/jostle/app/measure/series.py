@@ -1,4 +1,4 @@
-"""Numbers over time: the newest rows of a table, kept in place."""
+"""Numbers over time: a ring buffer of rows."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ Floats = NDArray[np.float64]
 
 
 class Series:
-    """A ring buffer with named columns; the oldest rows make room for new ones.
+    """A ring buffer with named columns.
 
-    Every row is written twice, half the buffer apart: so the rows in their order are always one
-    stretch of memory, and a plot gets a view instead of a copy.
+    Every row is written twice, half the buffer apart, so the rows in order are always contiguous,
+    and a plot gets a view instead of a copy.
 
     Parameters
     ----------
     names
         Of the columns.
     most
-        Rows that are kept.
+        Number of rows.
     """
 
     def __init__(self, names: Sequence[str], most: int) -> None:
@@ -41,7 +41,7 @@ class Series:
         self._next, self._count = at + 1, min(self._count + 1, self.most)
 
     def drop(self, rows: int) -> None:
-        """Forget the newest rows."""
+        """Remove the newest rows."""
         rows = min(rows, self._count)
         self._next, self._count = (self._next - rows) % self.most, self._count - rows
 

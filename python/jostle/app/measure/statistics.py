@@ -1,4 +1,4 @@
-"""What the statistics panel shows: times, pairs and sums over the last seconds, and their drift."""
+"""The data of the statistics panel: times, pairs, energy and momentum, and their change."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 from jostle.app.measure.series import Floats, Series
 from jostle.app.simulate.simulation import Energies, Frame, Tags
 
-FRAMES = 1024  # rows of times: five seconds even at 200 frames a second
+FRAMES = 1024  # rows of times: five seconds at 200 FPS
 SAMPLES = 1200  # rows of sums: two minutes
-EVERY = 0.1  # seconds between two sums, which take time where there are many particles
-STEPS_BETWEEN = 3  # steps between two sums at least, where steps are slow
-QUIET = 1.0  # simulated seconds with the same particles, before drift tells anything
+EVERY = 0.1  # seconds between two sums, which take time for many particles
+STEPS_BETWEEN = 3  # steps between two sums at least
+QUIET = 1.0  # simulated seconds with the same particles before the change is meaningful
 
 SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "drift",
         "pairs_tested", "touching")  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Beginning:
-    """What drift is measured from."""
+class Reference:
+    """The state that the change of energy and momentum refers to."""
 
     time: float
     energies: Energies
@@ -30,13 +30,13 @@ class Beginning:
     tags: Tags
 
     @classmethod
-    def of(cls, frame: Frame, energies: Energies) -> Beginning:
+    def of(cls, frame: Frame, energies: Energies) -> Reference:
         """Return it for a state."""
         mass = float(frame.masses.sum(dtype=float))
-        return cls(frame.facts.time, energies, mass, frame.tags)
+        return cls(frame.stats.time, energies, mass, frame.tags)
 
     def has_particles_of(self, frame: Frame) -> bool:
-        """Whether a state has the same particles: none came, went or merged."""
+        """Whether a state has the same particles: none was added, removed or merged."""
         return self.tags is frame.tags or np.array_equal(self.tags, frame.tags)
 
     @property
@@ -46,24 +46,24 @@ class Beginning:
 
 
 class Statistics:
-    """Collects measurements of every frame and sums of a few states a second.
+    """Collects measurements of every frame, and sums of a few states per second.
 
     Attributes
     ----------
     times
-        A row a frame, in milliseconds but for the clock `now` in seconds: `frame` is the time
-        between two pictures; then come the stages of the last step, `draw` and `panels`.
+        A row per frame, in milliseconds except the time `now` in seconds: `frame` is the time
+        between two frames; then the stages of the last step, `draw` and `panels`.
     sums
-        A row for each state that was summed up, over the simulated `time`.
+        A row for each summed state, over the simulated `time`.
     origin
-        Where sums begin that can be compared with each other: the rules have not changed since.
-    beginning
-        What drift is measured from: the same particles have been there since. What comes brings
-        energy, what goes takes it along, and of what merges no energy of the pair is left.
+        The first comparable state: the rules have not changed since.
+    reference
+        The state that the change refers to: the particles have been the same since. Adding,
+        removing and merging particles changes the energy.
     changing
-        Whether particles came, went or merged a moment ago, so that drift tells nothing yet.
+        Whether particles were added, removed or merged just before, so the change is not shown.
     runs
-        Time and drift of earlier runs, by the names that they were remembered under.
+        Time and change of energy of earlier runs, by name.
     """
 
     def __init__(self) -> None:
@@ -72,130 +72,130 @@ class Statistics:
         self.restart()
 
     def restart(self) -> None:
-        """Forget a run that is over."""
+        """Discard the data of a run."""
         self.times = Series(("now", "frame", *self._drawing), FRAMES)
         self.sums = Series(SUMS, SAMPLES)
-        self.begin_again()
+        self.reset_reference()
         self._due = 0.0
 
     def remember(self, name: str) -> None:
-        """Keep the drift of this run under a name, to be compared with the next ones."""
-        if self.beginning is not None and len(self.sums):
-            since = self.sums["time"] - self.beginning.time
+        """Store the change of energy of this run under a name, for comparison."""
+        if self.reference is not None and len(self.sums):
+            since = self.sums["time"] - self.reference.time
             self.runs[name] = since[since >= 0], self.sums["drift"][since >= 0]
 
     def drift_of(self, name: str) -> float | None:
-        """Return the drift, as a share, that a run had after the time that this one has taken."""
-        run, beginning = self.runs.get(name), self.beginning
-        if run is None or beginning is None or not len(self.sums):
+        """Return the relative change that an earlier run had after the same time."""
+        run, reference = self.runs.get(name), self.reference
+        if run is None or reference is None or not len(self.sums):
             return None
-        return float(np.interp(self.sums["time"][-1] - beginning.time, *run)) / 100
+        return float(np.interp(self.sums["time"][-1] - reference.time, *run)) / 100
 
-    def begin_again(self) -> None:
-        """Measure drift from the next state on."""
-        self.origin: Beginning | None = None
-        self.beginning: Beginning | None = None
+    def reset_reference(self) -> None:
+        """Use the next state as the reference."""
+        self.origin: Reference | None = None
+        self.reference: Reference | None = None
         self.changing = False
         self._lowest = self._highest = 0.0
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """Return the names of the stages whose times add up, in the order of work."""
+        """Return the names of the stages, in the order of work."""
         return self.times.names[2:]
 
     # Collecting
 
     def measure(self, **milliseconds: float) -> None:
-        """Take what drawing the last frame took: `draw`, `panels`."""
+        """Record the milliseconds of the last frame for `draw` and `panels`."""
         self._drawing.update(milliseconds)
 
-    def wants_energies(self, now: float) -> bool:
-        """Whether it is time to sum up a state again."""
-        return self.beginning is None or now >= self._due
+    def energies_due(self, now: float) -> bool:
+        """Whether the next state is to be summed."""
+        return self.reference is None or now >= self._due
 
     def follow(
-        self, frame: Frame, now: float, elapsed: float, *, at_work: bool, step_seconds: float = 0.0
+        self, frame: Frame, now: float, elapsed: float, *, running: bool, step_seconds: float = 0.0
     ) -> None:
-        """Take in a frame, whether it is new or not.
+        """Record a frame, new or not.
 
         Parameters
         ----------
         now, elapsed
-            Seconds since the session and the last frame began.
-        at_work
-            Whether the simulation goes on; while it is paused, its stages take no time.
+            Seconds since the session began, and since the last frame.
+        running
+            Whether the simulation runs; while it is paused, its stages take no time.
         step_seconds
-            What a step takes.
+            The time of a step.
         """
-        stages = frame.facts.stage_times
+        stages = frame.stats.stage_times
         names = ("now", "frame", *stages, *self._drawing)
         if names != self.times.names:
             self.times = Series(names, FRAMES)
-        worked = stages.values() if at_work else [0.0] * len(stages)
-        self.times.add(now, elapsed * 1e3, *worked, *self._drawing.values())
+        times = stages.values() if running else [0.0] * len(stages)
+        self.times.add(now, elapsed * 1e3, *times, *self._drawing.values())
         if frame.energies is not None:
             self.sum_up(frame)
             if now >= self._due:
                 self._due = now + max(EVERY, STEPS_BETWEEN * step_seconds)
 
     def sum_up(self, frame: Frame) -> None:
-        """Add a row, unless this state has one; time that was turned back takes rows along."""
-        time, energies = frame.facts.time, frame.energies
+        """Add a row, unless this state has one; after a rewind, later rows are removed."""
+        time, energies = frame.stats.time, frame.energies
         if energies is None:
             return
         seen = self.sums["time"]
-        if self.beginning is not None and time < self.beginning.time:
-            self.begin_again()
-        if self.beginning is None or not self.beginning.has_particles_of(frame):
-            self.changing = self.beginning is not None
-            self.beginning = Beginning.of(frame, energies)
-            self.origin = self.origin or self.beginning
+        if self.reference is not None and time < self.reference.time:
+            self.reset_reference()
+        if self.reference is None or not self.reference.has_particles_of(frame):
+            self.changing = self.reference is not None
+            self.reference = Reference.of(frame, energies)
+            self.origin = self.origin or self.reference
             self._lowest = self._highest = energies.potential
         elif len(seen) and time == seen[-1] and energies.kinetic == self.sums["kinetic"][-1]:
             return
         self.sums.drop(len(seen) - int(seen.searchsorted(time)))
-        self.changing = self.changing and time - self.beginning.time < QUIET
+        self.changing = self.changing and time - self.reference.time < QUIET
         self._lowest = min(self._lowest, energies.potential)
         self._highest = max(self._highest, energies.potential)
         total = energies.kinetic + energies.potential
         self.sums.add(
             time, energies.kinetic, energies.potential, total, *energies.momentum,
-            100 * self._drift(total), frame.facts.pairs_tested, frame.facts.touching,
+            100 * self._drift(total), frame.stats.pairs_tested, frame.stats.touching,
         )  # fmt: skip
 
     # Drift
 
     @property
-    def energy_in_play(self) -> float:
-        """Return what drift is compared with.
+    def energy_scale(self) -> float:
+        """Return the energy that the change is divided by.
 
-        It is the kinetic energy of the beginning, or how far the potential energy has moved since
-        if that is more: the potential energy itself has an arbitrary zero.
+        It is the kinetic energy of the reference, or the range of the potential energy since if
+        that is larger: the zero of the potential energy is arbitrary.
         """
-        if self.beginning is None:
+        if self.reference is None:
             return 0.0
-        return max(self.beginning.energies.kinetic, self._highest - self._lowest)
+        return max(self.reference.energies.kinetic, self._highest - self._lowest)
 
     @property
     def measured(self) -> float:
-        """Return for how many simulated seconds drift has been measured."""
-        return float(self.sums["time"][-1]) - self.beginning.time if self.beginning else 0.0
+        """Return the simulated seconds since the reference."""
+        return float(self.sums["time"][-1]) - self.reference.time if self.reference else 0.0
 
     @property
     def energy_drift(self) -> float:
-        """Return the change of the energy since the beginning, as a share of that in play."""
+        """Return the relative change of the energy since the reference."""
         return float(self.sums["drift"][-1]) / 100 if len(self.sums) else 0.0
 
     @property
     def momentum_drift(self) -> float:
-        """Return the change of momentum, as a share of what it were if all flew one way."""
-        most = self.beginning and math.sqrt(2 * self.beginning.mass * self.energy_in_play)
-        if not (self.beginning and most and len(self.sums)):
+        """Return the change of momentum, relative to that of all particles moving one way."""
+        most = self.reference and math.sqrt(2 * self.reference.mass * self.energy_scale)
+        if not (self.reference and most and len(self.sums)):
             return 0.0
-        x, y = self.beginning.energies.momentum
-        way = self.sums["momentum_x"][-1] - x, self.sums["momentum_y"][-1] - y
-        return math.hypot(*way) / most
+        x, y = self.reference.energies.momentum
+        change = self.sums["momentum_x"][-1] - x, self.sums["momentum_y"][-1] - y
+        return math.hypot(*change) / most
 
     def _drift(self, total: float) -> float:
-        play = self.energy_in_play
-        return (total - self.beginning.total) / play if self.beginning and play > 0 else 0.0
+        scale = self.energy_scale
+        return (total - self.reference.total) / scale if self.reference and scale > 0 else 0.0

@@ -1,8 +1,7 @@
-"""The lines of the statistics panel: the series, binned for a plot, and renewed now and then.
+"""The lines of the statistics panel: the series, binned for plots.
 
-A plot of a few hundred points tells no more than one of a hundred, and numbers that change a few
-times a second can be read. So everything stands still in between, and is renewed by turns, a
-part a frame: what is drawn anew costs time where there is no graphics card.
+They are updated a few times per second, one part per frame: drawing changed parts takes time
+without a graphics card.
 """
 
 from __future__ import annotations
@@ -11,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle.app.measure.statistics import Statistics
-from jostle.app.simulate.simulation import Facts, Frame
+from jostle.app.simulate.simulation import Frame, StepStats
 
 Floats = NDArray[np.float64]
 
-SPAN = 5.0  # seconds of times that are shown
+SPAN = 5.0  # seconds of times
 BINS = 75
 MOST = 200  # points of a line of sums
-EVERY = 0.15  # seconds between two pictures of a part
-SMOOTH = 0.35  # share of a new mean in the numbers: they rest enough to be read
-RECENT = 30  # frames that make a mean
-USUAL = 0.97  # share of the last seconds whose times fit under `top`; a hitch may stick out
+EVERY = 0.15  # seconds between two updates of a part
+SMOOTH = 0.35  # weight of a new mean, so that the numbers can be read
+RECENT = 30  # frames of a mean
+USUAL = 0.97  # quantile of the times that is below `top`
 _NICE = np.array([1.0, 2.0, 5.0, 10.0])
 
 ENERGIES = ("time", "total", "kinetic", "potential")
@@ -29,46 +28,46 @@ MOMENTA = ("time", "momentum_x", "momentum_y")
 
 
 class Traces:
-    """What the plots show now.
+    """The present data of the plots.
 
     Attributes
     ----------
     ages
         Seconds before now of each bin, ascending to 0.
     stacked
-        (stages + 1, bins): the times of the stages on top of each other, from zeros upwards.
+        (stages + 1, bins): the cumulative times of the stages, from zeros on.
     frames
-        The time between two pictures, a bin each.
+        The time between two frames, per bin.
     means, frame_mean
-        Of each stage and of the time between two pictures, in milliseconds.
+        Of each stage and of the time between two frames, in milliseconds.
     top
-        Of the axis of milliseconds: 1, 2 or 5 times a power of ten; all but single hitches fit.
-    count, facts
-        How many particles there are, and the numbers of the last step.
+        Upper end of the axis of milliseconds: 1, 2 or 5 times a power of ten.
+    count, stats
+        The number of particles, and the numbers of the last step.
     energies, momenta
-        The columns `ENERGIES` and `MOMENTA` of the sums, since the rules are what they are. The
-        potential energy is 0 where they begin: its own zero is arbitrary, and often far away.
+        The columns `ENERGIES` and `MOMENTA` of the sums since the last change of the rules. The
+        potential energy is 0 at their beginning: its own zero is arbitrary.
     energy_drift, momentum_drift, measured, changing
-        As `Statistics` has them.
+        As in `Statistics`.
     """
 
     def __init__(self, statistics: Statistics) -> None:
         self._statistics = statistics
         self._stages: tuple[str, ...] = ()
-        self._parts = (self._renew_times, self._renew_facts, self._renew_energies,
+        self._parts = (self._renew_times, self._renew_stats, self._renew_energies,
                        self._renew_momenta)  # fmt: skip
         self._done = [-np.inf] * len(self._parts)
         self.ages = np.linspace(-SPAN, 0.0, BINS)
         self.frames = np.zeros(BINS)
         self.means: dict[str, float] = {}
         self.frame_mean, self.top = 0.0, 20.0
-        self.count, self.facts = 0, Facts()
+        self.count, self.stats = 0, StepStats()
         self.energy_drift = self.momentum_drift = self.measured = 0.0
         self.changing = False
         self._forget()
 
     def refresh(self, frame: Frame, now: float) -> None:
-        """Renew the part that is due the longest; all of them where a run has just begun."""
+        """Update the part that is overdue the longest; all parts at the beginning of a run."""
         if self._statistics.stages != self._stages or not len(self._statistics.sums):
             self._forget()
         late = [k for k, done in enumerate(self._done) if abs(now - done) >= EVERY]
@@ -102,7 +101,7 @@ class Traces:
         self.top = float(power * _NICE[np.searchsorted(_NICE, highest / power - 1e-9)])
 
     def _average(self, table: Floats) -> None:
-        """Let the numbers follow the means of the last frames."""
+        """Update the smoothed means."""
         if not table.shape[1]:
             return
         frame, *stages = table.mean(axis=1).tolist()
@@ -111,12 +110,12 @@ class Traces:
             old = self.means.get(name, mean)
             self.means[name] = old + (mean - old) * SMOOTH
 
-    def _renew_facts(self, frame: Frame, _: float) -> None:
-        self.count, self.facts = len(frame), frame.facts
+    def _renew_stats(self, frame: Frame, _: float) -> None:
+        self.count, self.stats = len(frame), frame.stats
 
     def _renew_energies(self, *_: object) -> None:
         origin = self._statistics.origin
-        if origin is None:  # until the next sum the old lines stay
+        if origin is None:  # the lines stay until the next sum
             return
         self.energies = self._columns(ENERGIES, origin.time)
         for name in ("total", "potential"):
@@ -131,7 +130,7 @@ class Traces:
             self.momentum_drift = self._statistics.momentum_drift
 
     def _columns(self, names: tuple[str, ...], since: float) -> Floats:
-        """Return columns of the sums; every second, third … row of them where there are many."""
+        """Return columns of the sums; of many rows, every k-th one."""
         sums = self._statistics.sums
         first = int(sums["time"].searchsorted(since))
         step = -(-(len(sums) - first) // MOST) or 1
@@ -139,13 +138,13 @@ class Traces:
 
 
 def _usual(times: Floats) -> float:
-    """Return what times are rarely above, of the bins that have any."""
+    """Return a high quantile of the times, of non-empty bins."""
     known = times[times > 0]
     return float(np.quantile(known, USUAL)) if len(known) else 0.0
 
 
 def _fill(rows: list[Floats], counts: NDArray[np.intp]) -> None:
-    """Give a bin that no frame fell into the value of the one before it."""
+    """Fill empty bins with the value of the bin before."""
     last = np.maximum.accumulate(np.where(counts > 0, np.arange(BINS), -1))
     known = last >= 0
     for row in rows:

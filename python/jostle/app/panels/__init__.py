@@ -1,19 +1,22 @@
-"""The panels: everything that can be set, and everything that is measured, beside the scene.
+"""The panels of the settings and the statistics.
 
-Each file builds one panel, or one section of the column at the left, with calls of ImGui. They
-look at a session and call its methods; every widget is named by `gui.mark`, so that a test can
-find it. Only this folder and `gui` know ImGui; import it where `gui.available()`.
-In reading order:
+Each file builds one panel, or one section of the column at the left, with calls of ImGui. They read
+a session and call its methods; every widget is named by `gui.mark`, so that a test can find it.
+Only this package and `gui` import ImGui. In reading order:
 
 ========================= ======================================================================
-ink, widgets, sliders     colours; labels, numbers, sliders, choices and icons in one look
-plots                     lines and layers over time
-transport, scenes         pause, step, restart; the list of scenes and what to look at
-method, rules, looks      brute force or tree; the sliders; what is drawn
-past, files               going back; scenes, films and tables in files
-figures                   the statistics
-column                    the sections at the left, one below the other
-menus                     those of the right mouse button
+theme, widgets, sliders   colours; labels, numbers, buttons and lists; sliders
+plots                     lines and stacked bars over time
+playback_panel            pause, step, restart, previous and next scene
+scenes_panel              the list of scenes
+method_panel              quadtree or brute force, exact physics or the article's program
+settings_panel            the sliders of the settings
+display_panel             what is drawn beside the particles
+rewind_panel              a slider over the last 30 s
+files_panel               scenes, videos and tables in files
+statistics_panel          times, pairs, energy, momentum
+column                    the sections at the left
+menu_items, menus         the items of the context menus; the menus
 ========================= ======================================================================
 """
 
@@ -25,19 +28,19 @@ from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import arrange
-from jostle.app.panels import column, figures
+from jostle.app.panels import column, statistics_panel
 from jostle.app.session import Session
 
 Builder = Callable[[Session, Gui], None]
 
-BUILDERS: list[Builder] = [column.build, figures.build]
+BUILDERS: list[Builder] = [column.build, statistics_panel.build]
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build all panels, unless help lies over all; call it between `gui.begin` and `gui.end`."""
+    """Build all panels, except under the help; call it between `gui.begin` and `gui.end`."""
     io = imgui.get_io()
     size, scale = io.display_size, io.display_framebuffer_scale.x
     arrange(session, size.x, size.y, scale)
-    if session.shown.panels and not session.shown.help:
+    if session.view_options.panels and not session.view_options.help:
         for builder in BUILDERS:
             builder(session, gui)

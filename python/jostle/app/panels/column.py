@@ -1,4 +1,4 @@
-"""The column at the left: sections one below the other, scrolled where they do not fit."""
+"""The column at the left: sections, scrolled if they do not fit."""
 
 from __future__ import annotations
 
@@ -6,25 +6,34 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.draw.words import method_name
+from jostle.app.draw.formatting import method_name
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import layout
-from jostle.app.panels import figures, files, looks, method, past, rules, scenes, transport
-from jostle.app.panels.ink import ACCENT, TEXT_SOFT, vec
+from jostle.app.panels import (
+    display_panel,
+    files_panel,
+    method_panel,
+    playback_panel,
+    rewind_panel,
+    scenes_panel,
+    settings_panel,
+    statistics_panel,
+)
+from jostle.app.panels.theme import ACCENT, TEXT_SOFT, vec
 from jostle.app.panels.widgets import at_right, colours, part, section
 from jostle.app.session import Session
 
 TITLE = 21.0
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
-    ("Scenes", scenes.build),
-    ("Method", method.build),
-    ("Particles and tree", rules.build_tree),
-    ("Shown", looks.build),
-    ("World", rules.build_world),
-    ("Time", rules.build_time),
-    ("The last half minute", past.build),
-    ("Two particles", files.build_why),
-    ("Files", files.build),
+    ("Scenes", scenes_panel.build),
+    ("Method", method_panel.build),
+    ("Particles and tree", settings_panel.build_tree),
+    ("Display", display_panel.build),
+    ("World", settings_panel.build_world),
+    ("Time", settings_panel.build_time),
+    ("Rewind", rewind_panel.build),
+    ("Two particles", files_panel.build_why),
+    ("Files", files_panel.build),
 ]
 
 FIXED = (
@@ -35,25 +44,25 @@ FIXED = (
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build the column, if there is room for one."""
-    room = layout(session, *imgui.get_io().display_size)
-    if not room.column:
+    """Build the column, if the window is wide enough."""
+    widths = layout(session, *imgui.get_io().display_size)
+    if not widths.column:
         return
     imgui.set_next_window_pos((0.0, 0.0))
-    imgui.set_next_window_size((room.column, room.height))
+    imgui.set_next_window_size((widths.column, widths.height))
     imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
     imgui.begin("controls", None, FIXED & ~imgui.WindowFlags_.no_scrollbar)
     imgui.pop_style_var(2)
     imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
     _title(session)
-    transport.build(session, gui)
+    playback_panel.build(session, gui)
     for title, contents in SECTIONS:
         if section(gui, title):
             with part(title):
                 contents(session, gui)
-    if not room.figures:
-        figures.build_sections(session, gui)
+    if not widths.statistics:
+        statistics_panel.build_sections(session, gui)
     imgui.pop_style_var()
     imgui.end()
 
@@ -62,7 +71,7 @@ def _title(session: Session) -> None:
     imgui.push_font(None, TITLE)
     imgui.text_unformatted(session.engine.scene)
     imgui.pop_font()
-    if session.paused:
+    if session.runner.paused:
         with colours(text=vec(ACCENT)):
             at_right("paused")
     with colours(text=vec(TEXT_SOFT)):

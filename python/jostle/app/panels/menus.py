@@ -1,12 +1,13 @@
-"""The menus of the right mouse button, drawn with ImGui."""
+"""The context menus, drawn with ImGui."""
 
 from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from jostle.app.act.menu import Item, Menu, Number
+from jostle.app.act.menu import Menu
 from jostle.app.draw.palette import TEXT_SOFT
 from jostle.app.gui.host import Gui
+from jostle.app.panels.menu_items import Item, Number, lines_of
 from jostle.app.session import Session
 
 POPUP = "menu"
@@ -14,18 +15,18 @@ NUMBER_WIDTH = 90.0
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Show the menu that is open, if there is one, and do what is clicked."""
-    menu = session.menu
+    """Show the open menu, and run the clicked command."""
+    menu = session.interaction.menu
     if menu is None:
         return
     if not menu.shown:
         imgui.open_popup(POPUP)
         menu.shown = True
     if not imgui.begin_popup(POPUP):
-        session.menu = None  # clicked beside it, or Esc
+        session.interaction.menu = None  # a click elsewhere, or Esc
         return
     if menu.is_over(session.frame):
-        session.menu = None
+        session.interaction.menu = None
         imgui.close_current_popup()
     else:
         _fill(session, gui, menu)
@@ -36,12 +37,12 @@ def _fill(session: Session, gui: Gui, menu: Menu) -> None:
     red, green, blue = TEXT_SOFT
     soft = imgui.ImVec4(red / 255, green / 255, blue / 255, 1.0)
     imgui.text(menu.title(session.frame))
-    for name, value in menu.facts(session.frame):
+    for name, value in menu.numbers(session.frame):
         imgui.text_colored(soft, name)
         imgui.same_line(imgui.get_font_size() * 5)
         imgui.text(value)
     imgui.separator()
-    for line in menu.lines(session):
+    for line in lines_of(session, menu):
         if line is None:
             imgui.separator()
         elif isinstance(line, Number):
@@ -54,12 +55,12 @@ def _item(session: Session, gui: Gui, item: Item) -> None:
     clicked, _ = imgui.menu_item(item.label, item.key, item.checked, item.enabled)
     gui.mark(f"menu {item.name}")
     if clicked:
-        item.act()
-        session.menu = None
+        item.command()
+        session.interaction.menu = None
 
 
 def _number(gui: Gui, number: Number) -> None:
-    """Take a number when Enter is pressed."""
+    """Build a number field; Enter applies it."""
     imgui.begin_disabled(not number.enabled)
     imgui.set_next_item_width(NUMBER_WIDTH)
     flags = imgui.InputTextFlags_.enter_returns_true
@@ -68,5 +69,5 @@ def _number(gui: Gui, number: Number) -> None:
     )
     gui.mark(f"menu {number.name}")
     if typed:
-        number.act(value)
+        number.command(value)
     imgui.end_disabled()

@@ -1,4 +1,4 @@
-"""Plots without ornament: lines and areas, and the ends of their axis in the corners."""
+"""Plots of lines and stacked bars, with the range of the axes in the corners."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from imgui_bundle import imgui, implot
 from numpy.typing import NDArray
 
 from jostle.app.draw.palette import Colour
-from jostle.app.panels.ink import TEXT_SOFT, ink, vec
+from jostle.app.panels.theme import TEXT_SOFT, rgba, vec
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def plot(
     up: tuple[float, float],
     corners: tuple[str, str],
 ) -> Iterator[bool]:
-    """Make a plot with the limits of its axes; `corners` are words for the upper two."""
+    """Make a plot with limits of the axes; `corners` are the texts of the upper two."""
     implot.push_style_var(implot.StyleVar_.plot_padding, (0.0, 3.0))
     seen = implot.begin_plot(f"##{name}", (-1.0, height), BARE)
     if seen:
@@ -45,17 +45,16 @@ def plot(
         imgui.push_font(None, SMALL)
         draw, y = imgui.get_window_draw_list(), low.y + 3.0
         right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
-        draw.add_text((low.x + 6.0, y), ink(TEXT_SOFT), corners[0])
-        draw.add_text((right, y), ink(TEXT_SOFT), corners[1])
+        draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
+        draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
         imgui.pop_font()
     implot.pop_style_var()
 
 
 def stack(at: Floats, stacked: Floats, colours: Sequence[Colour], least: float) -> None:
-    """Draw a stack as bars side by side: the highest first, each covered by those below it.
+    """Draw stacked bars: the highest first, each covered by those below it.
 
-    Upright boxes are what a processor without a graphics card fills fastest; a layer that is
-    nowhere thicker than `least` could not be seen, and is left out.
+    Boxes are fast without a graphics card. A layer that is nowhere thicker than `least` is omitted.
     """
     width = float(at[1] - at[0])
     thick = (stacked[1:] - stacked[:-1]).max(axis=1) > least

@@ -1,4 +1,4 @@
-"""A slider with its label and its number, which can be typed."""
+"""A slider with a label and a number that can be typed."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from enum import Enum
 from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
-from jostle.app.panels.ink import ACCENT, FILLED, RAISED, TEXT, TEXT_SOFT, ink, vec
+from jostle.app.panels.theme import ACCENT, FILLED, RAISED, TEXT, TEXT_SOFT, rgba, vec
 from jostle.app.panels.widgets import CLEAR, GAP, NUMBER, colours, hint, label, width
 
 KNOB = 6.0  # radius
-PADDING = 2.0  # ImGui's own, between the edge of a slider and its grab
+PADDING = 2.0  # of ImGui, between the edge of a slider and its knob
 HIDDEN = (
     *(imgui.Col_.frame_bg, imgui.Col_.frame_bg_hovered, imgui.Col_.frame_bg_active),
     *(imgui.Col_.slider_grab, imgui.Col_.slider_grab_active),
 )
-DIGITS = 2  # of a number that is set by a logarithmic slider
+DIGITS = 2  # significant digits of a logarithmic slider
 
 
 class Moved(Enum):
-    """How far a hand is with a slider."""
+    """The state of a slider's change."""
 
     NOT = 0
-    MOVING = 1  # a new value, and the hand still holds it
-    DONE = 2  # let go, or typed
+    MOVING = 1  # a new value while it is held
+    DONE = 2  # released, or typed
 
 
 @dataclass(frozen=True)
 class Range:
-    """What a slider goes through, from its left end to its right.
+    """The range of a slider.
 
-    A logarithmic one may begin at 0: then 1 is added to everything.
+    A logarithmic one may begin at 0: then 1 is added to all values.
     """
 
     low: float
@@ -43,12 +43,12 @@ class Range:
     whole: bool = False
 
     def position(self, value: float) -> float:
-        """Return where a value is, 0 at the left and 1 at the right."""
+        """Return the position of a value, 0 at the left and 1 at the right."""
         low, high, value = self._bend(self.low), self._bend(self.high), self._bend(value)
         return min(max((value - low) / (high - low), 0.0), 1.0)
 
     def value(self, position: float) -> float:
-        """Return the value at a position, in numbers that people would choose."""
+        """Return the rounded value at a position."""
         low, high = self._bend(self.low), self._bend(self.high)
         value = low + (high - low) * position
         if self.log:
@@ -65,7 +65,7 @@ class Range:
 
 
 def round_to(value: float, digits: int, of: float | None = None) -> float:
-    """Round to so many digits, of the value itself or of the size of another."""
+    """Round to a number of significant digits, of the value or of the size of another."""
     size = abs(value if of is None else of)
     return round(value, digits - 1 - math.floor(math.log10(size))) if size > 0 else 0.0
 
@@ -84,9 +84,9 @@ def slider(
     Parameters
     ----------
     write
-        Turns a value into the words at the right.
+        Formats a value.
     reason
-        Why it cannot be moved; empty where it can.
+        Why it is disabled; empty if it is not.
     """
     imgui.push_id(name)
     label(name)
@@ -106,7 +106,7 @@ def slider(
 
 
 def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float]:
-    """Build the slider: ImGui's hands, our looks."""
+    """Build the slider: input by ImGui, own drawing."""
     storage, kept = imgui.get_state_storage(), imgui.get_id("position")
     position = span.position(value)
     imgui.set_next_item_width(width() - NUMBER - GAP)
@@ -130,21 +130,21 @@ def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float
 
 
 def _draw(position: float, *, active: bool) -> None:
-    """Draw a thin line, the part that is used, and a round knob, where the last item is."""
+    """Draw the track, its filled part and a round knob at the last item."""
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    off = imgui.get_style().alpha < 0.9  # switched off
+    off = imgui.get_style().alpha < 0.9  # disabled
     draw, y = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
     first, last = low.x + PADDING + KNOB, high.x - PADDING - KNOB
     x = first + (last - first) * position
-    draw.add_line((first, y), (last, y), ink(RAISED), 3.0)
-    draw.add_line((first, y), (x, y), ink(RAISED if off else FILLED), 3.0)
+    draw.add_line((first, y), (last, y), rgba(RAISED), 3.0)
+    draw.add_line((first, y), (x, y), rgba(RAISED if off else FILLED), 3.0)
     lit = active or imgui.is_item_hovered()
     colour = RAISED if off else TEXT if active else ACCENT
-    draw.add_circle_filled((x, y), KNOB + (1.0 if lit and not off else 0.0), ink(colour))
+    draw.add_circle_filled((x, y), KNOB + (1.0 if lit and not off else 0.0), rgba(colour))
 
 
 def _number(gui: Gui, name: str, text: str, *, soft: bool) -> float | None:
-    """Write the number at the right; a click lets it be typed. Return what was typed."""
+    """Draw the number, which a click makes editable; return the typed number."""
     storage, kept = imgui.get_state_storage(), imgui.get_id("typing")
     typing = storage.get_int(kept)
     if typing:
@@ -157,12 +157,12 @@ def _number(gui: Gui, name: str, text: str, *, soft: bool) -> float | None:
     at = high.x - imgui.calc_text_size(text).x, low.y + imgui.get_style().frame_padding.y
     lit = imgui.is_item_hovered() and not soft
     colour = TEXT_SOFT if soft else ACCENT if lit else TEXT
-    imgui.get_window_draw_list().add_text(at, ink(colour, 0.6 if soft else 1.0), text)
+    imgui.get_window_draw_list().add_text(at, rgba(colour, 0.6 if soft else 1.0), text)
     return None
 
 
 def _typed(text: str, *, first: bool) -> float | None:
-    """Build the field that a number is typed in."""
+    """Build the field for a typed number."""
     storage, kept = imgui.get_state_storage(), imgui.get_id("typing")
     if first:
         imgui.set_keyboard_focus_here()

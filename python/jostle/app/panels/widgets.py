@@ -1,4 +1,4 @@
-"""The widgets of all panels in one style: label, control, number at the right."""
+"""The widgets of all panels in one style: label, control, number."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
-from jostle.app.panels.ink import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, ink, vec
+from jostle.app.panels.theme import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, rgba, vec
 
-LABEL = 92.0  # points: where controls begin, the same in every section
-NUMBER = 62.0  # the room for numbers at the right
+LABEL = 92.0  # points: width of the label column
+NUMBER = 62.0  # width of the number column
 GAP = 6.0
 BUTTON = 25.0  # height
 ABOVE, HEAD = 4.0, 21.0  # of a heading
@@ -22,7 +22,7 @@ STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mous
 
 
 def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
-    """Head a section that can be folded; return whether it is open."""
+    """Build the heading of a foldable section; return whether it is open."""
     imgui.dummy((0.0, ABOVE))
     storage, kept = imgui.get_state_storage(), imgui.get_id(f"{title} is open")
     is_open = storage.get_bool(kept, open_at_first)
@@ -31,17 +31,17 @@ def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
     gui.mark(f"section {title}")
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     draw, middle = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
-    draw.add_text((low.x, middle - imgui.get_font_size() / 2), ink(TEXT), title)
+    draw.add_text((low.x, middle - imgui.get_font_size() / 2), rgba(TEXT), title)
     after = low.x + imgui.calc_text_size(title).x + 10
-    draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), ink(RAISED))
+    draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), rgba(RAISED))
     _chevron(high.x - 5, down=is_open)
     return is_open
 
 
 def _chevron(x: float, *, down: bool) -> None:
-    """Draw the sign of what opens, in the middle of the last widget's height."""
+    """Draw a chevron at the middle height of the last widget."""
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    tint, y = ink(ACCENT if imgui.is_item_hovered() else TEXT_SOFT), round((low.y + high.y) / 2)
+    tint, y = rgba(ACCENT if imgui.is_item_hovered() else TEXT_SOFT), round((low.y + high.y) / 2)
     draw, rise = imgui.get_window_draw_list(), 2.0 if down else -2.0
     for side in (-4.0, 4.0):
         draw.add_line((x + side, y - rise), (x, y + rise), tint, 1.5)
@@ -49,7 +49,7 @@ def _chevron(x: float, *, down: bool) -> None:
 
 @contextmanager
 def part(title: str) -> Iterator[None]:
-    """Put what is built inside into a window of its own, so that only it is drawn anew."""
+    """Build the contents in a child window, which is redrawn separately."""
     imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
     yield
     imgui.end_child()
@@ -57,7 +57,7 @@ def part(title: str) -> Iterator[None]:
 
 @contextmanager
 def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
-    """Colour what is built inside."""
+    """Set colours of the contents."""
     for name, colour in by_name.items():
         imgui.push_style_color(getattr(Col, name), colour)
     yield
@@ -65,45 +65,45 @@ def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
 
 
 def width() -> float:
-    """Return the room from here to the right edge."""
+    """Return the width from here to the right edge."""
     return imgui.get_content_region_avail().x
 
 
 def label(text: str) -> None:
-    """Write a label at the left, and go on where controls begin."""
+    """Draw a label, and move to the column of the controls."""
     imgui.align_text_to_frame_padding()
     soft(text)
     imgui.same_line(LABEL)
 
 
 def soft(text: str) -> None:
-    """Write in the softer colour."""
+    """Draw text in the softer colour."""
     imgui.text_disabled(text)
 
 
 def wrapped(text: str) -> None:
-    """Write sentences in the softer colour, as wide as the panel."""
+    """Draw wrapped text in the softer colour."""
     imgui.push_text_wrap_pos(0.0)
     soft(text)
     imgui.pop_text_wrap_pos()
 
 
 def at_right(text: str, *, quiet: bool = False) -> None:
-    """Write up to the right edge, on the line of the last widget."""
+    """Draw right-aligned text on the line of the last widget."""
     imgui.same_line()
-    room = width() - imgui.calc_text_size(text).x
-    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
+    space = width() - imgui.calc_text_size(text).x
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space, 0.0))
     (soft if quiet else imgui.text)(text)
 
 
 def row(name: str, value: str) -> None:
-    """Write a line of a name and its number."""
+    """Draw a line with a name and a value."""
     soft(name)
     at_right(value)
 
 
 def signed(value: float, form: str) -> str:
-    """Return a number with a true minus sign, and none before zeros."""
+    """Return a number with a minus sign, none before zeros."""
     words = format(value, form)
     if not any(digit in words for digit in "123456789"):
         words = words.lstrip("+-")
@@ -111,7 +111,7 @@ def signed(value: float, form: str) -> str:
 
 
 def hint(text: str) -> None:
-    """Explain the last widget where the mouse rests on it, switched off or not."""
+    """Show a tooltip for the last widget, also if it is disabled."""
     flags = imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled
     if text and imgui.is_item_hovered(flags):
         imgui.set_next_window_size_constraints((0, 0), (320, 400))
@@ -125,7 +125,7 @@ def hint(text: str) -> None:
 def choice(
     gui: Gui, name: str, text: str, across: float, *, chosen: bool, reason: str = ""
 ) -> bool:
-    """Build a button that stays down while it is chosen; `reason` says why it cannot be."""
+    """Build a button that is highlighted if chosen; `reason` says why it is disabled."""
     back, ahead = (CHOSEN, TEXT) if chosen else (RAISED, TEXT_SOFT)
     over = CHOSEN if chosen else ACCENT
     imgui.begin_disabled(bool(reason))
@@ -147,20 +147,20 @@ def button(gui: Gui, name: str, text: str) -> bool:
     return choice(gui, name, text, width(), chosen=False)
 
 
-def share_out(count: int) -> float:
-    """Return the width of each of `count` buttons that fill the rest of the line."""
+def button_width(count: int) -> float:
+    """Return the width of each of `count` buttons that fill the line."""
     return (width() - GAP * (count - 1)) / count
 
 
-def beside() -> None:
-    """Go on at the right of the last button."""
+def same_line() -> None:
+    """Continue to the right of the last button."""
     imgui.same_line(0.0, GAP)
 
 
 def combo(
     gui: Gui, name: str, options: dict[str, str], chosen: str, *, reason: str = ""
 ) -> str | None:
-    """Build a labelled list to choose from, {value: words}; return what was chosen now."""
+    """Build a labelled drop-down list, {value: text}; return a new choice."""
     label(name)
     picked = None
     imgui.begin_disabled(bool(reason))

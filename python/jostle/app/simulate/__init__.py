@@ -1,20 +1,24 @@
 """Simulations, in reading order.
 
 ======================= ========================================================================
-rules, settings         what to simulate: the command, a file and the sliders have it in common
-simulation              what the app asks of a simulation: the protocol, `Frame`, `Facts`
-packing, checking       facts and arrays in one piece of bytes; what a saved state may hold
+validation, settings    rules for values and their messages; the settings of a simulation
+simulation              the protocol of simulations; `Frame`, `StepStats`
+packing                 values and arrays as bytes
+state_validation        checks of saved states
 motors                  motors whose walls are removed or moved
-walls, segments, room   a container of any kind and size; line segments; free places
-chance, emitters        chance that is the same everywhere; nozzles that add drops
-columns, copies         which row of a world is whom; more of the same where there is room
-attractions             what a person lets attract the rest, as forces
+containers              the container of a world, of any kind and size
+wall_segments           line segments: the walls inside a container
+placement               free positions for discs
+rng, emitters           random numbers that are the same on every machine; nozzles that add drops
+particle_table, copies  the columns that the app adds to those of a world; copies of particles
+attractor_forces        attractors placed by the user, as forces
 world_frame             a world as a frame
-world_state             a world in bytes, and back
-world_simulation        `jostle.World` behind that protocol
-article_simulation      `jostle.article.Simulation` behind that protocol
-start, carry            from settings to a simulation; from one set of rules to the other
-pace, engine            real time to whole steps; who steps, and in which thread
-making                  very many particles are made while the old scene is still shown
+world_state             a world as bytes
+world_simulation        `jostle.World` as a `Simulation`
+article_simulation      `jostle.article.Simulation` as a `Simulation`
+start, switch_rules     a simulation from settings; the other rules with the same particles
+history                 rewinding: snapshots, and re-simulation of the steps between them
+fixed_timestep, engine  real time to steps of fixed length; steps and edits on a worker thread
+scene_loader            new simulations, made on a worker thread
 ======================= ========================================================================
 """

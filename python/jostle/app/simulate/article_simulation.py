@@ -1,4 +1,4 @@
-"""The article's programs in the app: `jostle.article.Simulation` as a `Simulation`."""
+"""The article's programs: `jostle.article.Simulation` as a `Simulation`."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulate.checking import (
-    COUNT,
-    PULLS,
-    Arrays,
-    column,
-    particles_of,
-    pulls_of,
-    within,
-)
 from jostle.app.simulate.packing import pack, unpack
-from jostle.app.simulate.rules import FARTHEST, Fields, each, one_of, require, whole
 from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, settings_of
 from jostle.app.simulate.simulation import (
+    Attractor,
     Energies,
-    Facts,
     Frame,
+    FrameContacts,
+    FrameRequest,
     Point,
-    Pull,
     Rect,
+    StepStats,
     Tags,
-    Touching,
     TreeBoxes,
-    Wants,
 )
+from jostle.app.simulate.state_validation import (
+    ATTRACTORS,
+    COUNT,
+    Arrays,
+    attractors_of,
+    column,
+    particles_of,
+    within,
+)
+from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, require, whole
 from jostle.app.simulate.world_simulation import WorldSimulation
 
-FRAMES_A_SECOND = 30  # the rate of the article's window; the article counts in frames
+FRAME_RATE = 30  # the rate of the article's window; the article counts in frames
 GRAVITY = 0.5  # pixels per frame, added in each frame
 DEFAULT_N = 500
 WINDOW = (800, 500)  # pixels
@@ -56,13 +56,13 @@ FACTS = Fields(
         "counters": each(COUNT, "tests", "repeats", "hits"),
         "frames": COUNT,
         "next_tag": COUNT,
-        "pulls": PULLS,
+        "pulls": ATTRACTORS,
     }
 )
 
 
 class ArticleSimulation:
-    """A scene under the article's rules, faults included.
+    """A scene under the article's rules, with their errors.
 
     The scene `article` is the article's own program. Other scenes provide the positions, velocities
     and sizes of their particles, on whole pixels, in a rectangle.
@@ -74,7 +74,7 @@ class ArticleSimulation:
         the article's.
     """
 
-    time_step = 1 / FRAMES_A_SECOND
+    time_step = 1 / FRAME_RATE
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -87,12 +87,12 @@ class ArticleSimulation:
             )
             self.program = article.Simulation(n, rules, settings.seed, *sides)
         else:
-            lender = WorldSimulation.of_scene(
+            source = WorldSimulation.of_scene(
                 replace(settings, method="quadtree", container=None)  # a display is a rectangle
             )
-            self.program = article_of(lender.frame(), lender.view, rules)
+            self.program = article_of(source.frame(), source.view, rules)
         self._take_size()
-        self._pulls: tuple[Pull, ...] = ()
+        self._attractors: tuple[Attractor, ...] = ()
         self._frames = 0
         self._milliseconds = 0.0
         self._tags: Tags = np.arange(len(self), dtype=np.int64)
@@ -109,26 +109,26 @@ class ArticleSimulation:
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return what can change while it runs: which of the two programs it is, and the pace."""
+        """Return the settings that can change while it runs: the program and the speed."""
         return frozenset({"method", "time_scale"})
 
     @property
-    def rules(self) -> Settings:
-        """Return the settings with what the article has in place of its choices."""
+    def effective_settings(self) -> Settings:
+        """Return the settings, with the article's constants."""
         return replace(
             self.settings,
             leaf_capacity=article.MAX_PER_BOX,
             max_depth=article.MAX_LEVEL + 1,
-            gravity=(0.0, GRAVITY * FRAMES_A_SECOND**2),
+            gravity=(0.0, GRAVITY * FRAME_RATE**2),
             drag=0.0,
             restitution=article.ELASTICITY,
             substeps=1,
             threads=1,
         )
 
-    # Looking
+    # Reading
 
-    def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
+    def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
         """Return the particles as arrays."""
         rows = [
             (p.x, p.y, p.speed * math.sin(p.angle), -p.speed * math.cos(p.angle), p.radius,
@@ -137,35 +137,35 @@ class ArticleSimulation:
         table = np.array(rows, np.float32).reshape(-1, 6)
         frame = Frame(
             positions=table[:, 0:2],
-            velocities=table[:, 2:4] * FRAMES_A_SECOND,
+            velocities=table[:, 2:4] * FRAME_RATE,
             radii=table[:, 4],
             densities=table[:, 5],
             movable=np.ones(len(table), np.bool_),
             tags=self._tags,
             born=self._born,
             container=self.container,
-            facts=self._facts(),
-            tree=self._tree_boxes() if wants.tree else None,
-            attractors=self._pulls,
+            stats=self._stats(),
+            tree=self._tree_boxes() if request.tree else None,
+            attractors=self._attractors,
         )
         return replace(
             frame,
-            energies=_energies(frame) if wants.energies else None,
-            touching=_touching(frame) if wants.contacts else None,
+            energies=_energies(frame) if request.energies else None,
+            contacts=_contacts(frame) if request.contacts else None,
         )
 
-    def _facts(self) -> Facts:
-        """Return the numbers of the last frame; a pair met in two leaves counts twice."""
+    def _stats(self) -> StepStats:
+        """Return the numbers of the last frame; a pair in two leaves counts twice."""
         program = self.program
         energy = sum(0.5 * p.mass * p.speed**2 for p in program.particles)
-        return Facts(
+        return StepStats(
             time=self._frames * self.time_step,
             pairs_tested=program.tests,
             touching=program.hits,
             nodes=len(program.leaves),
             depth=max((leaf[4] for leaf in program.leaves), default=0),
-            kinetic_energy=energy * FRAMES_A_SECOND**2,
-            stage_times={"frame": self._milliseconds},  # the article's stages are interwoven
+            kinetic_energy=energy * FRAME_RATE**2,
+            stage_times={"frame": self._milliseconds},  # the article has no separate stages
         )
 
     def _tree_boxes(self) -> TreeBoxes:
@@ -179,10 +179,10 @@ class ArticleSimulation:
         corners = np.concatenate([low, high], axis=1).astype(np.float64)
         return TreeBoxes(corners, leaves[:, 4].astype(np.intp), counts, np.ones(len(leaves), bool))
 
-    # Acting
+    # Changing
 
     def step(self) -> None:
-        """Go on by one frame of the article."""
+        """Advance by one frame of the article."""
         start, program = time.perf_counter(), self.program
         before = [(p.x, p.y, p.speed, p.angle, p.rectangle) for p in program.particles]
         counted = program.tests, program.repeats, program.hits, program.leaves
@@ -198,8 +198,8 @@ class ArticleSimulation:
         """Make one frame; return a description of an error, or None."""
         failed = ""
         try:
-            for pull in self._pulls:
-                self._feel(pull)
+            for attractor in self._attractors:
+                self._attract_to(attractor)
             self.program.frame()
         except (ValueError, OverflowError) as error:  # from an infinite number
             failed = str(error)
@@ -210,14 +210,14 @@ class ArticleSimulation:
                 return f"Particle {self._tags[row]} would be {state}, beyond {FARTHEST:g}"
         return failed
 
-    def _feel(self, pull: Pull) -> None:
-        """Accelerate everything by distance × strength, before the frame moves it."""
-        point = pull.point
-        for row in np.flatnonzero(self._tags == pull.tag).tolist():
+    def _attract_to(self, attractor: Attractor) -> None:
+        """Accelerate all particles by distance × strength, before the frame."""
+        point = attractor.point
+        for row in np.flatnonzero(self._tags == attractor.tag).tolist():
             point = self.program.particles[row].x, self.program.particles[row].y
         if point is None:
             return
-        gain = pull.strength / FRAMES_A_SECOND**2
+        gain = attractor.strength / FRAME_RATE**2
         for particle in self.program.particles:
             dx, dy = point[0] - particle.x, point[1] - particle.y
             particle.angle, particle.speed = article.add_vectors(
@@ -225,7 +225,7 @@ class ArticleSimulation:
             )
 
     def adjust(self, name: str, value: Any) -> str | None:
-        """Swap the article's two programs under the same particles, or change the pace."""
+        """Switch between the article's two programs with the same particles, or set the speed."""
         if name == "method" and str(value).startswith("article-"):
             self.program.method = value.removeprefix("article-")
         elif name != "time_scale":
@@ -242,7 +242,7 @@ class ArticleSimulation:
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
     ) -> Tags:
-        """Add particles, on whole numbers as the article has them; all of them can move."""
+        """Add particles with whole numbers, as in the article; all are movable."""
         if np.any(sensors):
             raise ValueError("The article's particles cannot be sensors.")
         places = np.asarray(positions, np.float64).reshape(-1, 2)
@@ -250,7 +250,7 @@ class ArticleSimulation:
         n = len(places)
         rows = zip(
             places.tolist(),
-            (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAMES_A_SECOND).tolist(),
+            (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAME_RATE).tolist(),
             np.broadcast_to(np.asarray(radii), n).tolist(),
             np.broadcast_to(np.asarray(densities), n).tolist(),
             strict=True,
@@ -269,7 +269,11 @@ class ArticleSimulation:
         self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
         left = set(self._tags.tolist())
-        self._pulls = tuple(pull for pull in self._pulls if pull.tag is None or pull.tag in left)
+        self._attractors = tuple(
+            attractor
+            for attractor in self._attractors
+            if attractor.tag is None or attractor.tag in left
+        )
 
     def change(
         self,
@@ -280,7 +284,7 @@ class ArticleSimulation:
         densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
-        """Set places, velocities, densities; immovable particles the article has none."""
+        """Set positions, velocities, densities; the article has no immovable particles."""
         wanted = np.atleast_1d(np.asarray(tags, np.int64))
         n, known = len(wanted), dict(zip(self._tags.tolist(), self.program.particles, strict=True))
         found = [(row, known[tag]) for row, tag in enumerate(wanted.tolist()) if tag in known]
@@ -289,10 +293,10 @@ class ArticleSimulation:
             for row, particle in found:
                 particle.x, particle.y = places[row]
         if velocities is not None:
-            ways = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
+            wanted_velocities = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
             for row, particle in found:
-                x, y = ways[row]
-                particle.speed = math.hypot(x, y) / FRAMES_A_SECOND
+                x, y = wanted_velocities[row]
+                particle.speed = math.hypot(x, y) / FRAME_RATE
                 particle.angle = math.atan2(x, -y)
         if densities is not None:
             heavy = np.broadcast_to(np.asarray(densities, np.float64), n).tolist()
@@ -307,12 +311,12 @@ class ArticleSimulation:
     def remove_walls(self, rows: ArrayLike) -> None:
         """Do nothing: there are none."""
 
-    def attract(self, pulls: tuple[Pull, ...]) -> None:
-        """Replace the attractions that a person has placed."""
-        self._pulls = pulls
+    def attract(self, attractors: tuple[Attractor, ...]) -> None:
+        """Replace the attractors of the user."""
+        self._attractors = attractors
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Let a particle follow the hand, by the article's rule of the mouse."""
+        """Move a particle towards the cursor, by the article's rule of the mouse."""
         for row in np.flatnonzero(self._tags == tag).tolist():
             self.program.held = self.program.particles[row]
             self.program.drag_to(*point)
@@ -327,7 +331,7 @@ class ArticleSimulation:
             "counters": [program.tests, program.repeats, program.hits],
             "frames": self._frames,
             "next_tag": self._next_tag,
-            "pulls": [asdict(pull) for pull in self._pulls],
+            "pulls": [asdict(attractor) for attractor in self._attractors],
         }
         numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
         sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
@@ -356,11 +360,11 @@ class ArticleSimulation:
         program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
         self.program, self.settings = program, settings
         self._take_size()
-        self._pulls, self._frames = pulls_of(facts["pulls"]), facts["frames"]
+        self._attractors, self._frames = attractors_of(facts["pulls"]), facts["frames"]
         self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:
-        """Let view and walls be those of the program's display."""
+        """Set view and container from the program's display."""
         self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
         self.container = jostle.Box(*self.view)
 
@@ -389,29 +393,29 @@ def _rows(arrays: Arrays, name: str) -> int:
 
 
 def _energies(frame: Frame) -> Energies:
-    """Return the sums, with the ground of the display as the zero of height."""
+    """Return the sums; the potential energy is 0 at y = 0."""
     masses = frame.masses.astype(np.float64)
     velocities = frame.velocities.astype(np.float64)
     kinetic = 0.5 * (masses * (velocities**2).sum(axis=1)).sum()
-    pull = GRAVITY * FRAMES_A_SECOND**2
-    potential = -pull * (masses * frame.positions[:, 1]).sum()
+    acceleration = GRAVITY * FRAME_RATE**2
+    potential = -acceleration * (masses * frame.positions[:, 1]).sum()
     momentum = (masses[:, None] * velocities).sum(axis=0)
     return Energies(float(kinetic), float(potential), (float(momentum[0]), float(momentum[1])))
 
 
-def _touching(frame: Frame) -> Touching:
-    return Touching.of_pairs(jostle.Quadtree(frame.positions, frame.radii).contacts())
+def _contacts(frame: Frame) -> FrameContacts:
+    return FrameContacts.of_pairs(jostle.Quadtree(frame.positions, frame.radii).contacts())
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
     """Return the article's program over the particles of a frame.
 
-    Its display is the view, and everything is moved there; radii and densities become whole
-    numbers of at least 1, as the article has them.
+    Its display is the view, and positions are shifted accordingly; radii and densities become
+    whole numbers of at least 1, as in the article.
     """
     min_x, min_y, max_x, max_y = view
     places = (frame.positions - np.array([min_x, min_y])).tolist()
-    velocities = (frame.velocities / FRAMES_A_SECOND).tolist()
+    velocities = (frame.velocities / FRAME_RATE).tolist()
     radii, densities = frame.radii.tolist(), frame.densities.tolist()
     rows = zip(places, velocities, radii, densities, strict=True)
     particles = [_particle(*row) for row in rows]
@@ -424,7 +428,7 @@ def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
 def _particle(
     place: Sequence[float], velocity: Sequence[float], radius: float, density: float
 ) -> article.Particle:
-    """Return a particle of the article; its velocity is in pixels a frame."""
+    """Return a particle of the article, with its velocity in pixels per frame."""
     (x, y), (dx, dy) = place, velocity
     radius, density = max(round(radius), 1), max(round(density), 1)
     return article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))

@@ -6,25 +6,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.columns import Columns
-from jostle.app.simulate.room import free_places
+from jostle.app.simulate.particle_table import ParticleTable
+from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.simulation import Rect
 
 Column = NDArray[np.floating]
 
 
 def copies_of(
-    world: jostle.World, columns: Columns, rows: NDArray[np.intp], count: int, view: Rect, seed: int
+    world: jostle.World,
+    columns: ParticleTable,
+    rows: NDArray[np.intp],
+    count: int,
+    view: Rect,
+    seed: int,
 ) -> tuple[Column, Column, Column, Column] | None:
-    """Return places, velocities, radii and densities of so many copies of some of the rows.
+    """Return positions, velocities, radii and densities of `count` copies of random rows.
 
-    The places are free ones, by chance; None if there is not one for each.
+    The positions are random and free; None if there is not one for each copy.
     """
-    chance = np.random.default_rng([seed, columns.next_tag])
-    rows = chance.choice(rows, count)
-    places, found = free_places(
+    rng = np.random.default_rng([seed, columns.next_tag])
+    rows = rng.choice(rows, count)
+    places, found = free_positions(
         world.positions, columns.radii, columns.radii[rows], world.container, view,
-        int(chance.integers(2**31)), world.walls,
+        int(rng.integers(2**31)), world.walls,
     )  # fmt: skip
     if len(found) < count:
         return None

@@ -6,33 +6,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.chance import TRIES, in_disc
+from jostle.app.simulate.rng import TRIES, in_disc
 
 Floats = NDArray[np.floating]
 
-GOLDEN = 0.6180339887498949  # multiples of it, less their whole parts, spread evenly over 0..1
-STREAMS = 2 + 2 * TRIES  # random numbers that one drop takes
+GOLDEN = (
+    0.6180339887498949  # the fractional parts of its multiples are distributed evenly over 0..1
+)
+STREAMS = 2 + 2 * TRIES  # random numbers per drop
 
 
 class Emitters:
     """The nozzles of the scene `emitters`.
 
-    What comes out depends on the seed and on the number of drops so far, not on the lengths of the
-    steps. `emitted` and `debt` are the whole state: set them back, and the same drops come again.
+    The drops depend on the seed and on the number of drops so far, not on the lengths of the steps.
+    `emitted` and `debt` are the whole state.
 
     Parameters
     ----------
     n
-        Most drops that there will be; what suits the scene unless given.
+        Limit of the number of drops; the default of the scene if None.
     seed
-        Of the drops' places, velocities and radii.
+        Seed of the drops' positions, velocities and radii.
 
     Attributes
     ----------
     emitted
-        Drops that have come out.
+        Number of drops so far.
     debt
-        The part of a drop that is due already, 0 to 1.
+        Fraction of the next drop that is due, 0 to 1.
     """
 
     def __init__(self, n: int | None = None, seed: int = 0) -> None:
@@ -53,19 +55,19 @@ class Emitters:
 
     @property
     def state(self) -> tuple[int, int, float]:
-        """Return what changes: the cap, `emitted` and `debt`."""
+        """Return the state: the cap, `emitted` and `debt`."""
         return self.cap, self.emitted, self.debt
 
     def step(
         self, world: jostle.World, dt: float, friction: float = 0.0
     ) -> NDArray[np.int64] | None:
-        """Add the drops of the last `dt` seconds, and remove the oldest where there are too many.
+        """Add the drops of the last `dt` seconds, and remove the oldest above the cap.
 
         Parameters
         ----------
         world
-            Has made a step of `dt` seconds. What is movable in it counts as a drop; the lowest
-            rows are the oldest.
+            After a step of `dt` seconds. Its movable particles are the drops; the lowest rows are
+            the oldest.
         dt
             The step, in seconds.
         friction
@@ -74,12 +76,12 @@ class Emitters:
         Returns
         -------
         ndarray of int64 or None
-            The rows that were removed, ascending, as they were before the call; rows behind them
-            have closed up, and the new drops are the last. None if no row was removed.
+            The removed rows, ascending, as before the call; the new drops are the last rows. None
+            if no row was removed.
         """
         due = self.debt + self._rate * dt
         count = int(due)
-        # The first of them has been flying longest.
+        # The first of them is the oldest.
         ages: Floats = (due - np.arange(1, count + 1, dtype=np.float64)) / max(self._rate, 1e-9)
         self.debt = due - count
         count = min(count, self.cap)
@@ -116,7 +118,7 @@ class Emitters:
         )
 
     def _random(self, numbers: NDArray[np.int64]) -> Floats:
-        """Return numbers in 0..1 that follow from the seed and the drops' numbers alone."""
+        """Return numbers in 0..1 that depend only on the seed and the drops' numbers."""
         streams = np.arange(STREAMS, dtype=np.uint64)[:, None]
         keys = np.random.SeedSequence(self._seed).generate_state(1, np.uint64)
         state = keys + numbers.astype(np.uint64) * np.uint64(STREAMS) + streams
@@ -124,7 +126,7 @@ class Emitters:
 
 
 def _mixed(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Stir the bits (SplitMix64): states that follow each other come out unrelated."""
+    """Mix the bits (SplitMix64)."""
     state = state * np.uint64(0x9E3779B97F4A7C15)
     state = (state ^ state >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
     state = (state ^ state >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)

@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
-from jostle.app.simulate.pace import MOST_OWED, Pace
-from jostle.app.simulate.simulation import Frame, Simulation, Wants
+from jostle.app.simulate.fixed_timestep import MAX_STEPS, FixedTimestep
+from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 
 Edit = Callable[[Simulation], None]
 Then = Callable[[], None]
@@ -46,7 +46,7 @@ class _Done:
     then: tuple[Then, ...] = ()
 
 
-def sentence(error: BaseException) -> str:
+def message_of(error: BaseException) -> str:
     """Return what to say of a refusal."""
     return str(error) or "There is not enough memory for that."
 
@@ -66,7 +66,7 @@ class Engine:
     ----------
     frame
         The last state, for everybody to look at.
-    wants
+    request
         What the next frames shall hold.
     last_step
         `advance` makes no more than so many steps; None to go on.
@@ -82,7 +82,7 @@ class Engine:
 
     def __init__(self, simulation: Simulation, short: float = SHORT) -> None:
         self.short = short
-        self.wants = Wants()
+        self.request = FrameRequest()
         self.before: list[Edit] = []
         self.after: list[Edit] = []
         self.touched: list[Edit] = []
@@ -109,10 +109,10 @@ class Engine:
             simulation.view,
         )
         self.time_step, self.adjustable = simulation.time_step, simulation.adjustable
-        self.rules = simulation.rules
-        self._pace = Pace(simulation.time_step)
+        self.effective_settings = simulation.effective_settings
+        self._pace = FixedTimestep(simulation.time_step)
         self._seconds = 0.0  # one step and its frame, smoothed
-        self.frame: Frame = simulation.frame(self.wants) if frame is None else frame
+        self.frame: Frame = simulation.frame(self.request) if frame is None else frame
 
     @property
     def busy(self) -> bool:
@@ -163,7 +163,7 @@ class Engine:
                 self._start()
 
     def look(self, *, at_once: bool = True) -> None:
-        """Renew the frame, where `wants` has changed and no step does it.
+        """Renew the frame, where `request` has changed and no step does it.
 
         Where that need not be `at_once`, very many particles are looked at beside the window.
         """
@@ -171,7 +171,7 @@ class Engine:
             return
         self._collect()
         if at_once or len(self.simulation) <= FEW:
-            self.frame = self.simulation.frame(self.wants)
+            self.frame = self.simulation.frame(self.request)
         else:
             self._beside()
 
@@ -186,15 +186,15 @@ class Engine:
         if self._job is not None or self.error:  # edits are under way
             self._pace.advance(elapsed, lambda: None, most=0)
         elif self._in_the_window():
-            if self._pace.advance(elapsed, self._try_step, most=min(MOST_OWED, self._left())):
-                self.frame = self.simulation.frame(self.wants)
+            if self._pace.advance(elapsed, self._try_step, most=min(MAX_STEPS, self._left())):
+                self.frame = self.simulation.frame(self.request)
         else:
             self._pace.advance(elapsed, self._start, most=min(1, self._left()))
         return self.steps - before
 
     def _left(self) -> int:
         """Return how many steps may still be made."""
-        return MOST_OWED if self.last_step is None else max(self.last_step - self.steps, 0)
+        return MAX_STEPS if self.last_step is None else max(self.last_step - self.steps, 0)
 
     def _in_the_window(self) -> bool:
         """Tell whether steps are made at once; the first of many particles is not even tried."""
@@ -206,7 +206,7 @@ class Engine:
         """Make one step now, however long it takes; what it refuses is raised."""
         self.wait()
         self._note_step(*self._step())
-        self.frame = self.simulation.frame(self.wants)
+        self.frame = self.simulation.frame(self.request)
 
     def step_soon(self) -> None:
         """Make one step: now if it is short, else beside the window, as `settle` goes on."""
@@ -214,7 +214,7 @@ class Engine:
         if not self.busy and short and len(self.simulation) <= FEW:
             self.wait()
             self._try_step()
-            self.frame = self.simulation.frame(self.wants)
+            self.frame = self.simulation.frame(self.request)
         else:
             self._single = True
             self.settle()
@@ -231,7 +231,7 @@ class Engine:
         if self._single:
             self._single = False
             self._try_step()
-            self.frame = self.simulation.frame(self.wants)
+            self.frame = self.simulation.frame(self.request)
 
     def close(self) -> None:
         """Wait for the step under way and let the thread go."""
@@ -258,7 +258,7 @@ class Engine:
             try:
                 self._note_step(*self._step())
             except REFUSALS as error:
-                self.error = sentence(error)
+                self.error = message_of(error)
 
     def _note_step(self, alone: float, taken: float) -> None:
         self.last_seconds = alone
@@ -276,7 +276,7 @@ class Engine:
         """
         if self._worker is None:
             self._worker = ThreadPoolExecutor(1, "jostle-step")
-        simulation, wants, touched = self.simulation, self.wants, tuple(self.touched)
+        simulation, request, touched = self.simulation, self.request, tuple(self.touched)
         before, after = tuple(self.before), tuple(self.after)
 
         def work() -> _Done:
@@ -285,8 +285,8 @@ class Engine:
             try:
                 taken = _step(simulation, before, after) if step else None
             except REFUSALS as refusal:
-                error = sentence(refusal)
-            return _Done(simulation.frame(wants), taken, error, then)
+                error = message_of(refusal)
+            return _Done(simulation.frame(request), taken, error, then)
 
         self._job = self._worker.submit(work)
 
@@ -302,7 +302,7 @@ class Engine:
             if done.taken is not None:
                 self._note_step(*done.taken)
             self.error = done.error or self.error
-            self._note_rules()
+            self._note_settings()
             for then in done.then:
                 then()
 
@@ -319,16 +319,16 @@ class Engine:
         while self._edits:
             edits, self._edits = self._edits, []
             then = _do(self.simulation, edits, self.touched)
-            self._note_rules()
-            self.frame = self.simulation.frame(self.wants)
+            self._note_settings()
+            self.frame = self.simulation.frame(self.request)
             for act in then:
                 act()
 
-    def _note_rules(self) -> None:
+    def _note_settings(self) -> None:
         """Keep what everybody may ask for while the simulation is at work."""
         simulation = self.simulation
         self.settings, self.adjustable = simulation.settings, simulation.adjustable
-        self.rules, self.view = simulation.rules, simulation.view
+        self.effective_settings, self.view = simulation.effective_settings, simulation.view
 
 
 def _step(

@@ -1,4 +1,4 @@
-"""Motors of a world whose walls are removed, or in which everything is moved."""
+"""Motors of a world whose walls are removed or moved."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def keeping_walls(forces: Forces, keep: NDArray[np.bool_]) -> Forces:
 
 
 def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
-    """Return forces whose motors turn what they drive about centres that are moved."""
+    """Return forces whose motors have shifted centres."""
     return tuple(
         _like(force, center=np.array(force.center) + by)
         if isinstance(force, jostle.Motor)

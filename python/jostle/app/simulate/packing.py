@@ -1,7 +1,7 @@
-"""Numbers and arrays packed into bytes, for states and scene files.
+"""Values and arrays packed into bytes, for states and scene files.
 
-A first line that says what it is, a header in JSON with the facts and the arrays' names, types and
-shapes, then the arrays' bytes in that order, little-endian. Nothing in it is ever executed.
+The format is a first line with the kind, a JSON header with the values and the names, types and
+shapes of the arrays, then the bytes of the arrays in that order, little-endian.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _LENGTH = 8  # bytes of the header's length, and of the checksum
 
 
 def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, ArrayLike]) -> bytes:
-    """Return bytes of a kind; `unpack` gives facts and arrays back."""
+    """Return bytes of a kind, for `unpack`."""
     columns = {name: _plain(array) for name, array in arrays.items()}
     table = [[name, array.dtype.str, array.shape] for name, array in columns.items()]
     header = json.dumps({"facts": facts, "arrays": table}).encode()
@@ -33,7 +33,7 @@ def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, ArrayLike]) -
 
 
 def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return facts and arrays; a ValueError says what is wrong with other bytes."""
+    """Return values and arrays; raise a ValueError for other bytes."""
     begin = _first_line(kind)
     if not data.startswith(begin):
         raise ValueError(f"it is not a {kind} of this version of jostle")
@@ -45,7 +45,7 @@ def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], dict[str, Array]]:
         at, arrays = at + size, {}
         for name, kind_of_number, shape in table:
             if kind_of_number not in _TYPES:
-                raise ValueError("it holds what no jostle has written")
+                raise ValueError("it has an unknown type of number")
             if not all(isinstance(side, int) and side >= 0 for side in shape):
                 raise ValueError("it has an array of an impossible shape")
             column = np.frombuffer(data, kind_of_number, math.prod(shape), at)
@@ -59,12 +59,12 @@ def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], dict[str, Array]]:
 
 
 def seal(data: bytes) -> bytes:
-    """Return the bytes with their checksum behind them."""
+    """Return the bytes followed by their checksum."""
     return data + zlib.crc32(data).to_bytes(_LENGTH, "little")
 
 
 def unseal(data: bytes) -> bytes:
-    """Return the bytes before the checksum, if it is theirs."""
+    """Return the bytes before the checksum, if it is correct."""
     body, checksum = data[:-_LENGTH], data[-_LENGTH:]
     if len(data) < _LENGTH or zlib.crc32(body).to_bytes(_LENGTH, "little") != checksum:
         raise ValueError("it is cut off or damaged: its checksum is wrong")
@@ -77,7 +77,7 @@ def blob(data: bytes) -> NDArray[np.uint8]:
 
 
 def is_of(kind: str, data: bytes) -> bool:
-    """Whether bytes begin as one of the kind does."""
+    """Whether bytes begin like those of a kind."""
     return data.startswith(_first_line(kind))
 
 
@@ -86,6 +86,6 @@ def _first_line(kind: str) -> bytes:
 
 
 def _plain(values: ArrayLike) -> Array:
-    """Return the array in one of the types that are packed, the same on every machine."""
+    """Return the array in little-endian order."""
     array = np.asarray(values)
     return np.ascontiguousarray(array, array.dtype.newbyteorder("<"))

@@ -1,4 +1,4 @@
-"""Settings of a simulation, for the command, files and the sliders."""
+"""The settings of a simulation, for the command line, files and sliders."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 import jostle
-from jostle.app.simulate.rules import (
+from jostle.app.simulate.validation import (
     AnyRule,
     Fields,
     Key,
@@ -32,7 +32,7 @@ METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
 RENDERERS = ("auto", "opengl", "software")
 CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
-MOST_PARTICLES = 100_000_000
+MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
@@ -62,6 +62,8 @@ class Polyline:
     closed: bool = False  # whether there is a wall from the last point to the first
     restitution: float = 1.0  # multiplied by those of the world and the particle
     friction: float | None = None  # that of the particle, if None
+    velocity: tuple[float, float] = (0.0, 0.0)  # world units per second
+    period: float | None = None  # seconds of the motion there and back; if None, it never goes back
 
 
 @dataclass
@@ -87,6 +89,8 @@ class Settings:
     friction: float | None = None  # of every particle
     sleeping: bool | None = None  # whether particles that rest may fall asleep
     walls: tuple[Polyline, ...] = ()  # in addition to those of the scene
+    # Of the sides of the container: of all, or at min x, max x, min y and max y.
+    container_restitution: float | tuple[float, float, float, float] | None = None
 
     @property
     def by_article(self) -> bool:
@@ -97,10 +101,16 @@ class Settings:
 TEXT = Rule("a text", lambda value: isinstance(value, str))
 TRUTH = Rule("true or false", lambda value: isinstance(value, bool))
 
-PARTICLES = whole(0, MOST_PARTICLES)
+PARTICLES = whole(0, MAX_PARTICLES)
 SEED = whole(0, 2**63 - 1)
 STEPS = whole(1, 2**31 - 1)
 THREADS = whole(1, 1_024)
+
+_SHARE, _SHARES = real(0, 1), each(real(0, 1), "min x", "max x", "min y", "max y")
+SIDES = Rule(
+    f"{_SHARE.words}, or {_SHARES.words}",
+    lambda value: _SHARE.fits(value) or _SHARES.fits(value),
+)
 
 # Rules for the settings of a scene, for files, the command and the sliders.
 RULES: dict[str, Rule] = {
@@ -115,6 +125,7 @@ RULES: dict[str, Rule] = {
     "gravity": or_none(each(real(), "x", "y")),
     "drag": or_none(real(0)),
     "restitution": or_none(real(0, 1)),
+    "container_restitution": or_none(SIDES),
     "friction": or_none(real(0)),
     "substeps": or_none(whole(1, 1_000)),
     "threads": or_none(THREADS),
@@ -144,6 +155,8 @@ LINE_RULES: dict[str, AnyRule] = {
     "closed": TRUTH,
     "restitution": real(0, 1),
     "friction": or_none(real(0)),
+    "velocity": each(real(), "x", "y"),
+    "period": or_none(real(0.001)),
 }
 LINES = Many(
     Fields(LINE_RULES, "a property of walls", complete=False),
@@ -206,7 +219,8 @@ def _group_of(facts: Mapping[str, Any]) -> Group:
 def _line_of(facts: Mapping[str, Any]) -> Polyline:
     """Return a polyline from its fields."""
     points = tuple((float(x), float(y)) for x, y in facts["points"])
-    return Polyline(**{**facts, "points": points})
+    x, y = facts.get("velocity", (0.0, 0.0))
+    return Polyline(**{**facts, "points": points, "velocity": (float(x), float(y))})
 
 
 def _tidy(facts: Mapping[str, Any]) -> dict[str, Any]:

@@ -19,8 +19,8 @@ Tags = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Wants:
-    """What a frame shall hold beside the columns; each costs time, so it is asked for."""
+class FrameRequest:
+    """The optional parts of a frame, each of which takes time."""
 
     tree: bool = False
     contacts: bool = False
@@ -43,7 +43,7 @@ class TreeBoxes:
 
 
 @dataclass(frozen=True)
-class Touching:
+class FrameContacts:
     """The contacts after a step: (m, 2) rows of the frame, unit normals, depths, impulses.
 
     Those with walls have a row of the frame, a unit normal towards the particle and an impulse.
@@ -58,7 +58,7 @@ class Touching:
     wall_impulses: NDArray[np.float32]
 
     @classmethod
-    def of_pairs(cls, contacts: jostle.Contacts) -> Touching:
+    def of_pairs(cls, contacts: jostle.Contacts) -> FrameContacts:
         """Return contacts without impulses and without walls."""
         nothing = np.empty(0, np.float32)
         return cls(
@@ -77,7 +77,7 @@ class Energies:
 
 
 @dataclass(frozen=True)
-class Facts:
+class StepStats:
     """The numbers of the last step."""
 
     time: float = 0.0  # seconds since the scene began
@@ -92,30 +92,30 @@ class Facts:
 
 @dataclass(frozen=True)
 class Frame:
-    """One state, for the picture and for the panels: copies, so looking cannot disturb it.
+    """One state, as copies.
 
-    A particle's *tag* is its number in the order of adding over the whole run. Rows move up when
-    others are removed, tags stay: whoever remembers a particle remembers its tag.
+    A particle's *tag* is its number in the order of adding over the whole run. Rows change when
+    others are removed; tags do not.
     """
 
     positions: NDArray[np.float32]  # (n, 2), world units
-    velocities: NDArray[np.float32]  # (n, 2), world units a second
+    velocities: NDArray[np.float32]  # (n, 2), world units per second
     radii: NDArray[np.float32]  # (n,)
     densities: NDArray[np.float32]  # (n,), mass over radius squared
     movable: NDArray[np.bool_]  # (n,)
     tags: Tags  # (n,), ascending
     born: NDArray[np.float64]  # (n,), the time each was added
     container: Container = None
-    facts: Facts = field(default_factory=Facts)
+    stats: StepStats = field(default_factory=StepStats)
     energies: Energies | None = None
     tree: TreeBoxes | None = None
-    touching: Touching | None = None
+    contacts: FrameContacts | None = None
     springs: NDArray[np.int64] | None = None  # (s, 2) rows
-    attractors: tuple[Pull, ...] = ()
-    angles: NDArray[np.float32] | None = None  # (n,), radians; None if nothing turns
-    scene: str = ""  # whose extras are shown
-    begun_with: int | None = None  # the number of particles that the scene was made for
-    # (m, 2, 2), line segments: first those of the scene, then those that were drawn
+    attractors: tuple[Attractor, ...] = ()
+    angles: NDArray[np.float32] | None = None  # (n,), radians; None if no particle rotates
+    scene: str = ""
+    begun_with: int | None = None  # initial number of particles
+    # (m, 2, 2), line segments: first those of the scene, then those of the user
     walls: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2, 2), np.float32))
     own_walls: int = 0  # the number of those of the scene
     sensors: NDArray[np.int8] | None = None  # (n,): 1 for a sensor, 2 if something touches it
@@ -129,7 +129,7 @@ class Frame:
         return self.densities * self.radii**2
 
     def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
-        """Return where the tags are now; those that are gone are left out."""
+        """Return the rows of the tags that exist."""
         wanted = np.atleast_1d(np.asarray(tags, np.int64))
         at = np.searchsorted(self.tags, wanted)
         there = at < len(self.tags)
@@ -139,26 +139,26 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Pull:
-    """An attraction that a person has placed: by distance × strength, to a point or a particle."""
+class Attractor:
+    """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
 
     strength: float  # 1/s²
     point: Point | None = None
     tag: int | None = None
-    passing: bool = False  # it lasts as long as a key is down
+    passing: bool = False  # whether it ends when a key is released
 
     @classmethod
-    def of(cls, facts: Mapping[str, Any]) -> Pull:
-        """Return a pull from its fields, as JSON gives them back."""
+    def of(cls, facts: Mapping[str, Any]) -> Attractor:
+        """Return an attractor from its fields in JSON."""
         x_y = facts["point"]
         point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
         return cls(facts["strength"], point, facts["tag"], facts["passing"])
 
 
 class Simulation(Protocol):
-    """A scene in motion. A step lasts `time_step` seconds; y grows downwards.
+    """A simulation of a scene. A step lasts `time_step` seconds; y points down.
 
-    One thread at a time uses it. `Engine` sees to that, so only what the engine calls may act.
+    It is used by one thread at a time, which `Engine` ensures.
     """
 
     settings: Settings
@@ -177,17 +177,17 @@ class Simulation(Protocol):
         """The fields of `Settings` that `adjust` can change while it runs."""
 
     @property
-    def rules(self) -> Settings:
-        """The settings with the rules that hold where they leave a choice open."""
+    def effective_settings(self) -> Settings:
+        """The settings, with the values that apply in place of None."""
 
     def step(self) -> None:
-        """Go on by one time step."""
+        """Advance by one time step."""
 
-    def frame(self, wants: Wants = ...) -> Frame:
+    def frame(self, request: FrameRequest = ...) -> Frame:
         """Return the present state."""
 
     def adjust(self, name: str, value: object) -> str | None:
-        """Change one of `adjustable`; a sentence says why where that is refused."""
+        """Change one of `adjustable`; return a message if it is refused."""
 
     def add(
         self,
@@ -201,7 +201,7 @@ class Simulation(Protocol):
         """Add particles; return their tags."""
 
     def remove(self, tags: ArrayLike) -> None:
-        """Remove particles; tags that are gone are no mistake."""
+        """Remove particles; tags that do not exist are ignored."""
 
     def change(
         self,
@@ -212,7 +212,7 @@ class Simulation(Protocol):
         densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
     ) -> None:
-        """Set columns of particles; tags that are gone are no mistake, their rows are left out."""
+        """Set columns of particles; rows of tags that do not exist are ignored."""
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws."""
@@ -220,17 +220,17 @@ class Simulation(Protocol):
     def remove_walls(self, rows: ArrayLike) -> None:
         """Remove line segments by their rows in the frame."""
 
-    def attract(self, pulls: tuple[Pull, ...]) -> None:
-        """Replace the attractions that a person has placed."""
+    def attract(self, attractors: tuple[Attractor, ...]) -> None:
+        """Replace the attractors of the user."""
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Before a step: draw a held particle to the hand, which is at a point and moves.
+        """Accelerate a held particle towards the cursor, before a step.
 
-        A particle that is gone is no mistake.
+        A tag that does not exist is ignored.
         """
 
     def save(self) -> bytes:
-        """Return the state, so that `load` goes on from it bit for bit."""
+        """Return the state; after `load` the simulation continues with the same bits."""
 
     def load(self, state: bytes) -> None:
-        """Go back to a state of this simulation."""
+        """Restore a state of this simulation."""

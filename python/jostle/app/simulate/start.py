@@ -1,4 +1,4 @@
-"""From settings, or from a saved state, to a simulation."""
+"""Making a simulation from settings or from a saved state."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from jostle.app.simulate.article_simulation import ArticleSimulation
-from jostle.app.simulate.chance import directions
-from jostle.app.simulate.room import free_places
+from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.placement import free_positions
+from jostle.app.simulate.rng import directions
 from jostle.app.simulate.settings import Group, Settings
 from jostle.app.simulate.simulation import Container, Simulation
-from jostle.app.simulate.walls import bounds
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 
@@ -22,7 +22,7 @@ def start(settings: Settings) -> Simulation:
     Raises
     ------
     ValueError
-        If the library refuses a setting, or if a group of particles cannot be between the walls.
+        If a setting is refused, or a group of particles does not fit between the walls.
     """
     simulation: Simulation
     if settings.by_article:
@@ -32,7 +32,7 @@ def start(settings: Settings) -> Simulation:
         simulation.add_own_walls(settings.walls)
     for number, group in enumerate(settings.particles):
         name = f"particles[{number}]"
-        _require_room(name, group, simulation.frame().container)
+        _require_space(name, group, simulation.frame().container)
         try:
             _scatter(simulation, group, np.random.default_rng([settings.seed, number]))
         except ValueError as error:
@@ -41,14 +41,14 @@ def start(settings: Settings) -> Simulation:
 
 
 def resume(settings: Settings, state: bytes) -> Simulation:
-    """Return the simulation that goes on from a state of one with these settings."""
-    # The state brings its own.
+    """Return the simulation that continues from a state of one with these settings."""
+    # The state contains its own particles and walls.
     empty = start(replace(settings, n=0, particles=(), walls=()))
     empty.load(state)
     return empty
 
 
-def _require_room(name: str, group: Group, container: Container) -> None:
+def _require_space(name: str, group: Group, container: Container) -> None:
     """Raise a ValueError if a group is too large for the walls, or outside them."""
     walls = bounds(container)
     if walls is None or not group.count:
@@ -68,18 +68,18 @@ def _require_room(name: str, group: Group, container: Container) -> None:
         raise ValueError(f"{name}.count is {group.count}; {why}")
 
 
-def _scatter(simulation: Simulation, group: Group, chance: np.random.Generator) -> None:
-    """Add the particles of a group where there is room; those of one seed are always the same."""
+def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> None:
+    """Add the particles of a group at free positions, which depend only on the seed."""
     count, frame = group.count, simulation.frame()
     region = group.region or simulation.view
-    radii = chance.uniform(*group.radius, count)
-    free, found = free_places(
+    radii = rng.uniform(*group.radius, count)
+    free, found = free_positions(
         frame.positions, frame.radii, radii, frame.container, region,
-        int(chance.integers(2**31)), frame.walls,
+        int(rng.integers(2**31)), frame.walls,
     )  # fmt: skip
-    places = chance.uniform(region[:2], region[2:], (count, 2))
-    places[found] = free  # the others lie where they may, and the first steps part them
-    spread = chance.uniform(*group.speed, count)[:, None] * directions(chance, count)
-    densities = chance.uniform(*group.density, count)
+    places = rng.uniform(region[:2], region[2:], (count, 2))
+    places[found] = free  # the others overlap, and the first steps push them apart
+    spread = rng.uniform(*group.speed, count)[:, None] * directions(rng, count)
+    densities = rng.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread
     simulation.add(places, velocities, radii, densities, group.movable, group.sensor)

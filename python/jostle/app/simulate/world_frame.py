@@ -1,4 +1,4 @@
-"""A world as a frame: its columns, the numbers of its last step, and requested extras."""
+"""A world as a frame: its columns, the numbers of its last step, and the requested parts."""
 
 from __future__ import annotations
 
@@ -6,17 +6,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.columns import Columns
-from jostle.app.simulate.segments import Segments
-from jostle.app.simulate.simulation import Energies, Facts, Frame, Pull, Touching, TreeBoxes, Wants
+from jostle.app.simulate.particle_table import ParticleTable
+from jostle.app.simulate.simulation import (
+    Attractor,
+    Energies,
+    Frame,
+    FrameContacts,
+    FrameRequest,
+    StepStats,
+    TreeBoxes,
+)
+from jostle.app.simulate.wall_segments import WallSegments
 
 
 def frame_of(
     world: jostle.World,
-    columns: Columns,
-    segments: Segments,
-    wants: Wants,
-    pulls: tuple[Pull, ...],
+    columns: ParticleTable,
+    segments: WallSegments,
+    request: FrameRequest,
+    attractors: tuple[Attractor, ...],
     scene: str,
     begun_with: int | None,
 ) -> Frame:
@@ -30,12 +38,12 @@ def frame_of(
         tags=columns.tags,
         born=columns.born,
         container=world.container,
-        facts=_facts(world),
-        energies=_energies(world) if wants.energies else None,
-        tree=_tree_boxes(world, columns) if wants.tree else None,
-        touching=_touching(world, columns) if wants.contacts else None,
+        stats=_stats(world),
+        energies=_energies(world) if request.energies else None,
+        tree=_tree_boxes(world, columns) if request.tree else None,
+        contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(world, columns),
-        attractors=pulls,
+        attractors=attractors,
         angles=world.angles if columns.turns else None,
         scene=scene,
         begun_with=begun_with,
@@ -45,15 +53,15 @@ def frame_of(
     )
 
 
-def _sensors(world: jostle.World, columns: Columns) -> NDArray[np.int8]:
+def _sensors(world: jostle.World, columns: ParticleTable) -> NDArray[np.int8]:
     touched = np.zeros(len(columns.ids), np.bool_)
     touched[columns.rows(world.contacts.pairs)] = True
     return columns.sensors.astype(np.int8) * (1 + touched)
 
 
-def _facts(world: jostle.World) -> Facts:
+def _stats(world: jostle.World) -> StepStats:
     stats = world.stats
-    return Facts(
+    return StepStats(
         time=world.time,
         pairs_tested=stats.tests,
         touching=len(world.contacts.pairs),
@@ -69,9 +77,9 @@ def _energies(world: jostle.World) -> Energies:
     return Energies(world.kinetic_energy, world.potential_energy, world.momentum)
 
 
-def _touching(world: jostle.World, columns: Columns) -> Touching:
+def _contacts(world: jostle.World, columns: ParticleTable) -> FrameContacts:
     contacts, walls = world.contacts, world.wall_contacts
-    return Touching(
+    return FrameContacts(
         pairs=columns.rows(contacts.pairs),
         normals=contacts.normals,
         depths=contacts.depths,
@@ -82,12 +90,12 @@ def _touching(world: jostle.World, columns: Columns) -> Touching:
     )
 
 
-def _springs(world: jostle.World, columns: Columns) -> NDArray[np.int64] | None:
+def _springs(world: jostle.World, columns: ParticleTable) -> NDArray[np.int64] | None:
     pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
     return columns.rows(np.concatenate(pairs)) if pairs else None
 
 
-def _tree_boxes(world: jostle.World, columns: Columns) -> TreeBoxes:
+def _tree_boxes(world: jostle.World, columns: ParticleTable) -> TreeBoxes:
     """Build a tree over the present positions, with the world's settings, for its boxes."""
     nodes = jostle.Quadtree(
         world.positions,

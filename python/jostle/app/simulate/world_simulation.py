@@ -1,4 +1,4 @@
-"""`jostle.World` as the app sees it."""
+"""`jostle.World` as a `Simulation`."""
 
 from __future__ import annotations
 
@@ -11,40 +11,48 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import jostle
-from jostle.app.simulate.attractions import Attractions
-from jostle.app.simulate.columns import Columns
+from jostle.app.simulate.attractor_forces import AttractorForces
+from jostle.app.simulate.containers import InitialRegion, bounds, center_of, moved_inside
 from jostle.app.simulate.copies import copies_of
 from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.segments import Segments
+from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.settings import Polyline, Settings
-from jostle.app.simulate.simulation import Container, Frame, Point, Pull, Rect, Tags, Wants
-from jostle.app.simulate.walls import Home, bounds, brought_in, center_of
+from jostle.app.simulate.simulation import (
+    Attractor,
+    Container,
+    Frame,
+    FrameRequest,
+    Point,
+    Rect,
+    Tags,
+)
+from jostle.app.simulate.wall_segments import WallSegments
 from jostle.app.simulate.world_frame import frame_of
 from jostle.app.simulate.world_state import WorldState
 
 TIME_STEP = 1 / 60
-BRUTE_LIMIT = 30_000  # above it one step of brute force would freeze the picture for seconds
-HAND_RATE = 40.0  # 1/s: the spring of the hand brings a particle near in a few hundredths
-LEAST_EASE = 0.3  # of that rate, for the heaviest: a hundred times the usual mass lags threefold
-SPEED_LIMIT = 4.0  # a held particle's speed, in diagonals of the view a second
+BRUTE_LIMIT = 30_000  # particles; with more a step of brute force takes seconds
+DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
+LEAST_RESPONSE = 0.3  # times that rate, for the heaviest particles
+SPEED_LIMIT = 4.0  # of a held particle, in diagonals of the view per second
 
 # Settings that are attributes of a world, by the same name.
-RULES = (
+WORLD_SETTINGS = (
     *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
     *("threads", "on_touch", "sleeping"),
 )
-MOST_AT_ONCE = 100_000  # particles that a slider adds to a running scene
+MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
 
 class WorldSimulation:
-    """A world with right physics.
+    """A world as a simulation.
 
     Parameters
     ----------
     settings
-        What to show; its rules are laid over those of the world.
+        Its values override those of the world.
     view
-        The part of the world to look at: min_x, min_y, max_x, max_y.
+        The visible part of the world: min_x, min_y, max_x, max_y.
     create
         Makes the world.
     """
@@ -56,19 +64,21 @@ class WorldSimulation:
         self.scene = settings.scene
         self.view = view
         self.world = create()
-        self._columns = Columns(self.world)
-        self._segments = Segments.of(self.world)
-        self._attractions = Attractions(len(self.world.forces))
-        for name in RULES:
+        self._columns = ParticleTable(self.world)
+        self._segments = WallSegments.of(self.world)
+        self._attractions = AttractorForces(len(self.world.forces))
+        for name in WORLD_SETTINGS:
             value = getattr(settings, name)
             if value is not None:
                 setattr(self.world, name, value)
         if settings.friction is not None:
-            self._rub(settings.friction)
-        self._home = Home.of(self.world.container, view, settings.n)
+            self._set_friction(settings.friction)
+        if settings.container_restitution is not None:
+            self.world.container_restitution = settings.container_restitution
+        self._initial = InitialRegion.of(self.world.container, view, settings.n)
         self.emitters: Emitters | None = None
         if settings.world_size != 1.0 or settings.container is not None:
-            self._fit_walls()
+            self._fit_container()
 
     @classmethod
     def of_scene(cls, settings: Settings) -> WorldSimulation:
@@ -90,31 +100,33 @@ class WorldSimulation:
 
     @property
     def container(self) -> Container:
-        """Return the world's walls."""
+        """Return the world's container."""
         return self.world.container
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return what can change while it runs."""
-        return frozenset({*RULES, "friction", "time_scale", "n", "world_size", "container"})
-
-    @property
-    def rules(self) -> Settings:
-        """Return the settings with the world's own rules."""
-        rules = {name: getattr(self.world, name) for name in RULES}
-        return replace(self.settings, **rules, friction=self._columns.friction)
-
-    def frame(self, wants: Wants = Wants()) -> Frame:  # noqa: B008 (it is frozen)
-        """Return the present state."""
-        pulls, begun_with = self._attractions.pulls, self._home.n
-        return frame_of(
-            self.world, self._columns, self._segments, wants, pulls, self.scene, begun_with
+        """Return the settings that can change while it runs."""
+        return frozenset(
+            {*WORLD_SETTINGS, "friction", "time_scale", "n", "world_size", "container"}
         )
 
-    # Acting
+    @property
+    def effective_settings(self) -> Settings:
+        """Return the settings, with the values of the world."""
+        rules = {name: getattr(self.world, name) for name in WORLD_SETTINGS}
+        return replace(self.settings, **rules, friction=self._columns.friction)
+
+    def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
+        """Return the present state."""
+        attractors, begun_with = self._attractions.attractors, self._initial.n
+        return frame_of(
+            self.world, self._columns, self._segments, request, attractors, self.scene, begun_with
+        )
+
+    # Changing
 
     def step(self) -> None:
-        """Go on by 1/60 s."""
+        """Advance by 1/60 s."""
         self.world.step(self.time_step)
         renumbered = self.world.renumbered
         if renumbered is not None:
@@ -125,7 +137,7 @@ class WorldSimulation:
             self._emit(self.emitters)
 
     def _emit(self, emitters: Emitters) -> None:
-        """Let drops come out; the oldest go where there are too many."""
+        """Add drops, and remove the oldest above the cap."""
         gone = emitters.step(self.world, self.time_step, self._columns.friction)
         if gone is not None:
             self._columns.remove(self.world, gone)
@@ -136,47 +148,49 @@ class WorldSimulation:
         self._attractions.renew(self.world, self._columns)
 
     def adjust(self, name: str, value: Any) -> str | None:
-        """Change a setting; a sentence says why where that cannot be, and nothing has changed."""
+        """Change a setting; return a message if it is refused, without any change."""
         before = self.settings
         self.settings = replace(before, **{name: value})
         try:
             if name == "n":
-                self._take_number(value)
+                self._set_count(value)
             elif name in ("world_size", "container"):
-                self._fit_walls()
+                self._fit_container()
             elif name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
                 raise ValueError(
-                    f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles."
+                    f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles."
                 )
             elif name == "friction":
-                self._rub(value)
-            elif name in RULES:
+                self._set_friction(value)
+            elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
             self.settings = before
             return str(error)
         return None
 
-    def _rub(self, friction: float) -> None:
-        """Give all particles a coefficient of friction."""
+    def _set_friction(self, friction: float) -> None:
+        """Set the coefficient of friction of all particles."""
         self.world.friction = friction
         self._columns.copy(self.world)
 
-    def _fit_walls(self) -> None:
-        """Give the world the walls of the settings, and bring inside what is out."""
+    def _fit_container(self) -> None:
+        """Set the container of the settings, and move particles inside."""
         world, settings = self.world, self.settings
-        before = center_of(bounds(world.container) or self._home.rect)
-        world.container, self.view = self._home.fitted(settings.container, settings.world_size)
-        shift = np.array(center_of(bounds(world.container) or self._home.rect)) - np.array(before)
+        before = center_of(bounds(world.container) or self._initial.rect)
+        world.container, self.view = self._initial.fitted(settings.container, settings.world_size)
+        shift = np.array(center_of(bounds(world.container) or self._initial.rect)) - np.array(
+            before
+        )
         self._segments.shift(world, shift)
         places = world.positions.astype(np.float64) + shift
-        inside = brought_in(places, self._columns.radii.astype(np.float64), world.container)
+        inside = moved_inside(places, self._columns.radii.astype(np.float64), world.container)
         world.positions = np.where(self._columns.movable[:, None], inside, places)
 
-    def _take_number(self, n: int) -> None:
-        """Add copies of particles where there is room for all of them, or remove the last ones.
+    def _set_count(self, n: int) -> None:
+        """Add copies of particles if there are enough free positions, or remove the last ones.
 
-        `n` counts what can move; of a scene with emitters it is the cap.
+        `n` is the number of movable particles; with emitters it is the cap.
         """
         if self.emitters is not None:
             self.emitters.cap = n
@@ -187,7 +201,7 @@ class WorldSimulation:
             self.remove(self._columns.tags[moving[n:]])
             return
         if self.method == "brute" and len(self) + more > BRUTE_LIMIT:
-            raise ValueError(f"Brute force is too slow to watch above {BRUTE_LIMIT:,} particles.")
+            raise ValueError(f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles.")
         copies = None
         if more <= MOST_AT_ONCE and len(moving):
             copies = copies_of(
@@ -223,9 +237,11 @@ class WorldSimulation:
     def remove(self, tags: ArrayLike) -> None:
         """Remove particles."""
         rows = np.unique(self._columns.find(tags)[0])
-        self._attractions.lift(self.world)
+        self._attractions.detach(self.world)
         self.world.remove(self._columns.ids[rows])
-        self._attractions.own = len(self.world.forces)  # some may have been tied to what is gone
+        self._attractions.own = len(
+            self.world.forces
+        )  # some may have ended with the removed particles
         self._columns.remove(self.world, rows)
         self._attractions.renew(self.world, self._columns)
 
@@ -257,12 +273,14 @@ class WorldSimulation:
             self._columns.copy(self.world)
 
     def add_own_walls(self, lines: Sequence[Polyline]) -> None:
-        """Add the walls of a file, before any is drawn; raise a ValueError with the first wrong."""
+        """Add the walls of a file, before any is drawn; raise a ValueError for the first error."""
         for number, line in enumerate(lines):
             try:
                 self._segments.add(self.world, line, own=True)
             except ValueError as error:
                 raise ValueError(f"walls[{number}] cannot be added: {error}") from error
+        # The motors of walls that move are the world's own.
+        self._attractions = AttractorForces(len(self.world.forces))
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws."""
@@ -272,48 +290,47 @@ class WorldSimulation:
         """Remove line segments by their rows in the frame."""
         self._segments.remove(self.world, rows)
 
-    def attract(self, pulls: tuple[Pull, ...]) -> None:
-        """Replace the attractions that a person has placed."""
-        self._attractions.place(self.world, self._columns, pulls)
+    def attract(self, attractors: tuple[Attractor, ...]) -> None:
+        """Replace the attractors of the user."""
+        self._attractions.place(self.world, self._columns, attractors)
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Draw a held particle to the hand by a critically damped spring.
+        """Accelerate a held particle towards the cursor by a critically damped spring.
 
-        Its velocity changes, not its place: so it still pushes what is in its way, and is held up
-        by what it cannot push. The spring's step is implicit, so no stiffness is too much for it.
-        Immovable particles stay.
+        Only its velocity changes, so it collides with other particles. The spring is integrated
+        implicitly, so it is stable for any stiffness. Immovable particles are not changed.
         """
         rows, _ = self._columns.find(tag)
         if not len(rows) or not self._columns.movable[rows[0]]:
             return
         (row,), dt = rows, self.time_step
-        rate = HAND_RATE * self._ease(row)
-        way = np.array(point) - self.world.positions[row]
+        rate = DRAG_RATE * self._response(row)
+        offset = np.array(point) - self.world.positions[row]
         if isinstance(self.container, jostle.Torus):
             sides = np.array([self.container.width, self.container.height])
-            way -= sides * np.round(way / sides)  # the short way, across a seam if need be
-        pulled = self.world.velocities[row] + dt * rate * (rate * way + 2 * np.array(velocity))
-        pulled /= (1 + dt * rate) ** 2
-        limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*pulled)
+            offset -= sides * np.round(offset / sides)  # minimum image
+        dragged = self.world.velocities[row] + dt * rate * (rate * offset + 2 * np.array(velocity))
+        dragged /= (1 + dt * rate) ** 2
+        limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*dragged)
         held = int(self._columns.ids[row])
-        self.world.set(held, velocities=pulled * min(1.0, limit / max(speed, limit)))
+        self.world.set(held, velocities=dragged * min(1.0, limit / max(speed, limit)))
 
-    def _ease(self, row: int) -> float:
-        """Return how readily a particle follows the hand: 1, or less for one that is heavy here."""
+    def _response(self, row: int) -> float:
+        """Return the factor of the rate for a particle: 1, or less for a heavy one."""
         share = self._columns.usual_mass(self.world) / float(self.world.masses[row])
-        return min(max(math.sqrt(math.sqrt(share)), LEAST_EASE), 1.0)
+        return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
         """Return the state."""
         return WorldState(
-            self.settings, self.view, self._home, self.world, self._columns, self._segments,
+            self.settings, self.view, self._initial, self.world, self._columns, self._segments,
             self._attractions, self.emitters,
         ).save()  # fmt: skip
 
     def load(self, state: bytes) -> None:
         """Restore a state from bytes; raise a ValueError if they are wrong."""
         new = WorldState.load(state)
-        self.settings, self.view, self._home = new.settings, new.view, new.home
+        self.settings, self.view, self._initial = new.settings, new.view, new.home
         self.world, self._columns, self._segments = new.world, new.columns, new.segments
         self._attractions, self.emitters = new.attractions, new.emitters
 

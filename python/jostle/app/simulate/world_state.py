@@ -1,4 +1,4 @@
-"""The state of a world in bytes, with the additional data of the app."""
+"""The state of a world as bytes, with the additional data of the app."""
 
 from __future__ import annotations
 
@@ -6,20 +6,23 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import jostle
-from jostle.app.simulate.attractions import Attractions
-from jostle.app.simulate.checking import (
-    COUNT,
-    PULLS,
-    VIEW,
-    bytes_of,
-    particles_of,
-    pulls_of,
-    rect_of,
-)
-from jostle.app.simulate.columns import Columns
+from jostle.app.simulate.attractor_forces import AttractorForces
+from jostle.app.simulate.containers import InitialRegion
 from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.packing import blob, pack, unpack
-from jostle.app.simulate.rules import (
+from jostle.app.simulate.particle_table import ParticleTable
+from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settings, settings_of
+from jostle.app.simulate.simulation import Rect
+from jostle.app.simulate.state_validation import (
+    ATTRACTORS,
+    COUNT,
+    VIEW,
+    attractors_of,
+    bytes_of,
+    particles_of,
+    rect_of,
+)
+from jostle.app.simulate.validation import (
     FARTHEST,
     Fields,
     Rule,
@@ -30,10 +33,7 @@ from jostle.app.simulate.rules import (
     require,
     shown,
 )
-from jostle.app.simulate.segments import Segments
-from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settings, settings_of
-from jostle.app.simulate.simulation import Rect
-from jostle.app.simulate.walls import Home
+from jostle.app.simulate.wall_segments import WallSegments
 
 # A scene may be scaled by up to 100; its view must then still be within the limits.
 HOME_RECT = rect(FARTHEST / 1_000)
@@ -50,13 +50,13 @@ EMITTERS = Rule(
         )
     ),
 )
-FACTS = Fields(
+STATE_FIELDS = Fields(
     {
         "settings": SETTINGS,
         "view": VIEW,
         "next_tag": COUNT,
         "own_forces": COUNT,
-        "pulls": PULLS,
+        "pulls": ATTRACTORS,
         "home": HOME,
         "emitters": or_none(EMITTERS),
         "own_walls": COUNT,
@@ -70,11 +70,11 @@ class WorldState:
 
     settings: Settings
     view: Rect
-    home: Home
+    home: InitialRegion
     world: jostle.World
-    columns: Columns
-    segments: Segments
-    attractions: Attractions
+    columns: ParticleTable
+    segments: WallSegments
+    attractions: AttractorForces
     emitters: Emitters | None
 
     def save(self) -> bytes:
@@ -84,7 +84,7 @@ class WorldState:
             "view": self.view,
             "next_tag": self.columns.next_tag,
             "own_forces": self.attractions.own,
-            "pulls": [asdict(pull) for pull in self.attractions.pulls],
+            "pulls": [asdict(attractor) for attractor in self.attractions.attractors],
             "home": asdict(self.home),
             "emitters": self.emitters.state if self.emitters else None,
             "own_walls": self.segments.own,
@@ -98,9 +98,9 @@ class WorldState:
         """Return it from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("world", state)
         facts = {"own_walls": 0, **facts}  # older files have no walls
-        require(facts, FACTS)
+        require(facts, STATE_FIELDS)
         world = jostle.World.restore(bytes_of(arrays, "world"))
-        settings, home = settings_of(facts["settings"]), Home.read(facts["home"])
+        settings, home = settings_of(facts["settings"]), InitialRegion.read(facts["home"])
         if world.method != settings.method:
             raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
         tags, born = particles_of(arrays, len(world), facts["next_tag"])
@@ -115,15 +115,15 @@ class WorldState:
             view=rect_of(facts["view"]),
             home=home,
             world=world,
-            columns=Columns.read(world, tags, born, facts["next_tag"]),
-            segments=Segments(own_walls),
-            attractions=Attractions(own, pulls_of(facts["pulls"])),
+            columns=ParticleTable.read(world, tags, born, facts["next_tag"]),
+            segments=WallSegments(own_walls),
+            attractions=AttractorForces(own, attractors_of(facts["pulls"])),
             emitters=_emitters(facts["emitters"], home, settings),
         )
 
 
-def _emitters(state: Any, home: Home, settings: Settings) -> Emitters | None:
-    """Return the nozzles for the scene's initial number of particles, in their state."""
+def _emitters(state: Any, home: InitialRegion, settings: Settings) -> Emitters | None:
+    """Return the emitters in a state, for the scene's initial number of particles."""
     if (state is None) != (settings.scene != "emitters"):
         raise ValueError(f"emitters is {shown(state)} in the scene {shown(settings.scene)}")
     if state is None:

@@ -1,8 +1,8 @@
-"""The tour that makes the pictures and films of the documents, in reading order.
+"""The tour that makes the pictures and videos of the documents, in reading order.
 
 ======================= ========================================================================
-visitor                 somebody at a window without a display
-stops                   where the tour stops, and what is done there
-tour, report            from stop to stop; the table at the end
+scripted_user           scripted input in a window without a display
+stops                   the stops of the tour, and the input at each
+tour, progress          the run over all stops; progress bar and table of the command
 ======================= ========================================================================
 """

@@ -1,4 +1,4 @@
-"""The stops of the tour: a scene each, and what a visitor does with it."""
+"""The stops of the tour: a scene each, and scripted input."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 
-from jostle.app.act.input import ZOOM_STEP
-from jostle.app.draw.shown import ColourBy, TreeView
+from jostle.app.draw.view_options import ColourBy, TreeView
+from jostle.app.gui.input import ZOOM_STEP
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Point
-from jostle.app.tour.visitor import LEFT, RIGHT, Visitor
+from jostle.app.tour.scripted_user import LEFT, RIGHT, ScriptedUser
 
 SHIFT = pygame.KMOD_SHIFT
 
@@ -22,203 +22,203 @@ class Stop:
     """One stop."""
 
     name: str  # of its files
-    sentence: str  # what there is to see
+    sentence: str  # description
     settings: Settings
-    visit: Callable[[Visitor], None]
+    script: Callable[[ScriptedUser], None]
     filmed: bool = False
 
 
-def first_look(visitor: Visitor) -> None:
-    """The window as it opens, with the speed that it has here."""
-    visitor.live(6)
+def first_look(user: ScriptedUser) -> None:
+    """The window after the start, with the speed on this machine."""
+    user.live(6)
 
 
-def pile(visitor: Visitor) -> None:
+def pile(user: ScriptedUser) -> None:
     """Contacts in a pile at rest."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.session.toggle("contacts")
-    visitor.wait(7)
+    user.session.view_options.tree = TreeView.OFF
+    user.session.toggle("contacts")
+    user.wait(7)
 
 
-def rules(visitor: Visitor) -> None:
-    """First right physics, then the article's rules on the same particles."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(8)
-    visitor.session.choose_method("article-quadtree")
-    visitor.wait(8)
+def rules(user: ScriptedUser) -> None:
+    """Exact physics first, then the article's rules with the same particles."""
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(8)
+    user.session.runner.choose_method("article-quadtree")
+    user.wait(8)
 
 
-def race(visitor: Visitor) -> None:
-    """Two methods at once, each as fast as it can be."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.key(pygame.K_q)
-    visitor.live(6)
+def race(user: ScriptedUser) -> None:
+    """Two methods at the same time."""
+    user.session.view_options.tree = TreeView.OFF
+    user.key(pygame.K_q)
+    user.live(6)
 
 
-def heat(visitor: Visitor) -> None:
-    """Leaves coloured by how full they are."""
-    visitor.session.shown.tree = TreeView.HEAT
-    visitor.wait(1.5)
+def heat(user: ScriptedUser) -> None:
+    """Leaves coloured by occupancy."""
+    user.session.view_options.tree = TreeView.HEAT
+    user.wait(1.5)
 
 
-def springs(visitor: Visitor) -> None:
-    """Pick up a soft body, swing it, and throw it at the others."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(2.5)
-    visitor.start_filming()
-    visitor.move(visitor.pixel((260, 480)), 0.6)
-    visitor.move(visitor.pixel(nearest(visitor.session.frame, (260, 540))), 0.2)
-    visitor.press()
-    visitor.move(visitor.pixel((200, 250)), 0.9)
-    visitor.move(visitor.pixel((130, 300)), 0.4)
-    visitor.move(visitor.pixel((460, 180)), 0.35)
-    visitor.release()
-    visitor.wait(3.5)
+def springs(user: ScriptedUser) -> None:
+    """Drag a soft body, swing it, and throw it at the others."""
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(2.5)
+    user.start_recording()
+    user.move(user.pixel((260, 480)), 0.6)
+    user.move(user.pixel(nearest(user.session.frame, (260, 540))), 0.2)
+    user.press()
+    user.move(user.pixel((200, 250)), 0.9)
+    user.move(user.pixel((130, 300)), 0.4)
+    user.move(user.pixel((460, 180)), 0.35)
+    user.release()
+    user.wait(3.5)
 
 
-def stars(visitor: Visitor) -> None:
-    """Dust that pulls itself together."""
-    visitor.session.shown.tree = TreeView.OFF
-    zoom(visitor, (0.0, 0.0), 2)
-    visitor.start_filming()
-    visitor.wait(8)
+def stars(user: ScriptedUser) -> None:
+    """Dust that attractors itself together."""
+    user.session.view_options.tree = TreeView.OFF
+    zoom(user, (0.0, 0.0), 2)
+    user.start_recording()
+    user.wait(8)
 
 
-def sand(visitor: Visitor) -> None:
+def sand(user: ScriptedUser) -> None:
     """The hourglass begins to run."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(1)
-    visitor.start_filming()
-    visitor.wait(8)
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(1)
+    user.start_recording()
+    user.wait(8)
 
 
-def galton(visitor: Visitor) -> None:
-    """The board, when its balls have come down."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(58, every=30)
-    visitor.wait(5)
+def galton(user: ScriptedUser) -> None:
+    """The board, after its balls have fallen."""
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(58, every=30)
+    user.wait(5)
 
 
-def thermostat(visitor: Visitor) -> None:
-    """Hot and cold gas on their way to one temperature."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.session.shown.colour_by = ColourBy.VELOCITY
-    visitor.wait(4)
+def thermostat(user: ScriptedUser) -> None:
+    """Hot and cold gas that approach one temperature."""
+    user.session.view_options.tree = TreeView.OFF
+    user.session.view_options.colour_by = ColourBy.VELOCITY
+    user.wait(4)
 
 
-def brownian(visitor: Visitor) -> None:
+def brownian(user: ScriptedUser) -> None:
     """The path of the large disc."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(25)
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(25)
 
 
-def emitters(visitor: Visitor) -> None:
+def emitters(user: ScriptedUser) -> None:
     """Three jets and a fountain."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(3)
-    visitor.start_filming()
-    visitor.wait(6.5)
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(3)
+    user.start_recording()
+    user.wait(6.5)
 
 
-def menu(visitor: Visitor) -> None:
+def menu(user: ScriptedUser) -> None:
     """A right click on a particle."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(6)
-    visitor.session.paused = True
-    frame = visitor.session.frame
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(6)
+    user.session.runner.paused = True
+    frame = user.session.frame
     third = np.argsort(frame.radii)[-3]  # the third largest
     x, y = frame.positions[third].tolist()
-    visitor.click(visitor.pixel((x, y)), RIGHT)
-    visitor.look()
+    user.click(user.pixel((x, y)), RIGHT)
+    user.look()
 
 
-def why(visitor: Visitor) -> None:
-    """Two neighbours chosen, and W."""
-    session = visitor.session
-    session.shown.tree = TreeView.OFF
-    visitor.wait(6)
-    session.paused = True
+def why(user: ScriptedUser) -> None:
+    """Two neighbours selected, and W."""
+    session = user.session
+    session.view_options.tree = TreeView.OFF
+    user.wait(6)
+    session.runner.paused = True
     min_x, min_y, max_x, max_y = session.engine.view
     one = nearest(session.frame, ((min_x + max_x) / 2, (min_y + 3 * max_y) / 4))
     other = nearest(session.frame, one, rank=1)
-    zoom(visitor, one, 9)
-    visitor.click(visitor.pixel(one))
-    visitor.click(visitor.pixel(other), LEFT, SHIFT)
-    visitor.key(pygame.K_w)
-    visitor.put_pointer_away()
-    visitor.wait(4)
+    zoom(user, one, 9)
+    user.click(user.pixel(one))
+    user.click(user.pixel(other), LEFT, SHIFT)
+    user.key(pygame.K_w)
+    user.hide_pointer()
+    user.wait(4)
 
 
-def controls(visitor: Visitor) -> None:
+def controls(user: ScriptedUser) -> None:
     """The list of mouse and keys."""
-    visitor.wait(2)
-    visitor.key(pygame.K_h)
-    visitor.wait(4)
+    user.wait(2)
+    user.key(pygame.K_h)
+    user.wait(4)
 
 
-def walls(visitor: Visitor) -> None:
-    """Rain on walls that are drawn, and an attractor that bends it."""
-    session = visitor.session
-    session.shown.tree = TreeView.OFF
+def walls(user: ScriptedUser) -> None:
+    """Rain on drawn walls, deflected by an attractor."""
+    session = user.session
+    session.view_options.tree = TreeView.OFF
     min_x, min_y, max_x, max_y = session.engine.view
 
     def at(across: float, down: float) -> tuple[float, float]:
-        return visitor.pixel((min_x + across * (max_x - min_x), min_y + down * (max_y - min_y)))
+        return user.pixel((min_x + across * (max_x - min_x), min_y + down * (max_y - min_y)))
 
-    visitor.start_filming()
-    visitor.key(pygame.K_2)
-    visitor.drag(at(0.06, 0.45), at(0.42, 0.62))
-    visitor.drag(at(0.94, 0.6), at(0.58, 0.77))
-    visitor.wait(1)
-    visitor.key(pygame.K_3)
-    visitor.click(at(0.72, 0.4), seconds=0.5)
-    visitor.key(pygame.K_1)
-    visitor.put_pointer_away()
-    visitor.wait(4)
+    user.start_recording()
+    user.key(pygame.K_2)
+    user.drag(at(0.06, 0.45), at(0.42, 0.62))
+    user.drag(at(0.94, 0.6), at(0.58, 0.77))
+    user.wait(1)
+    user.key(pygame.K_3)
+    user.click(at(0.72, 0.4), seconds=0.5)
+    user.key(pygame.K_1)
+    user.hide_pointer()
+    user.wait(4)
 
 
-def trails(visitor: Visitor) -> None:
-    """Colours by velocity, and where everything has been."""
-    session = visitor.session
-    session.shown.tree = TreeView.OFF
-    session.shown.colour_by = ColourBy.VELOCITY
+def trails(user: ScriptedUser) -> None:
+    """Colours by velocity, and trails."""
+    session = user.session
+    session.view_options.tree = TreeView.OFF
+    session.view_options.colour_by = ColourBy.VELOCITY
     session.toggle("trails")
-    visitor.wait(3, every=2)
+    user.wait(3, every=2)
 
 
-def rewind(visitor: Visitor) -> None:
+def rewind(user: ScriptedUser) -> None:
     """Back in time with the slider."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.session.toggle("velocities")
-    visitor.wait(4)
-    fold(visitor, "Method", "Particles and tree", "World")
-    visitor.session.scrub(3.2)
-    visitor.put_pointer_away()
-    visitor.look()
+    user.session.view_options.tree = TreeView.OFF
+    user.session.toggle("velocities")
+    user.wait(4)
+    fold(user, "Method", "Particles and tree", "World")
+    user.session.runner.rewind(3.2)
+    user.hide_pointer()
+    user.look()
 
 
-def settings(visitor: Visitor) -> None:
+def settings(user: ScriptedUser) -> None:
     """Another container and another gravity while it runs."""
-    visitor.session.shown.tree = TreeView.OFF
-    visitor.wait(3)
-    fold(visitor, "Scenes", "Method", "Particles and tree", "Shown")
-    visitor.session.adjust("container", "circle")
-    visitor.session.adjust("gravity", (300.0, 300.0))
-    visitor.put_pointer_away()
-    visitor.wait(7)
+    user.session.view_options.tree = TreeView.OFF
+    user.wait(3)
+    fold(user, "Scenes", "Method", "Particles and tree", "Display")
+    user.session.runner.adjust("container", "circle")
+    user.session.runner.adjust("gravity", (300.0, 300.0))
+    user.hide_pointer()
+    user.wait(7)
 
 
-def fold(visitor: Visitor, *titles: str) -> None:
+def fold(user: ScriptedUser, *titles: str) -> None:
     """Fold sections of the column."""
-    visitor.look()
+    user.look()
     for title in titles:
-        visitor.click_on(f"section {title}")
+        user.click_on(f"section {title}")
 
 
-def zoom(visitor: Visitor, point: Point, notches: int) -> None:
+def zoom(user: ScriptedUser, point: Point, notches: int) -> None:
     """Turn the wheel over a point."""
     for _ in range(notches):
-        visitor.session.camera.zoom_at(visitor.pixel(point), ZOOM_STEP)
+        user.session.camera.zoom_at(user.pixel(point), ZOOM_STEP)
 
 
 def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
@@ -230,15 +230,15 @@ def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
 
 
 STOPS = (
-    Stop("first-look", "The window as it opens: discs of all sizes, and the tree.",
+    Stop("first-look", "The window after the start: discs of all sizes, and the tree.",
          Settings("mixed"), first_look),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
-    Stop("rules", "A gas by the article's rules: its drift, and the one with right physics.",
+    Stop("rules", "A gas with the article's rules: change of its energy, also with exact physics.",
          Settings("gas", 500), rules),
     Stop("race", "Brute force and quadtree side by side.", Settings("gas", 6_000, threads=1), race),
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
-    Stop("springs", "A soft body is picked up and thrown.", Settings("springs"), springs, True),
-    Stop("stars", "A cloud of dust becomes stars.", Settings("stars"), stars, True),
+    Stop("springs", "A soft body is dragged and thrown.", Settings("springs"), springs, True),
+    Stop("stars", "A cloud of points becomes stars.", Settings("stars"), stars, True),
     Stop("sand", "An hourglass.", Settings("sand"), sand, True),
     Stop("galton", "A Galton board, and the binomial curve.", Settings("galton"), galton),
     Stop("thermostat", "Two gases between walls that have a temperature.",
@@ -247,7 +247,7 @@ STOPS = (
          Settings("brownian"), brownian),
     Stop("emitters", "Jets, a fountain, and steps.", Settings("emitters"), emitters, True),
     Stop("menu", "A right click on a particle.", Settings("mixed", 600), menu),
-    Stop("why", "Why do these two touch?", Settings("pile"), why),
+    Stop("why", "Why two particles touch.", Settings("pile"), why),
     Stop("help", "The list of mouse and keys.", Settings("pile"), controls),
     Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900),
          walls, True),

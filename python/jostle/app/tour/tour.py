@@ -1,4 +1,4 @@
-"""A tour of the simulator: its stops one by one, in a window without a display, as pictures."""
+"""The run over all stops, in a window without a display, as pictures and videos."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from pathlib import Path
 import pygame
 
 from jostle.app.draw.camera import Size
-from jostle.app.keep.recorder import Recorder, save_png
 from jostle.app.simulate.start import start
+from jostle.app.storage.video_writer import VideoWriter, save_png
+from jostle.app.tour.scripted_user import FILMED, FRAME, ScriptedUser
 from jostle.app.tour.stops import STOPS, Stop
-from jostle.app.tour.visitor import FILMED, FRAME, Visitor
 from jostle.app.window import SIZE, Window
 
-DRIVERS = ("offscreen", "dummy")  # of SDL: windows that nobody sees
+DRIVERS = ("offscreen", "dummy")  # of SDL, without a display
 RATE = round(1 / (FILMED * FRAME))
 
 
 @dataclass(frozen=True)
 class Visit:
-    """What a stop leaves behind."""
+    """The result of a stop."""
 
     stop: Stop
     still: Path
     film: Path | None
-    pictures: int  # in the film
-    seconds: float  # that it took
+    pictures: int  # in the video
+    seconds: float
 
 
 def names() -> list[str]:
@@ -47,20 +47,20 @@ def tour(
     size: Size = SIZE,
     coming: Callable[[Stop], object] = lambda stop: None,
 ) -> Iterator[Visit]:
-    """Visit the stops one after the other.
+    """Run the stops one after the other.
 
     Parameters
     ----------
     out
-        A folder that exists; files are named for the stops, and replace those of a tour before.
+        An existing folder; files are named after the stops, and replace those of an earlier tour.
     chosen
-        Names of stops; all, if there are none.
+        Names of stops; all if empty.
     films
-        Whether to make films too.
+        Whether to make videos.
     size
         Of the window in pixels.
     coming
-        Called with each stop before it is visited.
+        Called with each stop before it is run.
 
     Yields
     ------
@@ -74,7 +74,7 @@ def tour(
 
 
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
-    """Visit one stop: a still of its end, and a film."""
+    """Run one stop: a picture of its end, and a video."""
     began, pictures = time.perf_counter(), 0
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
     window = Window(start(stop.settings), size, renderer="software")
@@ -82,7 +82,7 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     window.session.engine.short = math.inf  # all steps are made in the window: none comes late
     with contextlib.ExitStack() as ending:
         ending.callback(window.close)
-        recorder = ending.enter_context(Recorder(path, size, RATE)) if film else None
+        recorder = ending.enter_context(VideoWriter(path, size, RATE)) if film else None
 
         def add(canvas: pygame.Surface) -> None:
             nonlocal pictures
@@ -90,15 +90,15 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
             if recorder is not None:
                 recorder.add(canvas)
 
-        visitor = Visitor(window, add if film else None)
-        stop.visit(visitor)
-        save_png(visitor.picture(), still)
+        user = ScriptedUser(window, add if film else None)
+        stop.script(user)
+        save_png(user.picture(), still)
     return Visit(stop, still, path if film else None, pictures, time.perf_counter() - began)
 
 
 @contextlib.contextmanager
 def _no_display() -> Iterator[None]:
-    """Let windows be opened where nobody sees them."""
+    """Open windows without a display."""
     before = os.environ.get("SDL_VIDEODRIVER")
     try:
         for driver in DRIVERS:

@@ -1,0 +1,176 @@
+//! The contacts of a step in blocks for vector instructions.
+
+use std::ops::Range;
+
+use super::{COLOURS, Contact, Counts, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
+use crate::simd::{LANES, PairPlaces, for_each_lane};
+
+/// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the place
+/// behind those of all particles.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))] // Each column in a cache line of its own.
+pub struct Block {
+    /// Offsets that are added to the second (torus).
+    pub images: [[f32; LANES]; 2],
+    /// Sums of the radii.
+    pub reaches: [f32; LANES],
+    /// One over the masses; 0 for particles that do not move in the step.
+    pub inverse_masses: [[f32; LANES]; 2],
+    /// Coefficients of restitution.
+    pub restitutions: [f32; LANES],
+    /// Coefficients of friction.
+    pub frictions: [f32; LANES],
+    /// Impulses at rest, along the normal and of friction: those of the step before, and from the end
+    /// of the sub-steps on those of the last.
+    pub impulses: [[f32; LANES]; 2],
+    /// Sums of the impulses of this step, likewise.
+    pub totals: [[f32; LANES]; 2],
+    /// The places of the first and of the second particles.
+    pub places: PairPlaces,
+    /// A bit for each lane in use.
+    pub lanes: u32,
+    /// A bit for each contact whose particles touched or pushed each other during this step.
+    pub touched: u32,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        let zeros = [0.0; LANES];
+        Self {
+            images: [zeros; 2],
+            reaches: zeros,
+            // Not 0, so that effective masses are finite.
+            inverse_masses: [[1.0; LANES]; 2],
+            restitutions: zeros,
+            frictions: zeros,
+            impulses: [zeros; 2],
+            totals: [zeros; 2],
+            places: PairPlaces::new([[0; LANES]; 2]),
+            lanes: 0,
+            touched: 0,
+        }
+    }
+}
+
+impl Block {
+    /// Replaces all contacts; `get` gives that of each lane.
+    pub fn fill(&mut self, spare: u32, get: impl Fn(usize) -> Option<Contact>) {
+        *self = Self::default();
+        let mut places = [[spare; LANES]; 2];
+        for (lane, contact) in (0..LANES).filter_map(|lane| Some((lane, get(lane)?))) {
+            [places[0][lane], places[1][lane]] = contact.places;
+            for k in [0, 1] {
+                self.images[k][lane] = contact.image[k];
+                self.inverse_masses[k][lane] = contact.inverse_masses[k];
+            }
+            self.reaches[lane] = contact.reach;
+            self.restitutions[lane] = contact.restitution;
+            self.frictions[lane] = contact.friction;
+            self.impulses[0][lane] = contact.impulse;
+            self.impulses[1][lane] = contact.friction_impulse;
+            self.lanes |= 1 << lane;
+        }
+        self.places = PairPlaces::new(places);
+    }
+
+    /// The contact of a lane, if its particles touched or it has an impulse.
+    #[inline(always)]
+    pub fn lasting(&self, lane: usize) -> Option<Contact> {
+        let touched = self.touched >> lane & 1 == 1;
+        (touched || self.impulses[0][lane] > 0.0).then(|| Contact {
+            places: [0, 1].map(|k| self.places.of(k)[lane]),
+            image: [0, 1].map(|k| self.images[k][lane]),
+            reach: self.reaches[lane],
+            inverse_masses: [0, 1].map(|k| self.inverse_masses[k][lane]),
+            restitution: self.restitutions[lane],
+            friction: self.frictions[lane],
+            impulse: self.impulses[0][lane],
+            friction_impulse: self.impulses[1][lane],
+            totals: [0, 1].map(|k| self.totals[k][lane]),
+            touched,
+            ..Contact::default()
+        })
+    }
+
+    /// Calls `act` with each lane in use.
+    #[inline(always)]
+    pub fn each_lane(&self, mut act: impl FnMut(usize)) {
+        for_each_lane(self.lanes, |lane| act(lane % LANES));
+    }
+}
+
+/// The blocks of a colour.
+#[derive(Clone, Copy, Debug)]
+pub struct Colour {
+    start: usize,
+    uneven_end: usize,
+    end: usize,
+    /// Whether contacts share particles, so that they are solved in sequence.
+    pub is_serial: bool,
+}
+
+impl Colour {
+    /// All blocks.
+    pub fn all(&self) -> Range<usize> {
+        self.start..self.end
+    }
+
+    /// Those of particles that have contacts of uneven masses.
+    pub fn uneven(&self) -> Range<usize> {
+        self.start..self.uneven_end
+    }
+}
+
+/// All blocks of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Blocks {
+    /// Colour by colour.
+    pub list: Vec<Block>,
+    /// The colours in use.
+    pub colours: Vec<Colour>,
+}
+
+/// The lane of the next contact of each kind of each colour, counted over all blocks.
+pub struct Lanes([[usize; KINDS]; COLOURS + 1]);
+
+impl Lanes {
+    /// A lane for a contact.
+    #[inline(always)]
+    pub fn take(&mut self, [colour, kind]: [u8; 2]) -> usize {
+        let colour = usize::from(colour);
+        let lane = &mut self.0[colour][usize::from(kind)];
+        let width = if colour == COLOURS { LANES } else { 1 };
+        std::mem::replace(lane, *lane + width)
+    }
+}
+
+impl Blocks {
+    /// Removes all blocks.
+    pub fn clear(&mut self) {
+        self.list.clear();
+        self.colours.clear();
+    }
+
+    /// Makes room for the contacts of each kind of each colour. Contacts of particles with contacts
+    /// of uneven masses have blocks of their own, and those in sequence one each.
+    pub fn arrange(&mut self, counts: &Counts) -> Lanes {
+        self.colours.clear();
+        let mut lanes = Lanes([[0; KINDS]; COLOURS + 1]);
+        let mut end = 0;
+        for (colour, kinds) in counts.iter().enumerate() {
+            let (start, is_serial) = (end, colour == COLOURS);
+            let most = if is_serial { 1 } else { LANES };
+            let first = |block: usize| block * LANES;
+            let uneven_end = start + kinds[UNEVEN_KIND].div_ceil(most);
+            lanes.0[colour][UNEVEN_KIND] = first(start);
+            lanes.0[colour][NEAR_KIND] = first(uneven_end);
+            lanes.0[colour][FAR_KIND] = first(uneven_end) + kinds[NEAR_KIND];
+            end = uneven_end + (kinds[NEAR_KIND] + kinds[FAR_KIND]).div_ceil(most);
+            if start < end {
+                self.colours.push(Colour { start, uneven_end, end, is_serial });
+            }
+        }
+        self.list.resize(end, Block::default());
+        lanes
+    }
+}

@@ -1,0 +1,478 @@
+//! Contacts of candidate pairs that may rest or overlap, with graph colouring.
+//!
+//! Contacts of one colour share no movable particle, so they are solved in parallel with the same
+//! result. Colours are assigned greedily in the canonical order of the pairs, which comes from
+//! positions.
+
+mod blocks;
+
+use crate::motion::Motions;
+use crate::parallel;
+use crate::particles::Particles;
+use crate::simd::LANES;
+pub use blocks::{Block, Blocks};
+
+/// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
+pub const COLOURS: usize = 64;
+
+/// Masses are uneven if the larger is more than this times the smaller.
+const UNEVEN: f32 = 6.0;
+
+/// Two particles whose contact may rest or be corrected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Places of the two particles in the world's order.
+    pub places: [u32; 2],
+    /// Offset that is added to the second (torus).
+    pub image: [f32; 2],
+    /// Sum of the radii.
+    pub reach: f32,
+    /// Coefficient of restitution.
+    pub restitution: f32,
+    /// Coefficient of friction.
+    pub friction: f32,
+    /// One over the masses; 0 for particles that do not move in the step.
+    pub inverse_masses: [f32; 2],
+    /// Unit vector from the first to the second.
+    pub normal: [f32; 2],
+    /// Distance from surface to surface; negative if they overlap.
+    pub gap: f32,
+    /// Impulse at rest, carried from sub-step to sub-step.
+    pub impulse: f32,
+    /// Impulse of friction at rest on the second along the normal after a quarter turn, in the
+    /// same way.
+    pub friction_impulse: f32,
+    /// Sums of the impulses of this step along the normal and of friction.
+    pub totals: [f32; 2],
+    /// Whether the two touched or pushed each other during this step.
+    pub touched: bool,
+}
+
+/// Kinds of contacts in a colour, in their order.
+const KINDS: usize = 3;
+
+/// Those of particles that have contacts of uneven masses.
+const UNEVEN_KIND: usize = 0;
+
+/// Those of particles that are near each other as the step begins, and the others. Blocks of the
+/// latter often have no contact that rests.
+const NEAR_KIND: usize = 1;
+const FAR_KIND: usize = 2;
+
+/// Gap, as a share of the sum of radii, up to which particles are near.
+const NEAR: f32 = 0.1;
+
+/// The number of contacts of each kind of each colour.
+type Counts = [[usize; KINDS]; COLOURS + 1];
+
+/// Marks lanes without a contact.
+const NONE: u32 = u32::MAX;
+
+/// Blocks that a thread fills at a time.
+const BLOCKS_OF_A_THREAD: usize = 64;
+
+impl Default for Contact {
+    /// The normal of coincident centres is +x.
+    fn default() -> Self {
+        Self {
+            places: [0; 2],
+            image: [0.0; 2],
+            reach: 0.0,
+            restitution: 0.0,
+            friction: 0.0,
+            inverse_masses: [0.0; 2],
+            normal: [1.0, 0.0],
+            gap: 0.0,
+            impulse: 0.0,
+            friction_impulse: 0.0,
+            totals: [0.0; 2],
+            touched: false,
+        }
+    }
+}
+
+/// Whether the masses of two particles that move are very different.
+fn are_uneven([a, b]: [f32; 2]) -> bool {
+    a.max(b) > UNEVEN * a.min(b)
+}
+
+impl Contact {
+    /// Adds impulses to the sums of this step.
+    #[inline(always)]
+    pub fn count(&mut self, impulses: [f32; 2]) {
+        self.totals = [0, 1].map(|k| self.totals[k] + impulses[k]);
+    }
+
+    /// Updates normal and gap to the positions.
+    pub fn measure(&mut self, motions: &Motions) {
+        let [a, b] = self.places.map(|place| motions.position(place));
+        let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
+        let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        if length > 0.0 && length < f32::INFINITY {
+            self.normal = offset.map(|v| v / length);
+        }
+        self.gap = length - self.reach;
+    }
+
+    /// What contacts are sorted by.
+    fn key(&self) -> ([u32; 2], [u32; 2]) {
+        (self.places, self.image.map(f32::to_bits))
+    }
+
+    /// The same contact with the smaller place first. The impulse of friction stays the same, because
+    /// the normal changes its sign.
+    fn ascending(self) -> Self {
+        let Self { places: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
+        if a < b {
+            return self;
+        }
+        // 0 − v, so that no image is −0.
+        let [image, normal] = [image, normal].map(|vector| vector.map(|v| 0.0 - v));
+        Self { places: [b, a], image, normal, inverse_masses: [d, c], ..self }
+    }
+}
+
+/// All contacts of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Those that lasted, in canonical order, between steps.
+    list: Vec<Contact>,
+    /// All contacts, during a step.
+    pub blocks: Blocks,
+    /// The lane of each contact, counted over all blocks, in canonical order.
+    lanes: Vec<u32>,
+    /// The colour and kind of each contact, in canonical order.
+    colours: Vec<[u8; 2]>,
+    /// Where the contact of each lane comes from: which list, and which pair of it.
+    sources: Vec<[u32; 2]>,
+    /// Whether the canonical order is that of the keys: there are no contacts with images.
+    is_sorted: bool,
+    spare: Vec<Contact>,
+    unsorted: Vec<Contact>,
+    taken: Vec<u64>,
+    /// Whether each particle has a contact of uneven masses; empty if none has.
+    uneven: Vec<bool>,
+    previous: Previous,
+}
+
+/// Impulses of resting contacts of the last step, for warm starting.
+#[derive(Clone, Debug, Default)]
+struct Previous {
+    /// `starts[place]..starts[place + 1]` are the contacts whose first is `place`.
+    starts: Vec<u32>,
+    seconds: Vec<u32>,
+    /// Along the normal, and of friction.
+    impulses: Vec<[f32; 2]>,
+}
+
+impl Previous {
+    /// The impulses between two places of the previous order.
+    fn impulses(&self, a: u32, b: u32) -> [f32; 2] {
+        let (first, second) = (a.min(b) as usize, a.max(b));
+        if first + 1 >= self.starts.len() {
+            return [0.0; 2];
+        }
+        let range = self.starts[first] as usize..self.starts[first + 1] as usize;
+        // In canonical order, so ascending: one large particle may rest on very many.
+        let found = self.seconds[range.clone()].binary_search(&second);
+        found.map_or([0.0; 2], |at| self.impulses[range.start + at])
+    }
+}
+
+impl Contacts {
+    /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
+    /// in the step; `before` gives the place that each had in the previous step's order.
+    pub fn collect(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        particles: &Particles,
+        movable: &[bool],
+        restitution: f32,
+        before: &[u32],
+        threads: Option<usize>,
+    ) {
+        let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
+        let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
+        self.find_uneven(lists, &particles.masses, movable);
+        self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
+        let counts = self.colour(lists, solved, particles, movable);
+        let mut next = self.blocks.arrange(&counts);
+        self.list.clear();
+        self.lanes.clear();
+        self.sources.clear();
+        self.sources.resize(self.blocks.list.len() * LANES, [NONE; 2]);
+        let mut colours = self.colours.iter();
+        for (which, (_, pairs)) in lists.iter().enumerate() {
+            for (index, _) in pairs.iter().enumerate().filter(|(_, pair)| solved(pair)) {
+                let Some(&colour) = colours.next() else { break };
+                let lane = next.take(colour);
+                self.lanes.push(lane as u32);
+                self.sources[lane] = [which as u32, index as u32];
+            }
+        }
+        let Self { blocks, sources, previous, .. } = self;
+        let contact = |[which, index]: [u32; 2]| {
+            let (image, pairs) = lists.get(which as usize)?;
+            let places = pairs[index as usize];
+            let [i, j] = places.map(|place| place as usize);
+            let own = particles.restitutions[i] * particles.restitutions[j];
+            let here = *image == [0.0; 2];
+            let previous = if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
+            Some(Contact {
+                places,
+                image: *image,
+                reach: particles.radii[i] + particles.radii[j],
+                restitution: restitution * own,
+                inverse_masses: [inverse_mass(i), inverse_mass(j)],
+                friction: particles.pair_friction(i, j),
+                impulse: previous[0],
+                friction_impulse: previous[1],
+                ..Contact::default()
+            })
+        };
+        let (size, spare) = (BLOCKS_OF_A_THREAD, movable.len() as u32);
+        let threads = if blocks.list.len() <= size { Some(1) } else { threads };
+        let parts = blocks.list.chunks_mut(size).zip(sources.chunks(size * LANES));
+        parallel::for_each(threads, parts, |(blocks, sources)| {
+            for (block, sources) in blocks.iter_mut().zip(sources.chunks(LANES)) {
+                block.fill(spare, |lane| contact(sources[lane]));
+            }
+        });
+    }
+
+    /// Finds the particles that have contacts of uneven masses.
+    fn find_uneven(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        masses: &[f32],
+        movable: &[bool],
+    ) {
+        self.uneven.clear();
+        if lists.iter().all(|(_, pairs)| pairs.is_empty()) {
+            return;
+        }
+        // Most worlds need no further test. Numbers above 0 have the order of their bits.
+        let bits = masses.iter().map(|mass| mass.to_bits());
+        let [least, most] = [bits.clone().fold(u32::MAX, u32::min), bits.fold(0, u32::max)];
+        if f32::from_bits(most) <= UNEVEN * f32::from_bits(least) * (1.0 - 4.0 * f32::EPSILON) {
+            return;
+        }
+        for &pair in lists.iter().flat_map(|(_, pairs)| pairs) {
+            let [a, b] = pair.map(|place| place as usize);
+            if movable[a] && movable[b] && are_uneven([1.0 / masses[a], 1.0 / masses[b]]) {
+                self.uneven.resize(movable.len(), false);
+                (self.uneven[a], self.uneven[b]) = (true, true);
+            }
+        }
+    }
+
+    /// Whether a particle has a contact of uneven masses in this step.
+    pub fn is_uneven(&self, place: u32) -> bool {
+        self.uneven.get(place as usize).is_some_and(|&uneven| uneven)
+    }
+
+    /// Whether any particle has.
+    pub fn has_uneven(&self) -> bool {
+        !self.uneven.is_empty()
+    }
+
+    /// Gives each pair that is to be solved its colour and kind, and counts them.
+    fn colour(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        solved: impl Fn(&[u32; 2]) -> bool,
+        particles: &Particles,
+        movable: &[bool],
+    ) -> Counts {
+        // Immovable particles take no colour: any number of contacts may share one.
+        let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
+        let Self { taken, colours, uneven, .. } = self;
+        taken.clear();
+        taken.resize(if any { movable.len() } else { 0 }, 0);
+        colours.clear();
+        let is_uneven = |place: usize| uneven.get(place).is_some_and(|&uneven| uneven);
+        let mut counts = [[0usize; KINDS]; COLOURS + 1];
+        for (image, pairs) in lists {
+            for pair in pairs.iter().filter(|pair| solved(pair)) {
+                let [a, b] = pair.map(|place| place as usize);
+                let all = taken[a] | taken[b];
+                let colour = all.trailing_ones() as usize;
+                let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
+                taken[a] |= if movable[a] { bit } else { 0 };
+                taken[b] |= if movable[b] { bit } else { 0 };
+                let kind = if is_uneven(a) || is_uneven(b) {
+                    UNEVEN_KIND
+                } else if colour == COLOURS || are_near(particles, [a, b], *image) {
+                    NEAR_KIND
+                } else {
+                    FAR_KIND
+                };
+                counts[colour][kind] += 1;
+                colours.push([colour as u8, kind as u8]);
+            }
+        }
+        counts
+    }
+
+    /// Swaps the lists with those of `other`, except the impulses for warm starting.
+    pub fn exchange(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.list, &mut other.list);
+        self.blocks.clear();
+    }
+
+    /// Removes the contacts of removed particles and updates the places of the others.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let mut left = 0;
+        let renamed: Vec<u32> = keep
+            .iter()
+            .map(|&kept| {
+                left += u32::from(kept);
+                left - u32::from(kept)
+            })
+            .collect();
+        let stays = |contact: &Contact| contact.places.iter().all(|&place| keep[place as usize]);
+        let mut kept: Vec<Contact> = self.list.iter().copied().filter(stays).collect();
+        for contact in &mut kept {
+            contact.places = contact.places.map(|place| renamed[place as usize]);
+        }
+        self.recall(kept, left as usize);
+    }
+
+    /// Adds contacts; `places` is the number of particles.
+    pub fn insert(&mut self, new: impl Iterator<Item = Contact>, places: usize) {
+        let all = self.list.iter().copied().chain(new).map(Contact::ascending);
+        let mut list: Vec<Contact> = all.collect();
+        list.sort_unstable_by_key(Contact::key);
+        self.recall(list, places);
+    }
+
+    /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
+    pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
+        self.list = list;
+        self.blocks.clear();
+        self.remember(places);
+    }
+
+    /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that
+    /// bounced, with the offset of the second and the impulses.
+    pub fn keep_lasting(
+        &mut self,
+        bounced: impl Iterator<Item = ([u32; 2], [f32; 2], [f32; 2])>,
+        particles: &Particles,
+        places: usize,
+    ) {
+        let Self { list, blocks, lanes, spare, unsorted, .. } = self;
+        let lasting = lanes.iter().filter_map(|&lane| {
+            let lane = lane as usize;
+            blocks.list[lane / LANES].lasting(lane % LANES).map(Contact::ascending)
+        });
+        spare.clear();
+        spare.extend(bounced.map(|(pair, image, totals)| {
+            let [i, j] = pair.map(|place| place as usize);
+            Contact {
+                places: pair,
+                image,
+                reach: particles.radii[i] + particles.radii[j],
+                inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
+                totals,
+                touched: true,
+                ..Contact::default()
+            }
+        }));
+        sort(spare);
+        list.clear();
+        if self.is_sorted {
+            merge(lasting, spare.iter().copied(), list);
+        } else {
+            unsorted.clear();
+            unsorted.extend(lasting);
+            sort(unsorted);
+            merge(unsorted.iter().copied(), spare.iter().copied(), list);
+        }
+        self.blocks.clear();
+        self.remember(places);
+    }
+
+    /// Those that touched or have an impulse, in canonical order.
+    pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
+        self.list.iter().filter(|contact| contact.touched || contact.impulse > 0.0)
+    }
+
+    /// Calls `act` on every contact, in any order; it may only write the contact.
+    pub fn each(&mut self, threads: Option<usize>, act: impl Fn(&mut Contact) + Sync + Send) {
+        parallel::for_chunks(threads, &mut self.list, |_, chunk| chunk.iter_mut().for_each(&act));
+    }
+
+    /// Stores the resting impulses by place, for warm starting in the next step. Returns the
+    /// first contact whose impulse is not finite, if any.
+    pub fn remember(&mut self, places: usize) -> Option<&Contact> {
+        let Self { list, previous: Previous { starts, seconds, impulses }, .. } = self;
+        starts.clear();
+        starts.resize(places + 1, 0);
+        seconds.clear();
+        impulses.clear();
+        let mut overflow = None;
+        for contact in &*list {
+            if contact.impulse == f32::INFINITY {
+                overflow = overflow.or(Some(contact));
+            }
+            if contact.impulse > 0.0 && contact.image == [0.0; 2] {
+                starts[contact.places[0] as usize + 1] += 1;
+                seconds.push(contact.places[1]);
+                impulses.push([contact.impulse, contact.friction_impulse]);
+            }
+        }
+        if seconds.is_empty() {
+            starts.clear();
+        }
+        for place in 1..starts.len() {
+            starts[place] += starts[place - 1];
+        }
+        overflow
+    }
+
+    /// The contacts that pushed, in canonical order, as the last step left them.
+    pub fn touching(&self) -> impl Iterator<Item = &Contact> {
+        self.list.iter().filter(|contact| contact.touched)
+    }
+}
+
+/// Whether two particles are near each other.
+fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool {
+    let [p, q] = [a, b].map(|place| particles.positions[place]);
+    let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+    let most = (1.0 + NEAR) * (particles.radii[a] + particles.radii[b]);
+    x * x + y * y < most * most
+}
+
+/// Sorts contacts by their keys. Those in the right order, equal ones also, stay where they are.
+fn sort(list: &mut [Contact]) {
+    if !list.is_sorted_by_key(Contact::key) {
+        list.sort_unstable_by_key(Contact::key);
+    }
+}
+
+/// Appends two sorted lists to a third. Of the same contact in both, that of the first list is kept,
+/// with the sums of the impulses of both.
+fn merge(
+    first: impl Iterator<Item = Contact>,
+    second: impl Iterator<Item = Contact>,
+    to: &mut Vec<Contact>,
+) {
+    let (mut first, mut second) = (first.peekable(), second.peekable());
+    loop {
+        let next = match (first.peek(), second.peek()) {
+            (Some(a), Some(b)) if b.key() < a.key() => second.next(),
+            (Some(_), _) => first.next(),
+            (None, _) => second.next(),
+        };
+        let Some(next) = next else { return };
+        match to.last_mut() {
+            Some(last) if last.key() == next.key() => {
+                last.touched |= next.touched;
+                last.count(next.totals);
+            }
+            _ => to.push(next),
+        }
+    }
+}

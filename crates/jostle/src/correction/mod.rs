@@ -1,0 +1,290 @@
+//! Position correction: particles that overlap are moved apart, and back inside the walls. Only
+//! positions change, so it adds no kinetic energy. Two particles that move share the displacement
+//! equally, whatever their masses: otherwise the overlap of light particles between heavy ones
+//! would decrease very slowly.
+
+mod pairs;
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::contacts::Contacts;
+use crate::container::{Container, size};
+use crate::motion::{Motions, Vectors, exact};
+use crate::parallel;
+use crate::particles::Particles;
+use crate::trajectory::{Vector, vector};
+use crate::walls::Around;
+use pairs::{Block, Measure, Separate};
+
+/// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
+/// contacts persist.
+const SLOP: f32 = 0.002;
+
+/// Share of the overlap beyond [`SLOP`] that one iteration removes.
+const SOFTNESS: f32 = 0.35;
+
+/// Largest displacement of a particle in one iteration, as a share of the smaller diameter. A
+/// larger one could move it to the other side of a small particle.
+const MOST: f32 = 0.1;
+
+/// Gap, as a share of the sum of radii, up to which the correction of other pairs may make two
+/// particles overlap.
+const NEAR: f32 = 0.02;
+
+/// Maximum number of iterations over the near pairs.
+const ITERATIONS: usize = 6;
+
+/// Two particles are moved apart if they overlap by more than this share of the smaller diameter
+/// beyond [`SLOP`].
+const TOLERANCE: f32 = 0.001;
+
+/// Share of the square of a distance from walls within which rounding does not matter.
+const FREE: f32 = 0.99;
+
+/// Displacements in an iteration, one for so many particles, from which on it is worth to find those
+/// that are far from all walls first.
+const WORTH_LISTING: usize = 16;
+
+/// Blocks in one task of a thread.
+const BLOCKS_OF_A_THREAD: usize = 64;
+
+/// Smaller radii, as a share of the coordinates, count as this where discs are pushed out of walls.
+const WIDE: f64 = 1e-5;
+
+/// Directions for centres that coincide: sixteen points of the unit circle, in
+/// an order that separates neighbours.
+const DIRECTIONS: [[f32; 2]; 16] = [
+    [1.0, 0.0],
+    [-0.707_106_77, 0.707_106_77],
+    [0.0, -1.0],
+    [0.707_106_77, 0.707_106_77],
+    [-1.0, 0.0],
+    [0.707_106_77, -0.707_106_77],
+    [0.0, 1.0],
+    [-0.707_106_77, -0.707_106_77],
+    [0.923_879_5, 0.382_683_43],
+    [-0.923_879_5, 0.382_683_43],
+    [0.382_683_43, -0.923_879_5],
+    [0.382_683_43, 0.923_879_5],
+    [-0.923_879_5, -0.382_683_43],
+    [0.923_879_5, -0.382_683_43],
+    [-0.382_683_43, 0.923_879_5],
+    [-0.382_683_43, -0.923_879_5],
+];
+
+/// Scratch.
+#[derive(Debug, Default)]
+pub struct Correction {
+    /// Displacements by the correction; 0 before and after it.
+    displacements: Vectors,
+    /// The state before the correction.
+    positions: Vectors,
+    residuals: Vectors,
+    /// Squares of displacements that walls certainly allow; empty if unknown.
+    free_squares: Vec<f32>,
+    /// The contacts of the step.
+    blocks: Vec<Block>,
+}
+
+impl Correction {
+    /// Begins a step.
+    pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles) {
+        let all = contacts.blocks.list.iter();
+        self.blocks.clear();
+        self.blocks.extend(all.map(|of| Block::new(of, &particles.radii)));
+    }
+
+    /// Notes in the contacts which of them have overlapped in the step.
+    pub fn end_step(&self, contacts: &mut Contacts) {
+        for (block, to) in self.blocks.iter().zip(&mut contacts.blocks.list) {
+            block.store(to);
+        }
+    }
+
+    /// Corrects the positions of the particles of `contacts`, and of particles that overlap the
+    /// container or a wall.
+    pub fn run(
+        &mut self,
+        contacts: &Contacts,
+        motions: &Motions,
+        particles: &Particles,
+        (container, walls): (&Container, Around<'_>),
+        threads: Option<usize>,
+    ) {
+        let radii = &particles.radii;
+        let clamp = |place: u32| {
+            let position = motions.position(place);
+            let allowed = container.clamp(position, radii[place as usize]);
+            if allowed != position {
+                motions.set_position(place, allowed);
+            }
+        };
+        if container.has_walls() {
+            parallel::for_rows(threads, particles.len(), |index| {
+                if particles.movable[index] {
+                    clamp(index as u32);
+                }
+            });
+        }
+        if !walls.is_empty() {
+            parallel::for_rows(threads, particles.len(), |index| {
+                let position = motions.position(index as u32);
+                if particles.movable[index] && !walls.is_far(index as u32, position, 0.0) {
+                    let by = pushed_out(walls, motions, index as u32, [0.0; 2]);
+                    if by != [0.0; 2] {
+                        motions.displace(index as u32, by);
+                    }
+                }
+            });
+        }
+        // The displacement that walls allow.
+        let inside = |place: u32, by: [f32; 2]| {
+            let position = motions.position(place);
+            let far = (by[0] * by[0] + by[1] * by[1]).sqrt() * (1.0 + 4.0 * f32::EPSILON);
+            let is_free = walls.is_empty() || walls.is_far(place, position, far);
+            let by = if is_free { by } else { pushed_out(walls, motions, place, by) };
+            let wanted = [0, 1].map(|k| position[k] + by[k]);
+            let allowed = container.clamp(wanted, radii[place as usize]);
+            let is_kept = |k: usize| allowed[k] == wanted[k];
+            [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
+        };
+        if self.blocks.is_empty() {
+            return;
+        }
+        self.measure(contacts, motions, particles.len(), threads);
+        self.free_squares.clear();
+        for iteration in 0..ITERATIONS {
+            let moved = self.separate(contacts, inside, threads);
+            if iteration == 0 && moved >= particles.len() / WORTH_LISTING {
+                self.find_free(motions, radii, (container, walls), threads);
+            }
+            match (moved, iteration) {
+                (0, 0) => return,
+                (0, _) => break,
+                _ => {}
+            }
+        }
+        let displacements = &self.displacements;
+        parallel::for_rows(threads, particles.len(), |place| {
+            let place = place as u32;
+            let by = displacements.get(place);
+            if by != [0.0; 2] {
+                motions.displace(place, by);
+                clamp(place);
+                displacements.set(place, [0.0; 2]);
+            }
+        });
+    }
+
+    /// Finds the pairs that are near.
+    fn measure(
+        &mut self,
+        contacts: &Contacts,
+        motions: &Motions,
+        places: usize,
+        threads: Option<usize>,
+    ) {
+        let Self { displacements, positions, residuals, blocks, .. } = self;
+        // One more for lanes without a pair.
+        for vectors in [displacements, &mut *positions, &mut *residuals] {
+            vectors.resize(places + 1);
+            vectors.set(places as u32, [0.0; 2]);
+        }
+        let (positions, residuals) = (&*positions, &*residuals);
+        parallel::for_rows(threads, places, |place| {
+            let place = place as u32;
+            positions.set(place, motions.position(place));
+            residuals.set(place, motions.residual(place));
+        });
+        let of = &contacts.blocks.list;
+        let threads = if of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { threads };
+        let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).zip(of.chunks(BLOCKS_OF_A_THREAD));
+        parallel::for_each(threads, parts, |(blocks, of)| {
+            Measure { of, blocks, positions, residuals }.run();
+        });
+    }
+
+    /// Finds the particles that are at least their radius away from all walls. Nearly all are.
+    fn find_free(
+        &mut self,
+        motions: &Motions,
+        radii: &[f32],
+        (container, walls): (&Container, Around<'_>),
+        threads: Option<usize>,
+    ) {
+        self.free_squares.resize(radii.len(), 0.0);
+        parallel::for_chunks(threads, &mut self.free_squares, |first, squares| {
+            for (square, place) in squares.iter_mut().zip(first..) {
+                let (position, radius) = (motions.position(place as u32), radii[place]);
+                let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
+                    && container.is_far(position.map(f64::from), f64::from(radius), {
+                        [f64::from(radius); 2]
+                    });
+                *square = if is_free { FREE * radius * radius } else { 0.0 };
+            }
+        });
+    }
+
+    /// Moves all overlapping pairs apart, colour after colour. Returns how many there are.
+    fn separate(
+        &self,
+        contacts: &Contacts,
+        inside: impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
+        threads: Option<usize>,
+    ) -> usize {
+        let count = AtomicUsize::new(0);
+        let (displacements, inside) = (&self.displacements, |place: u32, by: [f32; 2]| {
+            let free = self.free_squares.get(place as usize);
+            let is_free = free.is_some_and(|free| by[0] * by[0] + by[1] * by[1] < *free);
+            if is_free { by } else { inside(place, by) }
+        });
+        let inside = &inside;
+        for colour in &contacts.blocks.colours {
+            let (of, blocks) = (&contacts.blocks.list[colour.all()], &self.blocks[colour.all()]);
+            let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
+            let threads = if is_serial { Some(1) } else { threads };
+            let size = if is_serial { blocks.len() } else { BLOCKS_OF_A_THREAD };
+            parallel::for_each(
+                threads,
+                of.chunks(size).zip(blocks.chunks(size)),
+                |(of, blocks)| {
+                    let moved = Separate { of, blocks, displacements, inside }.run();
+                    count.fetch_add(moved, Ordering::Relaxed);
+                },
+            );
+        }
+        count.into_inner()
+    }
+}
+
+thread_local! {
+    /// Scratch of [`pushed_out`], which many threads call.
+    static NEAR_WALLS: Cell<Vec<u32>> = const { Cell::new(Vec::new()) };
+}
+
+/// The displacement of a particle that is to move `by`, with the least change that lets it overlap
+/// no wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
+fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) -> [f32; 2] {
+    let radius = f64::from(walls.particles.radii[place as usize]);
+    let from = exact(motions.position(place), motions.residual(place));
+    let to: Vector = [0, 1].map(|k| from[k] + f64::from(by[k]));
+    // Points are moved away from walls, too.
+    let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
+    let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
+    let mut is_free = true;
+    walls.each(place, area, 0.0, |wall| {
+        let seen = |position: Vector| walls.position_from(wall, position, 0.0);
+        is_free &= !walls.walls.is_near(wall, area.map(seen), radius)
+            || walls.walls.is_free(wall, [from, to].map(seen), radius);
+    });
+    if is_free {
+        return by;
+    }
+    let mut near = NEAR_WALLS.take();
+    near.clear();
+    walls.each(place, area, most, |wall| near.push(wall));
+    let allowed = walls.push_out(&near, [from, to], radius, most);
+    NEAR_WALLS.set(near);
+    if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }
+}

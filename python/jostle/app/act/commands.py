@@ -1,0 +1,225 @@
+"""Commands on particles: make, copy, remove, stop, fix, scatter; and walls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.simulate.article_simulation import NO_WALLS
+from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.engine import REFUSALS, Edit, Engine, message_of
+from jostle.app.simulate.placement import free_positions
+from jostle.app.simulate.settings import Polyline
+from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
+from jostle.app.simulate.wall_segments import nearest
+
+CLONE_GAP = 1.05  # diameters between a particle and its clone
+PARTY_SPEED = 0.4  # largest speed, in diagonals of the view per second
+DENSITIES = 1.0, 20.0  # the article's range, for colours that differ
+PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no other
+
+
+class Commands:
+    """Commands on particles and walls; an error becomes a message."""
+
+    def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
+        self._engine = engine
+        self._say = say
+        self._rng = np.random.default_rng()
+
+    # Some particles
+
+    def create(self, point: Point) -> None:
+        """Add a particle at rest, with the median radius and density."""
+        radius, density = usual(self._engine.frame)
+        self._edit(lambda simulation: simulation.add([point], [(0, 0)], [radius], [density]))
+
+    def clone(self, tags: Tags) -> None:
+        """Add a copy of each particle, all shifted alike; where a wall is, at a free position."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            rows = frame.rows(tags)
+            if not len(rows):
+                return
+            places, there = _places_beside(frame, rows, simulation.view)
+            rows = rows[there]
+            simulation.add(
+                places[there],
+                frame.velocities[rows],
+                frame.radii[rows],
+                frame.densities[rows],
+                frame.movable[rows],
+            )
+            if not there.all():
+                self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
+
+        self._edit(work)
+
+    def delete(self, tags: Tags) -> None:
+        """Remove particles."""
+        self._edit(lambda simulation: simulation.remove(tags))
+
+    def stop(self, tags: Tags) -> None:
+        """Set the velocity of particles to 0."""
+        self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0)))
+
+    def fix(self, tags: Tags, *, movable: bool) -> None:
+        """Stop particles and make them immovable, or movable; the article has movable ones only."""
+        if self._engine.settings.by_article:
+            self._say("Under the article's rules all particles are movable.")
+            return
+        self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0), movable=movable))
+
+    # All that can move
+
+    def scramble(self) -> None:
+        """Move every particle to a random position inside the container."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            tags = frame.tags[frame.movable]
+            simulation.change(tags, positions=self._places(frame, simulation.view))
+
+        self._edit(work)
+
+    def dance(self) -> None:
+        """Give every particle a random position, velocity and density, and so a random colour."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            tags = frame.tags[frame.movable]
+            n = len(tags)
+            angle, fastest = self._rng.uniform(0, 2 * math.pi, n), _party_speed(simulation.view)
+            speed = self._rng.uniform(0, fastest, n)
+            simulation.change(
+                tags,
+                positions=self._places(frame, simulation.view),
+                velocities=np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1),
+                densities=np.rint(self._rng.uniform(*DENSITIES, n)),
+            )
+
+        self._edit(work)
+
+    def _places(self, frame: Frame, view: Rect) -> NDArray[np.float64]:
+        """Return random positions for the movable particles, inside the container and the view."""
+        return scatter(self._rng, frame.container, view, frame.radii[frame.movable])
+
+    # Walls
+
+    @property
+    def drawn_walls(self) -> NDArray[np.intp]:
+        """Return the rows of the walls that a user drew."""
+        frame = self._engine.frame
+        return np.arange(frame.own_walls, len(frame.walls))
+
+    def wall(self, start: Point, end: Point) -> None:
+        """Add a wall: a line segment."""
+        if self._engine.settings.by_article:
+            self._say(NO_WALLS)
+            return
+        self._edit(lambda simulation: simulation.add_wall(Polyline((start, end))))
+
+    def erase_wall(self, point: Point, reach: float) -> None:
+        """Remove the wall that is nearest to a point, if it is within `reach` of it."""
+
+        def work(simulation: Simulation) -> None:
+            row, distance = nearest(simulation.frame().walls, point)
+            if distance <= reach:
+                simulation.remove_walls([row])
+
+        self._edit(work)
+
+    def clear_walls(self) -> None:
+        """Remove every wall that was drawn."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            simulation.remove_walls(np.arange(frame.own_walls, len(frame.walls)))
+
+        if len(self.drawn_walls):
+            self._edit(work)
+
+    def _edit(self, work: Callable[[Simulation], object]) -> None:
+        self._engine.edit(_or_say(work, self._say))
+
+
+def _or_say(work: Callable[[Simulation], object], say: Callable[[str | None], None]) -> Edit:
+    """Return an edit that shows an error as a message."""
+
+    def edit(simulation: Simulation) -> None:
+        try:
+            work(simulation)
+        except REFUSALS as error:
+            say(message_of(error))
+
+    return edit
+
+
+def usual(frame: Frame) -> tuple[float, float]:
+    """Return the median radius and density of the movable particles."""
+    radii, densities = frame.radii[frame.movable], frame.densities[frame.movable]
+    if len(radii) == 0:
+        return PLAIN_RADIUS, PLAIN_DENSITY
+    return float(np.median(radii)), float(np.median(densities))
+
+
+def scatter(
+    rng: np.random.Generator, container: Container, view: Rect, radii: NDArray[np.floating]
+) -> NDArray[np.float64]:
+    """Return random positions for discs, inside both the container and the view."""
+    n = len(radii)
+    if isinstance(container, jostle.Circle):
+        angle = rng.uniform(0, 2 * math.pi, n)
+        reach = np.maximum(container.radius - radii, 0) * np.sqrt(rng.uniform(0, 1, n))
+        around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        inside: NDArray[np.float64] = np.array(container.center) + around * reach[:, None]
+        return inside
+    low, high = np.array(view[:2]), np.array(view[2:])
+    walls = bounds(container)
+    if walls is not None:
+        low, high = np.clip(low, walls[:2], walls[2:]), np.clip(high, walls[:2], walls[2:])
+    room = np.maximum((high - low)[None, :] - 2 * radii[:, None], 0.0)
+    places: NDArray[np.float64] = (low + high) / 2 + room * rng.uniform(-0.5, 0.5, (n, 2))
+    return places
+
+
+def _places_beside(
+    frame: Frame, rows: NDArray[np.intp], view: Rect
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return positions for copies, and which copies have one."""
+    places = frame.positions[rows] + _beside(frame, rows)
+    there, walls = np.ones(len(rows), np.bool_), bounds(frame.container)
+    if walls is None:
+        return places, there
+    radii = frame.radii[rows].astype(np.float64)
+    low, high = np.array(walls[:2]) + radii[:, None], np.array(walls[2:]) - radii[:, None]
+    beyond = np.flatnonzero(((places < low) | (places > high)).any(axis=1))
+    within = np.setdiff1d(np.arange(len(rows)), beyond)
+    free, found = free_positions(
+        np.concatenate([frame.positions, places[within]]),
+        np.concatenate([frame.radii, radii[within]]),
+        radii[beyond], frame.container, view, len(frame), frame.walls,
+    )  # fmt: skip
+    there[beyond] = False
+    places[beyond[found]], there[beyond[found]] = free, True
+    return places, there
+
+
+def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the shift from the originals to their copies, to the side with more space."""
+    places, radii = frame.positions[rows].astype(np.float64), frame.radii[rows, None]
+    low, high = (places - radii).min(axis=0)[0], (places + radii).max(axis=0)[0]
+    walls = bounds(frame.container)
+    right = walls is None or low + high <= walls[0] + walls[2]
+    shift = CLONE_GAP * (high - low)
+    return np.array([shift if right else -shift, 0.0])
+
+
+def _party_speed(view: Rect) -> float:
+    min_x, min_y, max_x, max_y = view
+    return PARTY_SPEED * math.hypot(max_x - min_x, max_y - min_y)

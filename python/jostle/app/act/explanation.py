@@ -1,0 +1,251 @@
+"""Why two particles touch or do not: their distance, their AABBs, and their leaves.
+
+The leaves are those of a tree over the present positions, as it is drawn. A step builds its tree
+over swept bounds, so the pairs that it tested may differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Frame, Rect, TreeBoxes
+
+AXES = ("x", "y")
+TREE_NOW = "In a tree over the present positions"
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A leaf of the tree."""
+
+    box: Rect
+    level: int
+    count: int
+    bounds: Rect  # of the discs in it
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Sentences, and the shapes to draw with them, in world units."""
+
+    lines: tuple[str, ...]
+    touching: bool
+    compared: bool  # whether the pair is a candidate pair of such a tree
+    centres: tuple[tuple[float, float], tuple[float, float]]
+    boxes: tuple[Rect, Rect]
+    leaves: tuple[Leaf, ...]
+
+
+def explain(frame: Frame, first: int, second: int, settings: Settings) -> Explanation | None:
+    """Explain the pair of two tags; None if one does not exist, or both are the same.
+
+    Parameters
+    ----------
+    frame
+        With its tree, if it has one.
+    settings
+        Settings of the frame.
+    """
+    rows = frame.rows([first, second])
+    if len(rows) < 2 or first == second:
+        return None
+    a, b = frame.positions[rows].astype(np.float64)
+    b = a + _minimum_image(frame, b - a)
+    radii = [float(radius) for radius in frame.radii[rows]]
+    reach, distance = sum(radii), hypot(*(b - a))
+    boxes = _box(a, radii[0]), _box(b, radii[1])
+    touching = distance < reach
+    leaves, compared, sentences = _leaves(frame, rows, settings)
+    lines = [
+        _verdict(first, second, reach - distance),
+        f"The distance of their centres is {distance:.4g}; the sum of their radii "
+        f"{radii[0]:.4g} + {radii[1]:.4g} is {reach:.4g}.",
+        _of_boxes(boxes, touching),
+        *sentences,
+        *_of_rules(frame, rows, settings, touching),
+    ]
+    centres = (float(a[0]), float(a[1])), (float(b[0]), float(b[1]))
+    return Explanation(tuple(lines), touching, compared, centres, boxes, leaves)
+
+
+def _verdict(first: int, second: int, depth: float) -> str:
+    pair = f"Particles {first} and {second}"
+    if depth > 0:
+        return f"{pair} touch: they overlap by {depth:.4g}."
+    if depth == 0:
+        return f"{pair} do not touch: the gap is 0, and touching requires overlap."
+    return f"{pair} do not touch: the gap is {-depth:.4g}."
+
+
+def _of_boxes(boxes: tuple[Rect, Rect], touching: bool) -> str:
+    gaps = _gaps(*boxes)
+    apart = [f"by {gap:.4g} in {axis}" for axis, gap in zip(AXES, gaps, strict=True) if gap >= 0]
+    if apart:
+        return f"Their AABBs are separated {' and '.join(apart)}, so they cannot touch."
+    if touching:
+        return "Their AABBs overlap, and so do the circles."
+    return "Their AABBs overlap, but the circles do not."
+
+
+def _of_rules(
+    frame: Frame, rows: NDArray[np.intp], settings: Settings, touching: bool
+) -> list[str]:
+    """Return the effect of a contact if it is not a bounce."""
+    if settings.by_article:
+        return []
+    if not frame.movable[rows].any():
+        return ["Both are immovable, so a contact has no effect."]
+    if settings.on_touch == "ignore":
+        return ["In this scene collisions are off."]
+    if settings.on_touch == "merge" and touching:
+        return ["In this scene touching particles merge at the end of the step."]
+    return []
+
+
+# Leaves
+
+
+def _leaves(
+    frame: Frame, rows: NDArray[np.intp], settings: Settings
+) -> tuple[tuple[Leaf, ...], bool, list[str]]:
+    """Return the leaves of both, whether they are a candidate pair, and why."""
+    tree = frame.tree
+    if settings.method.endswith("brute") or tree is None or not len(tree.boxes):
+        return (), True, ["Without a tree every pair is tested."]
+    if settings.by_article:
+        return _article_leaves(frame, rows, tree)
+    first, second = (_home(tree, frame.positions[row]) for row in rows)
+    leaf, other = _leaf(frame, tree, first), _leaf(frame, tree, second)
+    if first == second:
+        said = f"{TREE_NOW} both are in one leaf, {_describe(leaf)}: they are a candidate pair."
+        return (leaf,), True, [said]
+    said = f"{TREE_NOW} they are in two leaves: {_describe(leaf)}, and {_describe(other)}."
+    gaps = _gaps(leaf.bounds, _moved(frame, other.bounds, leaf.bounds))
+    apart = [f"{gap:.4g} in {axis}" for axis, gap in zip(AXES, gaps, strict=True) if gap > 0]
+    if apart:
+        gaps_text = " and ".join(apart)
+        why = f"The bounds of these leaves are {gaps_text} apart: they are no candidate pair."
+        return (leaf, other), False, [said, why]
+    why = "The bounds of these leaves overlap: they are a candidate pair."
+    return (leaf, other), True, [said, why]
+
+
+def _article_leaves(
+    frame: Frame, rows: NDArray[np.intp], tree: TreeBoxes
+) -> tuple[tuple[Leaf, ...], bool, list[str]]:
+    """Explain with the article's tree: a particle is in each leaf that its rectangle overlaps."""
+    meets = []
+    for row in rows:
+        low = np.trunc(frame.positions[row] - frame.radii[row])
+        high = low + 2 * frame.radii[row]
+        meets.append(
+            ((tree.boxes[:, :2] < high) & (tree.boxes[:, 2:] > low)).all(axis=1) & tree.is_leaf
+        )
+    common = np.flatnonzero(meets[0] & meets[1])
+    shown = np.flatnonzero(meets[0] | meets[1])
+    leaves = tuple(_leaf(frame, tree, int(index)) for index in shown)
+    count = f"They are in {meets[0].sum()} and {meets[1].sum()} leaves"
+    if len(common) == 0:
+        return leaves, False, [f"{count}, none in common: the pair is not tested."]
+    times = "once" if len(common) == 1 else f"{len(common)} times"
+    return (
+        leaves,
+        True,
+        [f"{count}, {len(common)} in common: the pair is tested {times} per frame."],
+    )
+
+
+def _home(tree: TreeBoxes, point: NDArray[np.floating]) -> int:
+    """Return the leaf that contains a centre; on a border, the deepest and the last of them."""
+    held = (tree.boxes[:, :2] <= point) & (point <= tree.boxes[:, 2:])
+    found = np.flatnonzero(held.all(axis=1) & tree.is_leaf)
+    inside = found[(point < tree.boxes[found, 2:]).all(axis=1)]
+    found = inside if len(inside) else found
+    return int(max(found, key=lambda index: (tree.levels[index], index)))
+
+
+def _leaf(frame: Frame, tree: TreeBoxes, index: int) -> Leaf:
+    box = tree.boxes[index]
+    places = frame.positions
+    inside = ((places >= box[:2]) & (places <= box[2:])).all(axis=1)
+    reach = frame.radii[inside, None]
+    low = (places[inside] - reach).min(axis=0, initial=np.inf)
+    high = (places[inside] + reach).max(axis=0, initial=-np.inf)
+    return Leaf(_rect(box), int(tree.levels[index]), int(tree.counts[index]), _rect([*low, *high]))
+
+
+def _describe(leaf: Leaf) -> str:
+    levels = f"{leaf.level} level{'s' if leaf.level != 1 else ''} below the root"
+    return f"{levels} with {leaf.count:,} particle{'s' if leaf.count != 1 else ''}"
+
+
+# Boxes
+
+
+def _minimum_image(frame: Frame, offset: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shortest periodic image of an offset."""
+    if isinstance(frame.container, jostle.Torus):
+        sides = np.array([frame.container.width, frame.container.height])
+        offset = offset - sides * np.round(offset / sides)
+    return offset
+
+
+def _moved(frame: Frame, cover: Rect, to: Rect) -> Rect:
+    """Return the periodic image of bounds that is nearest to others."""
+    middle = np.array([cover[0] + cover[2] - to[0] - to[2], cover[1] + cover[3] - to[1] - to[3]])
+    shift = _minimum_image(frame, middle / 2) - middle / 2
+    return _rect(np.array(cover) + np.concatenate([shift, shift]))
+
+
+def _box(centre: NDArray[np.float64], radius: float) -> Rect:
+    return _rect([*(centre - radius), *(centre + radius)])
+
+
+def _gaps(a: Rect, b: Rect) -> tuple[float, float]:
+    """Return the gaps between two boxes in x and in y; negative where they overlap."""
+    return max(a[0] - b[2], b[0] - a[2]), max(a[1] - b[3], b[1] - a[3])
+
+
+def _rect(corners: NDArray[np.floating] | list[float]) -> Rect:
+    x0, y0, x1, y1 = (float(corner) for corner in corners)
+    return x0, y0, x1, y1
+
+
+class PairQuestion:
+    """The pair whose contact is explained, until it is cleared.
+
+    Attributes
+    ----------
+    pair
+        Its tags, or None.
+    """
+
+    def __init__(self) -> None:
+        self.pair: tuple[int, int] | None = None
+        self._answered: tuple[Frame, Explanation | None] | None = None
+
+    def ask(self, tags: NDArray[np.int64]) -> str | None:
+        """Set the pair, or clear it; return a message if not exactly two are selected."""
+        if self.pair is not None:
+            self.pair = None
+            return None
+        if len(tags) != 2:
+            return f"Select two particles; {len(tags)} are selected."
+        self.pair, self._answered = (int(tags[0]), int(tags[1])), None
+        return None
+
+    def answer(self, frame: Frame, settings: Settings) -> Explanation | None:
+        """Return the explanation for a frame; None without a pair, or if one does not exist."""
+        if self.pair is None:
+            return None
+        if self._answered is None or self._answered[0] is not frame:
+            self._answered = frame, explain(frame, *self.pair, settings)
+            if self._answered[1] is None:
+                self.pair = None
+        return self._answered[1]

@@ -1,0 +1,141 @@
+"""The background, the walls and the discs, which are the lowest layers of every picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+import jostle
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import FIXED, GROUND, SENSOR, STAGE, TOUCHED_SENSOR, WALL
+from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.simulation import Container, Frame, Rect
+
+CONTAINER_WIDTH = 2
+SEGMENT_WIDTH = 3
+NEARLY = 1.05  # diameters, up to which neighbouring immovable discs form a wall
+STRAIGHT = 0.9999  # cosine between the first and any other segment of a run
+MOST_SENSORS = 2_000  # drawn
+FAR = 30_000  # pixels; larger coordinates are clipped before they are rounded
+
+
+def draw_container(painter: Painter, container: Container, camera: Camera) -> None:
+    """Clear the canvas and draw the container."""
+    painter.fill(GROUND)
+    walls = bounds(container)
+    if walls is None:
+        painter.fill(STAGE)
+    elif isinstance(container, jostle.Circle):
+        (x,), (y,) = camera.to_screen(np.array([container.center], np.float64))
+        radius = container.radius * camera.scale
+        painter.circle((x, y), radius + CONTAINER_WIDTH, WALL)
+        painter.circle((x, y), radius, STAGE)
+    else:
+        inside = rect_on_screen(walls, camera)
+        both = np.array(
+            [_corners(inside.inflate(2 * CONTAINER_WIDTH, 2 * CONTAINER_WIDTH)), _corners(inside)]
+        )
+        painter.rects(both, np.array([WALL, STAGE], np.uint8), filled=True)
+
+
+def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera) -> None:
+    """Draw the particles."""
+    x, y = camera.to_screen(frame.positions)
+    radii = frame.radii.astype(np.float64) * camera.scale
+    if frame.sensors is None:
+        painter.discs(x, y, radii, shades)
+        return
+    solid = frame.sensors == 0
+    painter.discs(x[solid], y[solid], radii[solid], shades[solid])
+    inside = (x + radii > 0) & (x - radii < camera.size[0])
+    inside &= (y + radii > 0) & (y - radii < camera.size[1])
+    for row in np.flatnonzero(~solid & inside)[:MOST_SENSORS]:
+        colour = SENSOR if frame.sensors[row] == 1 else TOUCHED_SENSOR
+        painter.circle((float(x[row]), float(y[row])), float(radii[row]), colour, 1.5)
+
+
+def draw_walls(painter: Painter, walls: NDArray[np.floating], camera: Camera) -> None:
+    """Draw line segments, (m, 2, 2) in world units."""
+    if len(walls) == 0:
+        return
+    x, y = camera.to_screen(walls.reshape(-1, 2).astype(np.float64))
+    ends = _clipped(np.column_stack([x, y]).reshape(-1, 2, 2))
+    colours = np.tile(np.array(FIXED, np.uint8), (len(ends), 1))
+    painter.lines(ends.reshape(-1, 4), colours, SEGMENT_WIDTH)
+
+
+def _clipped(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the parts of segments within `FAR` of the origin."""
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, last = (np.array([-FAR, FAR])[:, None, None] - start) / along
+    enter = np.fmax(np.fmin(first, last).max(axis=1), 0.0)
+    leave = np.fmin(np.fmax(first, last).min(axis=1), 1.0)
+    inside = (enter < leave) & ((along != 0) | (np.abs(start) <= FAR)).all(axis=1)
+    shares = np.stack([enter, leave], axis=1)[inside]
+    clipped: NDArray[np.float64] = start[inside, None] + shares[..., None] * along[inside, None]
+    return clipped
+
+
+class WallDiscs:
+    """Immovable discs in a straight row, drawn as one wall.
+
+    The rows are found again only if the discs have changed.
+    """
+
+    def __init__(self) -> None:
+        self._discs = np.empty((0, 3), np.float32)
+        self._runs: list[tuple[int, int]] = []
+
+    def draw(self, painter: Painter, frame: Frame, camera: Camera) -> None:
+        """Draw each straight run of immovable discs as one thick line over them."""
+        if frame.movable.all():
+            return
+        solid = True if frame.sensors is None else frame.sensors == 0
+        fixed = np.flatnonzero(~frame.movable & solid)
+        discs = np.column_stack([frame.positions[fixed], frame.radii[fixed]])
+        if not np.array_equal(discs, self._discs):
+            self._discs, self._runs = discs, _runs(discs)
+        if not self._runs:
+            return
+        first, last = np.array(self._runs).T
+        x, y = camera.to_screen(discs[:, :2])
+        ends = np.column_stack([x[first], y[first], x[last], y[last]])
+        widths = np.rint(2 * discs[first, 2] * camera.scale)
+        seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
+        for width in np.unique(widths[seen]).tolist():
+            mine = ends[seen & (widths == width)]
+            painter.lines(mine, np.tile(np.array(FIXED, np.uint8), (len(mine), 1)), width)
+
+
+def _runs(discs: NDArray[np.float32]) -> list[tuple[int, int]]:
+    """Return the first and last disc of each straight row of touching discs of equal size."""
+    steps = np.diff(discs[:, :2].astype(np.float64), axis=0)
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    radii = discs[:, 2]
+    linked = (lengths > 0) & (lengths <= NEARLY * 2 * radii[1:]) & (radii[1:] == radii[:-1])
+    directions = steps / np.maximum(lengths, 1e-30)[:, None]
+    runs: list[tuple[int, int]] = []
+    direction: tuple[float, float] | None = None  # of the row that ends at this disc
+    for k, (joined, (x, y)) in enumerate(zip(linked.tolist(), directions.tolist(), strict=True)):
+        if not joined:
+            direction = None
+        elif direction is not None and direction[0] * x + direction[1] * y > STRAIGHT:
+            runs[-1] = runs[-1][0], k + 1
+        else:
+            direction = x, y
+            runs.append((k, k + 1))
+    return runs
+
+
+def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:
+    """Return a rectangle in whole pixels, clipped to `FAR`."""
+    x0, y0, x1, y1 = (max(-FAR, min(FAR, round(c))) for c in camera.rect_to_screen(rect))
+    return pygame.Rect(x0, y0, x1 - x0, y1 - y0)
+
+
+def _corners(rect: pygame.Rect) -> Rect:
+    """Return the corners that a painter fills completely."""
+    return rect.left, rect.top, rect.right + 1, rect.bottom + 1

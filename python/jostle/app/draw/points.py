@@ -1,0 +1,121 @@
+"""Discs of up to two pixels, written into the pixels as arrays.
+
+Each disc covers a known fraction of a few pixels. The coverage of all discs is summed first; then
+each covered pixel is blended once.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from jostle.app.draw.camera import Size
+from jostle.app.draw.palette import DISCS
+
+MAX_RADIUS = 1.125  # pixels; larger discs do not fit into the kernels
+POINT_RADIUS = 0.5  # a smaller disc covers one pixel
+# The smallest radius that is drawn, so that sparse discs stay visible; less if all discs would
+# cover more than this fraction of the canvas.
+_LEAST_RADIUS, _LEAST_SHARE = 0.6, 0.12
+_STEPS = 16  # radii per pixel
+_SUBPIXELS = 4  # sub-pixel positions per axis
+
+Floats = NDArray[np.floating]
+Indices = NDArray[np.intp]
+
+
+def scatter(
+    target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: NDArray[np.uint8]
+) -> None:
+    """Draw discs with `radii` up to MAX_RADIUS; all measures in pixels.
+
+    `target` has 32 bits per pixel, 0xRRGGBB. Discs in the same pixel add up to full coverage, and
+    the last of them gives the colour.
+    """
+    width, height = target.get_size()
+    inside = (x >= -1) & (x < width + 1) & (y >= -1) & (y < height + 1)
+    if not inside.all():
+        x, y, radii, shades = x[inside], y[inside], radii[inside], shades[inside]
+    if len(x) == 0:
+        return
+    radii = np.maximum(radii, least_radius(len(x), (width, height)))
+    # Two pixels of border: one for centres just outside, one for the pixels that they cover.
+    wide, high = width + 4, height + 4
+    column, row = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    at = (row + 2) * wide + column + 2
+    cells, covers = [], []
+    colour = np.zeros(wide * high, np.uint8)
+    broad = radii >= POINT_RADIUS
+    if broad.any():
+        key = _kernel_keys(x[broad] - column[broad], y[broad] - row[broad], radii[broad])
+        spread = _OFFSETS @ np.array([1, wide])
+        around = (spread[:, None] + at[broad]).ravel()
+        cells.append(around)
+        covers.append(_KERNELS[:, key].ravel())
+        colour[around] = np.tile(shades[broad], len(_OFFSETS))
+    if not broad.all():
+        points = ~broad
+        cells.append(at[points])
+        covers.append(np.pi * radii[points] ** 2)
+        colour[at[points]] = shades[points]
+    cover = np.bincount(np.concatenate(cells), np.concatenate(covers), wide * high)
+    lit = np.flatnonzero(cover)
+    row, column = lit // wide - 2, lit % wide - 2
+    shown = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+    lit = lit[shown]
+    share = np.minimum(cover[lit], 1.0)
+    _blend(target, row[shown] * width + column[shown], share, colour[lit])
+
+
+def least_radius(count: int, size: Size) -> float:
+    """Return the smallest radius to draw, for a number of discs on a canvas."""
+    even = math.sqrt(_LEAST_SHARE * size[0] * size[1] / (math.pi * max(count, 1)))
+    return min(even, _LEAST_RADIUS)
+
+
+def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[np.uint8]) -> None:
+    """Blend colours into pixels; red and blue are computed together."""
+    pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
+    weight = (share * 256).astype(np.uint32)
+    back, front = pixels[at], _PACKED[colour]
+    mixed = np.zeros_like(back)
+    for channels in (np.uint32(0xFF00FF), np.uint32(0x00FF00)):
+        both = (back & channels) * (256 - weight) + (front & channels) * weight
+        mixed |= (both >> np.uint32(8)) & channels
+    pixels[at] = mixed
+
+
+def _kernel_keys(dx: Floats, dy: Floats, radii: Floats) -> Indices:
+    step: Indices = np.rint((radii - POINT_RADIUS) * _STEPS).astype(np.intp)
+    place: Indices = (dy * _SUBPIXELS).astype(np.intp) * _SUBPIXELS + (dx * _SUBPIXELS).astype(
+        np.intp
+    )
+    return step * _SUBPIXELS**2 + place
+
+
+def _make_kernels() -> tuple[Indices, Floats]:
+    """Return the offsets of 3 by 3 pixels, the middle last, and the coverage of each.
+
+    The coverage, (9, radii × sub-pixel positions), is counted on a fine grid.
+    """
+    reach = np.arange(-1, 2)
+    offsets = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
+    offsets = offsets[np.argsort(-(offsets**2).sum(axis=1), kind="stable")]
+    fine = (np.arange(8) + 0.5) / 8
+    grid = np.stack(np.meshgrid(fine, fine), axis=-1).reshape(-1, 2)
+    points = offsets[:, None, :] + grid
+    kernels = []
+    for radius in np.arange(POINT_RADIUS, MAX_RADIUS + 1e-9, 1 / _STEPS):
+        for place in range(_SUBPIXELS**2):
+            center = (np.array([place % _SUBPIXELS, place // _SUBPIXELS]) + 0.5) / _SUBPIXELS
+            distance = np.hypot(*(points - center).transpose(2, 0, 1))
+            kernels.append((distance <= radius).mean(axis=1))
+    shares = np.array(kernels).T.copy()
+    return offsets, shares
+
+
+_OFFSETS, _KERNELS = _make_kernels()
+_PACKED = np.array([red << 16 | green << 8 | blue for red, green, blue in DISCS], np.uint32)

@@ -1,0 +1,139 @@
+"""The choice of the painter: the graphics card if there is one, else the processor.
+
+OpenGL in software is slower than the software painter, so it is used only on request.
+"""
+
+from __future__ import annotations
+
+import os
+
+import pygame
+
+from jostle.app.draw.camera import Size
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.software import SoftwarePainter
+
+try:
+    import moderngl
+
+    from jostle.app.draw.opengl import OpenGLPainter
+except ImportError:
+    _MODERNGL = False
+else:
+    _MODERNGL = True
+
+# Exceptions of drawing when an OpenGL context is lost.
+FAILURES: tuple[type[Exception], ...] = (pygame.error,)
+if _MODERNGL:
+    FAILURES += (moderngl.Error,)
+
+
+class NoRendererError(Exception):
+    """The requested renderer is not available; the message says why."""
+
+
+class Screen:
+    """The window on the desktop, and the painter of its canvas.
+
+    Sizes of the window and mouse positions are in points, sizes of the canvas in pixels.
+
+    Parameters
+    ----------
+    size
+        Of the window in points.
+    renderer
+        One of `settings.RENDERERS`.
+
+    Raises
+    ------
+    NoRendererError
+        If the requested renderer is not available.
+    """
+
+    def __init__(self, size: Size, renderer: str = "auto") -> None:
+        pygame.display.init()
+        self.painter = _open(size, renderer)
+
+    @property
+    def size(self) -> Size:
+        """Return the size of the window in points."""
+        return pygame.display.get_window_size()
+
+    @property
+    def scale(self) -> float:
+        """Return the pixels per point: more than 1 on a high-density screen."""
+        return self.painter.size[0] / max(self.size[0], 1)
+
+    def fit(self) -> bool:
+        """Adopt the present size of the window; return whether it has changed."""
+        size = self.size
+        window = pygame.display.get_surface()
+        if window is not None and self.painter.name == "software":
+            size = window.get_size()  # that of an OpenGL window does not change
+        if size == self.painter.size:
+            return False
+        self.painter.resize(size)
+        return True
+
+    def show(self) -> None:
+        """Copy the canvas to the window."""
+        self.painter.show()
+        pygame.display.flip()
+
+    def fall_back(self) -> None:
+        """Switch to the software painter after the graphics card has failed."""
+        self.painter = _open_software(self.size)
+
+    def close(self) -> None:
+        """Close the window."""
+        self.painter.release()
+        pygame.display.quit()
+
+
+def _open(size: Size, renderer: str) -> Painter:
+    """Open a window and return the painter for it."""
+    if renderer == "software":
+        return _open_software(size)
+    try:
+        painter = _open_opengl(size)
+    except NoRendererError:
+        if renderer == "opengl":
+            raise
+        return _open_software(size)
+    if renderer == "auto" and painter.emulated:
+        painter.release()
+        return _open_software(size)
+    return painter
+
+
+def _open_software(size: Size) -> Painter:
+    # Otherwise SDL copies each frame through OpenGL, which is slow in software.
+    os.environ.setdefault("SDL_FRAMEBUFFER_ACCELERATION", "0")
+    return SoftwarePainter(pygame.display.set_mode(size, pygame.RESIZABLE).get_size())
+
+
+def _open_opengl(size: Size) -> OpenGLPainter:
+    if not _MODERNGL:
+        raise NoRendererError("OpenGL needs the package moderngl, which is not installed")
+    for attribute, value in (
+        (pygame.GL_CONTEXT_MAJOR_VERSION, 3),
+        (pygame.GL_CONTEXT_MINOR_VERSION, 3),
+        (pygame.GL_CONTEXT_PROFILE_MASK, pygame.GL_CONTEXT_PROFILE_CORE),
+        (pygame.GL_CONTEXT_FORWARD_COMPATIBLE_FLAG, 1),
+    ):
+        pygame.display.gl_set_attribute(attribute, value)
+    flags = pygame.OPENGL | pygame.DOUBLEBUF | pygame.RESIZABLE
+    try:
+        try:
+            screen = pygame.display.set_mode(size, flags, vsync=1)
+        except pygame.error:  # vsync is not always available
+            screen = pygame.display.set_mode(size, flags)
+        moderngl.init_context()  # of the new window; earlier contexts are lost
+        context = moderngl.get_context()
+        if context.version_code < 330:
+            raise NoRendererError(f"OpenGL is {context.version_code / 100:.1f}, and 3.3 is needed")
+        return OpenGLPainter(screen.get_size(), context)
+    except NoRendererError:
+        raise
+    except Exception as error:  # exceptions depend on the driver
+        raise NoRendererError(f"there is no OpenGL 3.3 here: {error}") from error

@@ -1,0 +1,153 @@
+"""The sliders of the settings: particles and tree, world, time."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import jostle
+from jostle.app.gui.host import Gui
+from jostle.app.panels.sliders import Moved, Range, slider
+from jostle.app.panels.widgets import combo, signed
+from jostle.app.session import Session
+
+ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
+FIXED = "The article's rules are fixed."
+STRONGEST = 2000.0  # gravity, world units per second squared
+
+CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
+ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
+SLEEPING = {"on": "on", "off": "off"}
+
+
+def _whole(value: float) -> str:
+    return f"{value:,.0f}"
+
+
+def _short(value: float) -> str:
+    return signed(value, ".2f")
+
+
+def _signed(value: float) -> str:
+    return signed(value, ",.0f")
+
+
+def _depth(value: float) -> str:
+    return "no limit" if value >= UNLIMITED else _whole(value)
+
+
+def _times(value: float) -> str:
+    return f"{value:.2f} ×"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A slider on one field of the settings."""
+
+    name: str
+    field: str
+    span: Range
+    write: Callable[[float], str] = _whole
+    default: float = 0.0  # if neither the settings nor the world have a value
+
+
+CORES = os.cpu_count() or 1
+UNLIMITED = 4_096  # subdivisions that no tree reaches
+COUNT = Line("particles", "n", Range(0, 1_000_000, log=True, whole=True))
+TREE = (
+    Line("leaf capacity", "leaf_capacity", Range(1, 1024, log=True, whole=True)),
+    Line("max. depth", "max_depth", Range(1, UNLIMITED, log=True, whole=True), _depth),
+    Line("threads", "threads", Range(1, max(CORES, 2), whole=True), default=CORES),
+)
+WORLD = (
+    Line("world size", "world_size", Range(0.25, 4.0, log=True), _times, 1.0),
+    Line("drag", "drag", Range(0.0, 5.0), _short),
+    Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
+    Line("friction", "friction", Range(0.0, 2.0), _short),
+)
+TIME = (
+    Line("speed", "time_scale", Range(0.05, 4.0, log=True), _times, 1.0),
+    Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
+)
+
+
+def build_tree(session: Session, gui: Gui) -> None:
+    """Build the number of particles and the settings of the tree."""
+    count = int(np.count_nonzero(session.frame.movable))  # without the discs of walls
+    moved, value = slider(gui, COUNT.name, COUNT.span, count, _whole)
+    if moved is Moved.DONE and value != count:
+        session.runner.adjust("n", int(value))
+    _lines(session, gui, TREE)
+
+
+def build_world(session: Session, gui: Gui) -> None:
+    """Build the settings of the world."""
+    reason = _reason(session, "container")
+    kind = combo(gui, "container", CONTAINERS, kind_of(session.frame.container), reason=reason)
+    if kind is not None:
+        session.runner.adjust("container", kind)
+    touch = session.engine.effective_settings.on_touch or "bounce"
+    reason = _reason(session, "on_touch")
+    chosen = combo(gui, "collisions", ON_TOUCH, touch, reason=reason)
+    if chosen is not None:
+        session.runner.adjust("on_touch", chosen)
+    is_on = session.engine.effective_settings.sleeping is not False
+    reason = _reason(session, "sleeping")
+    chosen = combo(gui, "sleeping", SLEEPING, "on" if is_on else "off", reason=reason)
+    if chosen is not None:
+        session.runner.adjust("sleeping", chosen == "on")
+    _lines(session, gui, WORLD[:1])
+    _gravity(session, gui)
+    _lines(session, gui, WORLD[1:])
+
+
+def build_time(session: Session, gui: Gui) -> None:
+    """Build the settings of time."""
+    _lines(session, gui, TIME)
+
+
+def kind_of(container: object) -> str:
+    """Return the name of a container's kind."""
+    kinds = {jostle.Box: "box", jostle.Circle: "circle", jostle.Torus: "torus"}
+    return kinds.get(type(container), "none")
+
+
+def _reason(session: Session, field: str) -> str:
+    by_article = session.settings.by_article and field not in ALWAYS
+    return FIXED if by_article and field not in session.engine.adjustable else ""
+
+
+def _lines(session: Session, gui: Gui, lines: tuple[Line, ...]) -> None:
+    for line in lines:
+        held = getattr(session.engine.effective_settings, line.field)
+        value = line.default if held is None else float(held)
+        reason = _reason(session, line.field)
+        moved, value = slider(gui, line.name, line.span, value, line.write, reason=reason)
+        _apply(session, line.field, moved, int(value) if line.span.whole else value)
+
+
+def _apply(session: Session, field: str, moved: Moved, value: Any) -> None:
+    """Change a setting: immediately if possible, else when the slider is released."""
+    live = field in session.engine.adjustable
+    if moved is Moved.DONE or (moved is Moved.MOVING and live):
+        session.runner.adjust(field, value)
+
+
+def _gravity(session: Session, gui: Gui) -> None:
+    """Build gravity: its strength in the present direction, and its components."""
+    x, y = session.engine.effective_settings.gravity or (0.0, 0.0)
+    strength, reason = math.hypot(x, y), _reason(session, "gravity")
+    moved, new = slider(gui, "gravity", Range(0.0, STRONGEST), strength, _signed, reason=reason)
+    if moved is not Moved.NOT:
+        direction = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
+        _apply(session, "gravity", moved, (direction[0] * new, direction[1] * new))
+    span = Range(-STRONGEST, STRONGEST)
+    moved, new = slider(gui, "\u2013 x", span, x, _signed, reason=reason)
+    _apply(session, "gravity", moved, (new, y))
+    moved, new = slider(gui, "\u2013 y", span, y, _signed, reason=reason)
+    _apply(session, "gravity", moved, (x, new))

@@ -1,0 +1,235 @@
+"""The statistics panel: times of the stages, tested pairs, energy and momentum."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from jostle.app.draw.formatting import pairs_of, scientific, share
+from jostle.app.draw.palette import Colour
+from jostle.app.gui.host import Gui
+from jostle.app.gui.layout import layout
+from jostle.app.measure.traces import SPAN, Floats
+from jostle.app.panels import plots
+from jostle.app.panels.theme import (
+    ACROSS,
+    DOWN,
+    KINETIC,
+    POTENTIAL,
+    RAISED,
+    STAGES,
+    TEXT,
+    TEXT_SOFT,
+    TOTAL,
+    rgba,
+    vec,
+)  # fmt: skip
+from jostle.app.panels.widgets import (
+    at_right,
+    button,
+    colours,
+    hint,
+    part,
+    row,
+    section,
+    signed,
+    width,
+)
+from jostle.app.session import Session
+
+TAB = 34.0  # height of the folded panel
+UNSEEN = 0.5  # points; thinner layers are not drawn
+COLUMN_GAP = 18.0
+LONG = 1e5  # larger numbers have a power of ten
+# Whole points: at fractions of a pixel the width of a line varies.
+THICK, THIN = 3.0, 2.0
+TEXT_HEIGHT = 18.0  # points, of the text in a plot's corners
+MARGIN = 0.08  # of the range of a plot, free above and below
+LEAST_PLOT, MOST_PLOT = 56.0, 150.0
+RESETS = (
+    "The reference is reset when particles are added, removed or merged, and when gravity or the "
+    "container changes."
+)
+TEXT_LINES = 540.0  # points, of everything except the three plots
+
+FLAGS = (
+    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+)  # fmt: skip
+
+
+def build(session: Session, gui: Gui) -> None:
+    """Build the panel at the right, folded or not, if the window is wide enough."""
+    widths = layout(session, *imgui.get_io().display_size)
+    if not widths.statistics:
+        return
+    height = widths.height if session.view_options.statistics else TAB
+    imgui.set_next_window_pos((widths.width - widths.statistics, 0.0))
+    imgui.set_next_window_size((widths.statistics, height))
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
+    imgui.begin("statistics", None, FLAGS)
+    imgui.pop_style_var(2)
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
+    _head(session, gui)
+    if session.view_options.statistics:
+        build_sections(session, gui, (widths.height - TEXT_LINES) / 3)
+    imgui.pop_style_var()
+    imgui.end()
+
+
+def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
+    """Build the sections alone, with plots of about a height."""
+    session.traces.refresh(session.frame, session.messages.now)
+    height = min(max(height, LEAST_PLOT), MOST_PLOT)
+    for title, contents in SECTIONS.items():
+        if section(gui, title):
+            with part(title):
+                contents(session, gui, height)
+
+
+def _head(session: Session, gui: Gui) -> None:
+    """Build the heading, which folds the panel."""
+    mean = session.traces.frame_mean
+    words = f"{1e3 / mean:,.0f} FPS" if mean > 0 else "\u2013"
+    with colours(header=vec(RAISED, 0.0), header_hovered=vec(RAISED, 0.5)):
+        if imgui.selectable("##fold", False, imgui.SelectableFlags_.allow_overlap)[0]:
+            session.toggle("statistics")
+    gui.mark("statistics")
+    imgui.same_line(imgui.get_style().window_padding.x)
+    imgui.text_unformatted("Statistics")
+    at_right(words, quiet=True)
+
+
+def _swatch(name: str, colour: Colour, value: str, across: float = 0.0) -> None:
+    """Draw an entry of a legend: a dot, a name, a number; as wide as the panel, or less."""
+    across = across or width()
+    at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
+    middle = at.y + size / 2 + 1
+    draw = imgui.get_window_draw_list()
+    draw.add_rect_filled((at.x, middle - 4), (at.x + 8, middle + 4), rgba(colour), 2.0)
+    draw.add_text((at.x + 16, at.y), rgba(TEXT_SOFT), name)
+    draw.add_text((at.x + across - imgui.calc_text_size(value).x, at.y), rgba(TEXT), value)
+    imgui.dummy((across, size))
+
+
+def _times(session: Session, gui: Gui, height: float) -> None:
+    traces, stages = session.traces, session.runner.statistics.stages
+    tints = [STAGES.get(stage, TEXT_SOFT) for stage in stages]
+    corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
+    top = traces.top * height / (height - TEXT_HEIGHT)  # no bar is behind the text
+    with plots.plot("times", height, (-SPAN, 0.0), (0.0, top), corner) as seen:
+        if seen:
+            plots.stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
+            plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
+    gui.mark("plot times")
+    legend = [
+        *(
+            (stage, tint, traces.means.get(stage, 0.0))
+            for stage, tint in zip(stages, tints, strict=True)
+        ),
+        ("total", TOTAL, traces.frame_mean),
+    ]
+    half = -(-len(legend) // 2)  # two columns
+    across = (width() - COLUMN_GAP) / 2
+    for k in range(half):
+        _swatch(*_in_ms(legend[k]), across)
+        if half + k < len(legend):
+            imgui.same_line(0.0, COLUMN_GAP)
+            _swatch(*_in_ms(legend[half + k]), across)
+
+
+def _in_ms(entry: tuple[str, Colour, float]) -> tuple[str, Colour, str]:
+    name, tint, milliseconds = entry
+    return name, tint, f"{milliseconds:.2f}"
+
+
+def _pairs(session: Session, gui: Gui, height: float) -> None:
+    facts, every = session.traces.stats, pairs_of(session.traces.count)
+    row("tested", f"{facts.pairs_tested:,}")
+    row("of n(n\u22121)/2", f"{every:,}")
+    row("tested, % of all pairs", share(facts.pairs_tested, every))
+    row("touching", f"{facts.touching:,}")
+    row("asleep", f"{facts.asleep:,}")
+    row("tree", _tree(facts.nodes, facts.depth))
+
+
+def _tree(nodes: int, depth: int) -> str:
+    if not nodes:
+        return "\u2013"
+    return f"{nodes:,} node{'s' if nodes != 1 else ''}, {depth:,} deep"
+
+
+def _energy(session: Session, gui: Gui, height: float) -> None:
+    time, *columns = session.traces.energies
+    names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
+    _lines(gui, "energy", height, time, names, tints, columns)
+    row("change since start", _drift(session, _percent(100 * session.traces.energy_drift)))
+    hint(
+        "Change of the total energy since the reference, relative to the kinetic energy then or "
+        "the range of the potential energy. With exact physics only restitution, friction and drag "
+        f"change it; with the article's rules it is not conserved. {RESETS} "
+        "The potential energy is 0 at the left end."
+    )
+    other = session.runner.other_change
+    if other is not None:
+        rules = "exact physics" if session.settings.by_article else "2015 program"
+        row(rules, _percent(100 * round(other, 3)))
+        hint("The change in the previous run, with the other rules, after the same time.")
+
+
+def _momentum(session: Session, gui: Gui, height: float) -> None:
+    time, *columns = session.traces.momenta
+    _lines(gui, "momentum", height, time, ("x", "y"), (ACROSS, DOWN), columns)
+    row("change since start", _drift(session, f"{100 * session.traces.momentum_drift:.2f} %"))
+    hint(f"Change of momentum, relative to that of all particles moving one way. {RESETS}")
+    if button(gui, "measure drift", "Reset reference"):
+        session.runner.statistics.reset_reference()
+
+
+def _lines(
+    gui: Gui,
+    name: str,
+    height: float,
+    time: Floats,
+    names: tuple[str, ...],
+    tints: tuple[Colour, ...],
+    columns: list[Floats],
+) -> None:
+    """Plot columns over simulated time, with a legend of their last values."""
+    if not len(time):
+        return
+    low = min(float(values.min()) for values in columns)
+    high = max(float(values.max()) for values in columns)
+    margin = MARGIN * (high - low) or abs(high) or 1.0
+    across = float(time[0]), max(float(time[-1]), float(time[0]) + 1.0)
+    corners = _sum(high), f"{across[1] - across[0]:,.0f} s"
+    above = (
+        (high - low) * TEXT_HEIGHT / (height - TEXT_HEIGHT)
+    )  # no line crosses the text in the corners
+    with plots.plot(name, height, across, (low - margin, high + margin + above), corners) as seen:
+        if seen:
+            for word, tint, values in zip(names, tints, columns, strict=True):
+                plots.line(word, time, values, tint, THICK if word == "total" else THIN)
+    gui.mark(f"plot {name}")
+    for word, tint, values in zip(names, tints, columns, strict=True):
+        _swatch(word, tint, _sum(float(values[-1])))
+
+
+def _drift(session: Session, change: str) -> str:
+    """Return a change and its duration, or why there is none."""
+    if not session.traces.changing:
+        return f"{change} in {session.traces.measured:,.0f} s"
+    merging = session.engine.effective_settings.on_touch == "merge"
+    return "particles merge" if merging else "particles are added and removed"
+
+
+def _percent(value: float) -> str:
+    return signed(value, "+,.2f") + " %"
+
+
+def _sum(value: float) -> str:
+    return signed(value, ",.1f") if abs(value) < LONG else scientific(value).replace("-", "\u2212")
+
+
+SECTIONS = {"Frame time": _times, "Pairs": _pairs, "Energy": _energy, "Momentum": _momentum}

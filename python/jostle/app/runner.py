@@ -1,0 +1,385 @@
+"""The runner: begins scenes, changes settings and methods, and controls the time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import jostle
+from jostle.app.act.interaction import Interaction
+from jostle.app.act.messages import Messages
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.formatting import method_name
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.view_options import ViewOptions
+from jostle.app.measure.statistics import Statistics
+from jostle.app.race import Race, refusal
+from jostle.app.simulate import engine as stepping
+from jostle.app.simulate.article_simulation import NO_WALLS
+from jostle.app.simulate.engine import REFUSALS, Engine, Then
+from jostle.app.simulate.history import History
+from jostle.app.simulate.scene_loader import (
+    Create,
+    LoadedScene,
+    SceneLoader,
+    expected,
+    is_long,
+    load,
+)
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.start import start
+from jostle.app.simulate.switch_rules import switch_rules
+
+_OTHER_METHOD = {
+    "quadtree": "brute",
+    "brute": "quadtree",
+    "article-quadtree": "article-brute",
+    "article-brute": "article-quadtree",
+}
+
+# Settings whose change does work on the particles, or shifts the zero of their energy.
+CHANGES_ENERGY = {"n", "gravity", "world_size", "container"}
+SLOWEST, FASTEST = 1 / 32, 8.0  # times real time
+
+
+class Runner:
+    """Runs a simulation, and replaces it by others.
+
+    Attributes
+    ----------
+    loader
+        Makes new simulations.
+    history, statistics, picture
+        Of the present simulation; another one has its own.
+    race
+        The comparison with another method, or None.
+    paused
+        Whether the simulation is paused.
+    """
+
+    def __init__(
+        self, engine: Engine, camera: Camera, interaction: Interaction, messages: Messages
+    ) -> None:
+        self.engine = engine
+        self._camera, self._interaction, self._messages = camera, interaction, messages
+        self.loader = SceneLoader()
+        self.picture = Picture()
+        self.race: Race | None = None
+        self.statistics = Statistics()
+        self.paused = False
+        self._begin_history(engine.simulation)
+
+    @property
+    def frame(self) -> Frame:
+        """Return the last frame."""
+        return self.engine.frame
+
+    @property
+    def settings(self) -> Settings:
+        """Return the present settings."""
+        return self.engine.settings
+
+    # Scenes
+
+    def begin(self, settings: Settings) -> None:
+        """Begin a scene with other settings; an error becomes a message.
+
+        Very many particles are made on a worker thread; meanwhile the present scene is shown.
+        """
+        create, message = partial(start, settings), f"Preparing {expected(settings):,} particles …"
+        if is_long(settings):
+            self.loader.start(create, self._first_request, message, settings)
+        else:
+            self._load(create)
+
+    def restart(self) -> None:
+        """Return to the initial state, with the present settings."""
+        self.begin(self._next_settings)
+
+    def replace(self, create: Create, message: str, *, long: bool, then: Then) -> None:
+        """Replace the simulation, if the new one can be made; if `long`, on a worker thread.
+
+        `message` is shown meanwhile, and `then` is called afterwards.
+        """
+        if long:
+            self.loader.start(create, self._first_request, message, then=then)
+        else:
+            self._load(create, then)
+
+    def choose_scene(self, name: str) -> None:
+        """Begin another scene with its own settings; method, threads and speed are kept."""
+        now = self._next_settings
+        self.begin(
+            Settings(name, method=now.method, threads=now.threads, time_scale=now.time_scale)
+        )
+
+    def next_scene(self, by: int = 1) -> None:
+        """Begin the next scene of the list; the first after the last."""
+        names = jostle.scenes.names()
+        coming = self.loader.settings
+        scene = coming.scene if coming else self.engine.scene
+        at = names.index(scene) if scene in names else -max(by, 0)
+        self.choose_scene(names[(at + by) % len(names)])
+
+    def previous_scene(self) -> None:
+        """Begin the previous scene of the list; the last before the first."""
+        self.next_scene(-1)
+
+    @property
+    def _next_settings(self) -> Settings:
+        """Return the settings of the simulation that is being made, or of the present one."""
+        return self.loader.settings or self.settings
+
+    @property
+    def _first_request(self) -> FrameRequest:
+        """Return the request for a first frame, which is the reference of the energy."""
+        return replace(self.engine.request, energies=True)
+
+    def _load(self, create: Create, then: Then | None = None) -> None:
+        self.loader.cancel()
+        try:
+            new = load(create, self._first_request)
+        except REFUSALS as error:
+            self._messages.say(stepping.message_of(error))
+            return
+        self._continue_with(new, then)
+
+    def _take_loaded(self) -> None:
+        """Continue with a simulation that was made on the worker thread, if there is one."""
+        new = self.loader.take()
+        if isinstance(new, str):
+            self._messages.say(new)
+        elif new is not None:
+            self._continue_with(*new)
+
+    def _continue_with(self, new: LoadedScene, then: Then | None) -> None:
+        moved = new.simulation.view != self.engine.view
+        # A loaded state has no initial state that a second simulation could share.
+        method = self.race.method if self.race and then is None else None
+        self.end_race()
+        self._interaction.reset()
+        self.statistics.remember(self._run_name())
+        self.engine.request = self._first_request
+        self.engine.take(new.simulation, new.frame)
+        self._begin_history(new.simulation, new.state)
+        self._interaction.attractors.adopt(self.frame)
+        self.picture = Picture()  # the worker thread may still use the previous one
+        self.statistics.restart()
+        self.statistics.sum_up(self.frame)
+        if method:
+            self._start_race(method)
+        if moved:
+            self._camera.look_at(new.simulation.view)
+        if then is not None:
+            then()
+
+    def _run_name(self, *, other: bool = False) -> str:
+        return f"{self.engine.scene} {self.settings.by_article != other}"
+
+    @property
+    def other_change(self) -> float | None:
+        """Return the change of energy after the same time under the other rules, if they ran."""
+        return self.statistics.drift_of(self._run_name(other=True))
+
+    # Settings
+
+    def adjust(self, name: str, value: Any) -> None:
+        """Change a setting: while the scene runs if possible, else by beginning it again."""
+        live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
+        if live and name == "n":
+            self._set_count(value)
+        elif live:
+            self.engine.edit(
+                lambda simulation: self._messages.say(simulation.adjust(name, value)),
+                changes=name != "time_scale",  # which has no effect on the state
+                then=self.statistics.reset_reference if name in CHANGES_ENERGY else None,
+            )
+        else:
+            self.begin(replace(self._next_settings, **{name: value}))
+
+    def _set_count(self, n: int) -> None:
+        """Add or remove particles; if there is no room, begin again with a suitable size."""
+        refusals: list[str | None] = []
+
+        def then() -> None:
+            if refusals[0]:
+                self.begin(replace(self.settings, n=n))
+                self._messages.say(f"{refusals[0]} So the scene begins anew.")
+
+        self.engine.edit(
+            lambda simulation: refusals.append(simulation.adjust("n", n)),
+            then=then,
+            key="n",
+            many=n > stepping.FEW,
+        )
+
+    def choose_method(self, method: str) -> None:
+        """Change the method; if the rules change, too, the particles stay the same."""
+        settings = replace(self.settings, method=method)
+        if self.race or settings.by_article == self.settings.by_article:
+            self.adjust("method", method)
+        else:
+            # After the current step, whose result is kept.
+            self.engine.edit(
+                lambda simulation: None,
+                changes=False,
+                then=lambda: self._switch_rules(settings),
+                key="rules",
+            )
+
+    def _switch_rules(self, settings: Settings) -> None:
+        if settings.by_article and len(self.frame.walls):
+            self._messages.say(f"{NO_WALLS} They are removed.")
+        self._load(partial(switch_rules, settings, self.frame, self.engine.view))
+
+    def switch_method(self) -> None:
+        """Switch between brute force and quadtree, with the same rules."""
+        if self.race:
+            self._messages.say("Both methods run side by side; Q ends that.")
+            return
+        method = _OTHER_METHOD[self.settings.method]
+        self._messages.say(f"Method: {method_name(method)}")  # before an error message
+        self.adjust("method", method)
+
+    # Comparison of two methods
+
+    def toggle_race(self, method: str | None = None) -> None:
+        """Begin the scene again together with another method, or end that."""
+        if self.race:
+            self.end_race()
+            return
+        method = method or _OTHER_METHOD[self.settings.method]
+        count = max(len(self.frame), expected(self._next_settings))
+        if reason := refusal(self.settings.method, method, count):
+            self._messages.say(reason)
+        else:
+            self.begin(self._next_settings)
+            self._start_race(method)
+
+    def _start_race(self, method: str) -> None:
+        reason = refusal(self.settings.method, method, len(self.frame))
+        if reason:
+            self._messages.say(reason)
+        else:
+            self.race = Race(self.engine, method)
+            self._camera.divide(2)
+
+    def end_race(self) -> None:
+        """End the comparison, if there is one."""
+        if self.race:
+            self.race.close()
+            self.race = None
+            self._camera.divide(1)
+
+    @property
+    def _engines(self) -> list[Engine]:
+        return [self.engine, *([self.race.engine] if self.race else [])]
+
+    # Time
+
+    def advance(self, elapsed: float, request: FrameRequest) -> int:
+        """Advance by `elapsed` seconds of real time; return the number of finished steps.
+
+        `request` is what the frames must contain for drawing.
+        """
+        self._take_loaded()
+        engine, statistics, now = self.engine, self.statistics, self._messages.now
+        changed = replace(engine.request, energies=request.energies) != request
+        energies = request.energies or statistics.energies_due(now)
+        engine.request = replace(request, energies=energies)
+        if statistics.reference is None and (self.paused or not len(statistics.sums)):
+            # The reference is this state, not the next one.
+            if self.frame.energies is None:
+                engine.look(at_once=False)
+            statistics.sum_up(self.frame)
+        steps = 0
+        if self.paused:
+            self._interaction.place_held()
+            for each in self._engines:
+                each.settle()
+        else:
+            steps = engine.advance(elapsed * engine.settings.time_scale)
+            if self.race:
+                self.race.advance(elapsed * engine.settings.time_scale, request)
+        if changed and not steps:
+            engine.look(at_once=False)
+        self._show_errors()
+        self._camera.follow(engine.view)
+        self._interaction.follow()
+        statistics.follow(
+            self.frame, now, elapsed, running=not self.paused, step_seconds=engine.step_seconds
+        )
+        return steps
+
+    def _show_errors(self) -> None:
+        """Pause after an error of a step, and show its message."""
+        for engine in self._engines:
+            if error := engine.take_error():
+                self.paused = True
+                self._messages.say(error)
+
+    def scale_time(self, factor: float) -> None:
+        """Multiply the speed."""
+        scale = min(max(self.settings.time_scale * factor, SLOWEST), FASTEST)
+        self.adjust("time_scale", scale)
+        self._messages.say(f"Speed × {scale:.4g}")
+
+    def toggle_pause(self) -> None:
+        """Pause or resume."""
+        self.paused = not self.paused
+
+    def single_step(self) -> None:
+        """Make one step, and pause."""
+        self.paused = True
+        for engine in self._engines:
+            engine.step_soon()
+        self._show_errors()
+
+    def step_back(self) -> None:
+        """Restore the moment before, and pause; this undoes a last edit first."""
+        self._restore(lambda: self.history.at - 1)
+
+    def rewind(self, seconds_ago: float) -> None:
+        """Restore the moment `seconds_ago` before the latest, and pause."""
+        self._restore(lambda: self.history.index_of(seconds_ago))
+
+    def _restore(self, index: Callable[[], int]) -> None:
+        self.paused = True
+        self._interaction.drag_tool.drop()
+        self.end_race()
+        history, seconds = self.history, self.engine.last_seconds
+
+        def restore(simulation: Simulation) -> None:
+            history.hold(simulation)
+            history.show(simulation, index(), seconds)
+
+        def then() -> None:
+            self.picture = Picture()
+            self._interaction.attractors.adopt(self.frame)
+
+        self.engine.edit(restore, changes=False, then=then)
+
+    def _begin_history(self, simulation: Simulation, state: bytes | None = None) -> None:
+        """Begin a new history; an abandoned step still writes to the previous one."""
+        self.history = history = History()
+        history.restart(simulation, state)
+
+        def before(simulation: Simulation) -> None:
+            if self._interaction.before_step(simulation):
+                history.touch()
+
+        engine = self.engine
+        engine.before, engine.after, engine.touched = [before], [history.after], [history.touch]
+
+    # Drawing
+
+    def draw(self, painter: Painter, options: ViewOptions) -> None:
+        """Draw the scene, or both scenes of a comparison."""
+        if self.race:
+            self.race.draw(painter, self.picture, self._camera, options, self._messages.now)
+        else:
+            self.picture.draw(painter, self.frame, self._camera, options)

@@ -1,0 +1,279 @@
+"""A scene described in a TOML file, for `jostle run --config`; docs/files.md lists its entries.
+
+Entries that are unknown or wrong are refused with name and line. Reading a file and finding a line
+take time proportional to its length.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from jostle.app.draw.camera import Size
+from jostle.app.draw.view_options import ViewOptions
+from jostle.app.simulate.settings import (
+    RENDERERS,
+    SETTINGS,
+    TRUTH,
+    Settings,
+    degenerate_walls,
+    settings_of,
+    unknown_scene,
+)
+from jostle.app.simulate.validation import (
+    Fields,
+    Key,
+    Rule,
+    dotted,
+    each,
+    one_of,
+    refusals,
+    shorten,
+    whole,
+)
+
+LARGEST, SMALLEST = 16_384, 64  # pixels
+DEEPEST = 100  # nested brackets
+LONGEST = 1_000  # characters of a key or a number
+
+# Settings that are fixed in the article's programs.
+FIXED_BY_ARTICLE = (
+    *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
+    *("friction", "container_restitution", "threads", "on_touch", "sleeping", "walls"),
+)
+
+WINDOW_RULES: dict[str, Rule] = {
+    "size": each(whole(SMALLEST, LARGEST), "width", "height"),
+    "renderer": one_of(*RENDERERS),
+}
+SHOWN_RULES: dict[str, Rule] = {
+    switch.name: one_of(*(kind.name.lower() for kind in type(switch.default)))
+    if isinstance(switch.default, Enum)
+    else TRUTH
+    for switch in fields(ViewOptions)
+}
+ENTRIES = Fields(
+    {
+        **SETTINGS.rules,
+        "window": Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", complete=False),
+        "shown": Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", complete=False),
+    },
+    SETTINGS.what,
+    complete=False,
+)
+
+
+class ConfigError(ValueError):
+    """An error in a file; the message contains its name and the line."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """The entries of a file; missing ones are omitted or None."""
+
+    name: str | None = None  # of the file
+    settings: Settings = field(default_factory=Settings)
+    given: frozenset[str] = frozenset()  # the settings that the file names
+    view_options: Mapping[str, Any] = field(default_factory=dict)
+    size: Size | None = None
+    renderer: str | None = None
+
+    def apply_view_options(self, options: ViewOptions) -> None:
+        """Set the view options of the file."""
+        for name, value in self.view_options.items():
+            setattr(options, name, value)
+
+
+def read_config(path: Path) -> Config:
+    """Return the entries of a file; raise a ConfigError or an OSError if it is wrong."""
+    try:
+        text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path.name} is not a text in UTF-8") from error
+    entries = _parsed(path.name, text)
+    for key, refusal in _refusals(entries):
+        raise ConfigError(f"{path.name}, line {line_of(text, key)}: {refusal}")
+    window, shown = entries.pop("window", {}), entries.pop("shown", {})
+    size = window.get("size")
+    return Config(
+        name=path.name,
+        settings=settings_of(entries),
+        given=frozenset(entries),
+        view_options={name: _switch(name, value) for name, value in shown.items()},
+        size=(size[0], size[1]) if size else None,
+        renderer=window.get("renderer"),
+    )
+
+
+def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
+    """Yield the key and the message of each error."""
+    for key, why in refusals(entries, ENTRIES):
+        yield key, f"{_name(key)} {why}"
+    for key, why in degenerate_walls(entries):
+        yield key, f"{_name(key)} {why}"
+    if unheard := unknown_scene(entries.get("scene", Settings.scene)):
+        yield ("scene",), unheard
+    if str(entries.get("method")).startswith("article-"):
+        for name in FIXED_BY_ARTICLE:
+            if name in entries:
+                yield (name,), f"{name} cannot be set here: the article's rules are fixed"
+
+
+def _name(key: Key) -> str:
+    """Return the name of an entry; of walls with their numbers, because points are lists too."""
+    if key[0] == "walls":
+        return dotted(key)
+    return shorten(next(part for part in reversed(key) if isinstance(part, str)))
+
+
+def _switch(name: str, value: Any) -> Any:
+    default = getattr(ViewOptions(), name)
+    return type(default)[value.upper()] if isinstance(default, Enum) else value
+
+
+# ---- TOML ----------------------------------------------------------------------------------------
+
+# Tokens for finding a line: strings and comments, whose contents are skipped, brackets, = and
+# separators. An open string extends to the end of the text or line, so no text is read twice.
+_TOKEN = re.compile(
+    r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
+    r"|'''.*?(?:'{3,5}|\Z)"
+    r'|"(?:\\.|[^"\\\n])*"?'
+    r"|'[^'\n]*'?"
+    r"|\#[^\n]*"
+    r"|[\[\]{}=,\n]",
+    re.DOTALL,
+)
+_BARE = re.compile(r"\s*([\w-]+(?:\.[\w-]+)*)\s*")
+
+
+def _parsed(name: str, text: str) -> dict[str, Any]:
+    """Return the entries of a TOML text; raise a ConfigError with the line of an error."""
+    if wrong := _too_much(text):
+        line, why = wrong
+        raise ConfigError(f"{name}, line {line}: {why}")
+    toml = _reader()
+    try:
+        entries: dict[str, Any] = toml.loads(text)
+    except toml.TOMLDecodeError as error:
+        raise ConfigError(_syntax(name, text, str(error))) from error
+    return entries
+
+
+def _too_much(text: str) -> tuple[int, str] | None:
+    """Return the line and the reason if a text is beyond the limits of TOML's reader.
+
+    It recurses for each bracket, its time is quadratic in the number of parts of a key, and Python
+    does not read integers of thousands of digits.
+    """
+    word, end = 0, 0  # characters outside strings since the last separator
+    for token, line, depth in _tokens(text):
+        word, end = word + token.start() - end, token.end()
+        if depth > DEEPEST:
+            return line, f"more than {DEEPEST} brackets are open"
+        if word > LONGEST:
+            return line, f"a key or a value has more than {LONGEST:,} characters outside quotes"
+        if token[0][0] not in "\"'":
+            word = 0
+    return None
+
+
+def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
+    """Yield each token with its line, from 1, and the number of open brackets after it."""
+    line, depth = 1, 0
+    for token in _TOKEN.finditer(text + "\n"):
+        mark = token[0]
+        depth += (mark in "[{") - (mark in "]}")
+        yield token, line, depth
+        line += mark.count("\n")
+
+
+def line_of(text: str, key: Key) -> int:
+    """Return the line, from 1, that sets a key of a TOML text, or its nearest outer table."""
+    table: Key = ()
+    numbers: dict[Key, int] = {}  # number of the last table in each array of tables
+    most, found = 0, 1
+    for line, words in _heads(text):
+        if words.startswith("[["):
+            *around, last = _names(words[2:-2])
+            array = (*_numbered(around, numbers), last)
+            numbers[array] = numbers.get(array, -1) + 1
+            table = here = (*array, numbers[array])
+        elif words.startswith("["):
+            table = here = _numbered(_names(words[1:-1]), numbers)
+        else:
+            here = table + _names(words)
+        if (shared := _shared(here, key)) > most:
+            most, found = shared, line
+            if most == len(key):
+                break
+    return found
+
+
+def _heads(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the text before each =, and each table in brackets, with its line."""
+    begin, told = 0, False
+    for token, line, depth in _tokens(text):
+        mark = token[0]
+        if depth or mark[0] not in "=]}#\n":
+            continue
+        if mark in "=]" and not told:
+            yield line, text[begin : token.start() if mark == "=" else token.end()].strip()
+            told = True
+        elif mark[0] in "#\n":
+            begin, told = token.end(), False
+
+
+def _names(words: str) -> tuple[str, ...]:
+    """Return the parts of a key."""
+    if bare := _BARE.fullmatch(words):
+        return tuple(bare[1].split("."))
+    names, inner = [], _reader().loads(f"{words} = 0")
+    while inner:
+        name, inner = next(iter(inner.items()))
+        names.append(name)
+    return tuple(names)
+
+
+def _numbered(names: Iterable[str], numbers: Mapping[Key, int]) -> Key:
+    """Return a key with the number of the last table after each array of tables in it."""
+    key: Key = ()
+    for name in names:
+        key = (*key, name)
+        if key in numbers:
+            key = (*key, numbers[key])
+    return key
+
+
+def _shared(one: Key, other: Key) -> int:
+    """Return the number of leading parts that two keys share."""
+    pairs = zip(one, other, strict=False)
+    return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
+
+
+# Messages of the reader that do not say what to change.
+_PLAIN = {
+    "Cannot overwrite a value": "the entry is given twice",
+    "Illegal character '\\n'": "a quotation mark is missing at the end of the line",
+}
+
+
+def _syntax(name: str, text: str, complaint: str) -> str:
+    """Return the reader's message with the line before it, as in other messages."""
+    reason, _, place = complaint.partition(" (at ")
+    reason = _PLAIN.get(reason, reason[:1].lower() + reason[1:])
+    line = place.removeprefix("line ").split(",")[0]
+    if not line.isdigit():  # "end of document"
+        line = str(text.rstrip().count("\n") + 1)
+    return f"{name}, line {line}: {reason}"
+
+
+def _reader() -> Any:
+    """Return the module that reads TOML: Python's own from 3.11 on."""
+    return importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")

@@ -1,0 +1,159 @@
+"""Encoding of frames as MP4 and GIF with ffmpeg."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import subprocess
+import tempfile
+from itertools import pairwise
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pygame
+
+from jostle.app.draw.palette import (
+    DISCS,
+    GROUND,
+    PANEL_EDGE,
+    STAGE,
+    TEXT,
+    WALL,
+    blend,
+    level_colour,
+)
+from jostle.app.draw.stamps import RIM_SHADE
+
+Size = tuple[int, int]
+
+PATIENCE = 10.0  # seconds to write the end of a file
+FORMATS = (".mp4", ".gif")
+
+# The colours are marked as BT.709, so that players do not shift them. A row or a column of the
+# background makes the sides even, which yuv420p requires.
+_MP4_FILTER = (
+    "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=0x{:02x}{:02x}{:02x},"
+    "scale=out_color_matrix=bt709:out_range=tv"
+).format(*GROUND)
+_MP4 = [
+    "-vf", _MP4_FILTER, "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "23",
+    "-preset", "veryfast", "-colorspace", "bt709", "-color_primaries", "bt709",
+    "-color_trc", "bt709", "-movflags", "+faststart", "-f", "mp4",
+]  # fmt: skip
+_GIF = [
+    "-filter_complex", "[0:v][1:v]paletteuse=dither=none:diff_mode=rectangle",
+    "-loop", "0", "-f", "gif",
+]  # fmt: skip
+
+
+class Encoder:
+    """An ffmpeg process that writes one file, which is playable even if this program ends early.
+
+    Parameters
+    ----------
+    path
+        The file, .mp4 or .gif. An existing file is replaced.
+    size
+        Width and height of the frames.
+    fps
+        Frames per second.
+    """
+
+    def __init__(self, path: Path, size: Size, fps: int) -> None:
+        if path.suffix not in FORMATS:
+            raise ValueError(f"{path.name} is neither {' nor '.join(FORMATS)}")
+        self._bytes = size[0] * size[1] * 4
+        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (it is open as long as ffmpeg is)
+        self._folder = tempfile.TemporaryDirectory(prefix="jostle-")
+        try:
+            command = [imageio_ffmpeg.get_ffmpeg_exe(), *self._arguments(path, size, fps)]
+            self._process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=self._stderr,
+                start_new_session=True,  # Ctrl-C is handled by this program, which closes the file
+                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0)
+                | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+            )
+            with contextlib.suppress(AttributeError, OSError):  # below the priority of the window
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, 10)
+        except (OSError, RuntimeError) as error:  # of imageio if there is no ffmpeg
+            self._tidy()
+            raise OSError(f"no ffmpeg can be started: {error}") from error
+
+    def _arguments(self, path: Path, size: Size, fps: int) -> list[str]:
+        source = ["-f", "rawvideo", "-pix_fmt", "bgr0", "-s", f"{size[0]}x{size[1]}"]
+        source += ["-r", str(fps), "-i", "-"]
+        if path.suffix == ".gif":
+            palette = Path(self._folder.name) / "palette.png"
+            pygame.image.save(gif_palette(), str(palette))
+            source += ["-i", str(palette), *_GIF]
+        else:
+            source += _MP4
+        return ["-y", "-hide_banner", "-v", "error", *source, str(path)]
+
+    def add(self, picture: bytes) -> None:
+        """Append a frame: rows of 4 bytes per pixel, blue first."""
+        if len(picture) != self._bytes:
+            raise ValueError(f"a frame has {len(picture):,} bytes instead of {self._bytes:,}")
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(picture)
+        except (OSError, ValueError) as error:
+            raise OSError(self._error_message() or str(error)) from error
+
+    def close(self, patience: float = PATIENCE) -> None:
+        """Close the file; raise an OSError with the message of ffmpeg."""
+        assert self._process.stdin is not None
+        with contextlib.suppress(OSError):
+            self._process.stdin.close()
+        try:
+            code = self._process.wait(patience)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            raise OSError("the end of the video took too long") from None
+        message = self._error_message()
+        self._tidy()
+        if code:
+            raise OSError(message or f"ffmpeg ended with code {code}")
+
+    def kill(self) -> None:
+        """Stop immediately; the file may not be playable."""
+        self._process.kill()
+        self._process.wait()
+        self._tidy()
+
+    def _error_message(self) -> str:
+        """Return the first line of ffmpeg's output; the others follow from it."""
+        with contextlib.suppress(ValueError, subprocess.TimeoutExpired):
+            self._process.wait(1.0)
+            self._stderr.seek(0)
+            output = self._stderr.read().decode(errors="replace").strip()
+            return re.sub(r"^\[[^]]*\] *", "", output.partition("\n")[0])
+        return ""
+
+    def _tidy(self) -> None:
+        self._stderr.close()
+        self._folder.cleanup()
+
+
+def gif_palette() -> pygame.Surface:
+    """Return the 256 colours of every GIF: those of the palette, and blends of them.
+
+    They are known in advance, so frames are read once, and colours do not flicker.
+    """
+    levels = [level_colour(level, 24) for level in range(0, 25, 3)]
+    grounds = [GROUND, STAGE, WALL, PANEL_EDGE]
+    colours = [*grounds, *DISCS, *levels]
+    colours += [blend(STAGE, disc, share) for share in (0.2, 0.4, 0.6, 0.8) for disc in DISCS]
+    colours += [blend(STAGE, level, share) for share in (0.36, 0.7) for level in levels]
+    colours += [blend(GROUND, TEXT, share / 16) for share in range(1, 17)]
+    colours += [blend(a, b, 0.5) for a, b in pairwise(DISCS)]
+    colours += [blend((0, 0, 0), disc, RIM_SHADE) for disc in DISCS]
+    unique = list(dict.fromkeys(colours))[:256]
+    unique += [GROUND] * (256 - len(unique))
+    table = np.array(unique, np.uint8).reshape(16, 16, 3)
+    return pygame.surfarray.make_surface(table)

@@ -1,0 +1,282 @@
+"""The files of a session: scenes, screenshots, videos, tables and trajectories.
+
+New files are in one folder, each with a new name, which a message shows. An error becomes a
+message, too, and does not change the session.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from jostle.app.act.messages import Messages
+from jostle.app.draw.camera import Camera, Size
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.view_options import ViewOptions
+from jostle.app.runner import Runner
+from jostle.app.simulate import engine
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.start import resume
+from jostle.app.storage.exports import write_gsd, write_positions, write_series
+from jostle.app.storage.paths import new_path, reason_of, write_atomic
+from jostle.app.storage.recording import Recording
+from jostle.app.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
+from jostle.app.storage.video_writer import save_png
+
+OUT = Path("out")
+GSD_RATE = 10  # frames per simulated second
+LARGE = 2**20  # bytes; a larger scene file is read on a worker thread
+
+
+@dataclass
+class RecordingOptions:
+    """The options of the next recording."""
+
+    suffix: str = ".mp4"
+    size: Size | None = None  # the window's, if None
+    seconds: float | None = None  # until it is stopped, if None
+
+
+class Files:
+    """Reads and writes the files of a session.
+
+    Attributes
+    ----------
+    folder
+        The folder of new files.
+    recording
+        The present recording, or None.
+    options
+        Those of the next recording.
+    """
+
+    def __init__(
+        self, runner: Runner, camera: Camera, view_options: ViewOptions, messages: Messages
+    ) -> None:
+        self._runner, self._camera = runner, camera
+        self._view_options, self._messages = view_options, messages
+        self.folder = OUT
+        self.recording: Recording | None = None
+        self.options = RecordingOptions()
+        self._exporter: ThreadPoolExecutor | None = None
+        self._exports: list[Future[str]] = []
+        self._listed: tuple[float, list[Path]] | None = None  # time and result of the last search
+
+    def follow(self) -> None:
+        """Queue the frame for the recording, and show messages about finished files."""
+        recording, messages = self.recording, self._messages
+        if recording is not None:
+            recording.offer(self._runner.frame, self._camera, self._view_options, messages.now)
+            if recording.done:
+                self.recording = None
+                messages.say(_summary(recording))
+        for export in [export for export in self._exports if export.done()]:
+            self._exports.remove(export)
+            messages.say(export.result())
+
+    def close(self) -> None:
+        """Complete all files."""
+        if self.recording is not None:
+            self.recording.close()
+        if self._exporter is not None:
+            self._exporter.shutdown()
+
+    # Scenes
+
+    def scenes(self) -> list[Path]:
+        """Return the saved scenes of the folder, newest first; the result is kept for a second."""
+        now = self._messages.now
+        if self._listed is None or not 0 <= now - self._listed[0] < 1:
+            self._listed = now, _newest_first(self.folder)
+        return self._listed[1]
+
+    def save(self, path: Path | None = None) -> None:
+        """Save the state, the settings and the view, with a new name unless one is given."""
+        camera, options = copy.copy(self._camera), copy.copy(self._view_options)
+
+        def write(simulation: Simulation) -> None:
+            self._try(SUFFIX, lambda new: write_atomic(new, scene_bytes(
+                simulation, camera, options)), path)  # fmt: skip
+
+        self._runner.engine.edit(write, changes=False, then=self._forget_list)
+
+    def _forget_list(self) -> None:
+        self._listed = None
+
+    def load(self, path: Path) -> None:
+        """Load a saved scene; an error changes nothing."""
+        scenes = list[SavedScene]()
+
+        def read() -> Simulation:
+            try:
+                scenes[:] = [read_scene(path)]
+            except OSError as error:
+                raise ValueError(reason_of(error, path)) from error
+            except MemoryError as error:
+                raise ValueError(f"There is not enough memory for {path.name}.") from error
+            return scenes[0].simulation
+
+        def then() -> None:
+            scenes[0].aim(self._camera)
+            scenes[0].apply_view_options(self._view_options)
+            self._messages.say(f"Loaded {path.name}")
+
+        self._runner.replace(read, f"Loading {path.name} …", long=_is_long(path), then=then)
+
+    # Screenshots and videos
+
+    def screenshot(self, path: Path | None = None, size: Size | None = None) -> None:
+        """Save a screenshot as PNG, at the size of the window unless another is given.
+
+        With very many particles it is drawn on a worker thread, and without trails.
+        """
+        frame, options = self._runner.frame, copy.copy(self._view_options)
+        camera = copy.copy(self._camera) if size is None else self._camera.on(size)
+        many = len(frame) > engine.FEW
+
+        def write(new: Path) -> None:
+            painter = SoftwarePainter(camera.size)
+            if size is None and not many:
+                self._runner.draw(painter, options)
+            else:
+                Picture().draw(painter, frame, camera, options)
+            save_png(painter.canvas(), new)
+
+        if many:
+            self._export(".png", write, path)
+        else:
+            self._try(".png", write, path)
+
+    def toggle_recording(self) -> None:
+        """Begin a recording, or end it."""
+        if self.recording is None:
+            self.record()
+        else:
+            self.recording.stop()
+
+    def record(self, path: Path | None = None) -> None:
+        """Begin a recording."""
+        options = self.options
+        size = options.size or self._camera.size
+
+        def begin(new: Path) -> None:
+            self.recording = Recording(new, size, options.seconds)
+
+        self._try(options.suffix, begin, path, done="Recording {}")
+
+    # Tables and trajectories
+
+    def export_csv(self) -> None:
+        """Write the present particles, and the sums over time, as CSV."""
+        frame, sums = self._runner.frame, self._runner.statistics.sums
+        table = {name: sums[name].copy() for name in sums.names}
+
+        def write(path: Path) -> None:
+            write_positions(path, frame)
+            write_series(path.with_name(path.stem + "-energies.csv"), table)
+
+        self._export(".csv", write)
+
+    def export_gsd(self) -> None:
+        """Write the last 30 s, ten frames per second, as GSD."""
+        engine, history = self._runner.engine, self._runner.history
+        writers: list[Callable[[Path], object]] = []
+
+        def collect(simulation: Simulation) -> None:
+            history.hold(simulation)
+            moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
+            view, time_step = simulation.view, simulation.time_step
+            frames = _frames(simulation.settings, _thinned(moments, 1 / GSD_RATE))
+            writers.append(lambda path: write_gsd(path, frames, view, time_step))
+
+        engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
+
+    def _export(
+        self, suffix: str, write: Callable[[Path], object], path: Path | None = None
+    ) -> None:
+        """Write a file on a worker thread; `follow` shows the result."""
+        if self._exporter is None:
+            self._exporter = ThreadPoolExecutor(1, "jostle-export")
+        scene = self._runner.engine.scene
+
+        def work() -> str:
+            try:
+                new = path or new_path(self.folder, scene, suffix)
+                write(new)
+            except (OSError, RuntimeError, MemoryError) as error:  # of pygame
+                return f"Nothing could be saved: {error}"
+            return f"Saved {new}"
+
+        self._exports.append(self._exporter.submit(work))
+
+    def _try(
+        self,
+        suffix: str,
+        write: Callable[[Path], None],
+        path: Path | None,
+        done: str = "Saved {}",
+    ) -> None:
+        """Write a file, and show its path or an error."""
+        messages = self._messages
+        try:
+            path = path or new_path(self.folder, self._runner.engine.scene, suffix)
+            write(path)
+        except OSError as error:
+            messages.say(reason_of(error, path or self.folder))
+        except (ValueError, RuntimeError) as error:  # of pygame
+            messages.say(f"{path}: {error}")
+        else:
+            messages.say(done.format(path))
+
+
+def _is_long(path: Path) -> bool:
+    """Return whether reading a scene would block the window."""
+    try:
+        return path.stat().st_size > LARGE
+    except OSError:
+        return False  # reading it reports the error
+
+
+def _newest_first(folder: Path) -> list[Path]:
+    ages = {}
+    for path in folder.glob("*" + SUFFIX):
+        with contextlib.suppress(OSError):  # it may have been removed
+            ages[path] = path.stat().st_mtime_ns, path.name
+    return sorted(ages, key=lambda path: ages[path], reverse=True)
+
+
+def _summary(recording: Recording) -> str:
+    """Return a message about a finished recording."""
+    if recording.error:
+        return f"The video {recording.path.name} ended early: {recording.error}"
+    seconds = recording.written / recording.rate
+    repeated = (
+        f", {recording.repeated:,} repeated (computer too slow)" if recording.repeated else ""
+    )
+    return f"Saved {recording.path}: {seconds:.1f} s, {recording.written:,} frames{repeated}"
+
+
+def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
+    """Return states at least `spacing` apart, counted back from the last."""
+    chosen: list[tuple[float, bytes]] = []
+    for moment in reversed(moments):
+        if not chosen or chosen[-1][0] - moment[0] >= spacing - 1e-9:
+            chosen.append(moment)
+    return [state for _, state in reversed(chosen)]
+
+
+def _frames(settings: Settings, states: list[bytes]) -> Iterator[Frame]:
+    """Yield the frames of states, from one separate simulation."""
+    simulation: Simulation | None = None
+    for state in states:
+        if simulation is None:
+            simulation = resume(settings, state)
+        else:
+            simulation.load(state)
+        yield simulation.frame(FrameRequest())

@@ -1,0 +1,106 @@
+"""A scene in a file, `.jostle`: state, settings, camera and tree_overlay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.view_options import ViewOptions
+from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
+from jostle.app.simulate.settings import SETTINGS, TRUTH, settings_of, unknown_scene
+from jostle.app.simulate.simulation import Simulation
+from jostle.app.simulate.start import resume
+from jostle.app.simulate.state_validation import bytes_of
+from jostle.app.simulate.validation import Fields, each, one_of, real, require, whole
+
+SUFFIX = ".jostle"
+KIND = "scene"
+NOT_RESTORED = ("help", "panels")  # view options of the window
+
+TINY, HUGE = 1e-30, 1e30  # limits of pixels per world unit, and of world units
+
+CAMERA = Fields(
+    {
+        "center": each(real(-HUGE, HUGE), "x", "y"),
+        "scale": real(TINY, HUGE),
+        "size": each(whole(1, 1_000_000), "width", "height"),
+        "at_home": TRUTH,
+    }
+)
+SHOWN = Fields(
+    {
+        switch.name: one_of(*(kind.value for kind in type(switch.default)))
+        if isinstance(switch.default, Enum)
+        else TRUTH
+        for switch in fields(ViewOptions)
+    },
+    "a switch",
+    complete=False,
+)
+FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
+
+
+@dataclass(frozen=True)
+class SavedScene:
+    """The contents of a file."""
+
+    simulation: Simulation
+    camera: Mapping[str, Any]
+    view_options: Mapping[str, Any]
+
+    def aim(self, camera: Camera) -> None:
+        """Set a camera to the saved view, at the size of its own screen."""
+        (x, y), (width, height) = self.camera["center"], self.camera["size"]
+        scale = self.camera["scale"] * min(camera.size[0] / width, camera.size[1] / height)
+        camera.look_at(self.simulation.view)
+        if not self.camera["at_home"]:
+            camera.aim((float(x), float(y)), float(scale))
+
+    def apply_view_options(self, options: ViewOptions) -> None:
+        """Set the view options of the file."""
+        for field in fields(options):
+            if field.name in self.view_options and field.name not in NOT_RESTORED:
+                now = getattr(options, field.name)
+                setattr(options, field.name, type(now)(self.view_options[field.name]))
+
+
+def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
+    """Return the contents of a scene file."""
+    facts = {
+        "settings": asdict(simulation.settings),
+        "camera": {
+            "center": camera.center,
+            "scale": camera.scale,
+            "size": camera.size,
+            "at_home": camera.at_home,
+        },
+        "shown": {name: _plain(value) for name, value in asdict(options).items()},
+    }
+    return seal(pack(KIND, facts, {"state": blob(simulation.save())}))
+
+
+def read_scene(path: Path) -> SavedScene:
+    """Return the scene of a file; raise a ValueError if it does not contain one."""
+    data = path.read_bytes()
+    if not is_of(KIND, data):
+        raise ValueError(f"{path.name} is not a scene of this version of jostle.")
+    try:
+        facts, arrays = unpack(KIND, unseal(data))
+        require(facts, FACTS)
+        settings = settings_of(facts["settings"])
+        if why := unknown_scene(settings.scene):
+            raise ValueError(why)
+        simulation = resume(settings, bytes_of(arrays, "state"))
+        if simulation.settings != settings:
+            raise ValueError("the settings differ from those of its state")
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
+    return SavedScene(simulation, facts["camera"], facts["shown"])
+
+
+def _plain(value: object) -> object:
+    return value.value if isinstance(value, Enum) else value
