@@ -529,6 +529,27 @@ pub fn all_single(arguments: &[Option<&Argument<'_>>]) -> bool {
     arrays.peek().is_some() && arrays.all(|argument| argument.is_single())
 }
 
+/// An argument that may be omitted or None.
+pub type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// A number for all or one for each of `len` rows, if the argument is given.
+pub fn reals<T: Scalar + Element>(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<T>>> {
+    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
+}
+
+/// A bit set for all or one for each of `len` rows, if the argument is given.
+pub fn bit_sets(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<u32>>> {
+    value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
+}
+
 /// One real number.
 pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     match value.extract::<f64>() {

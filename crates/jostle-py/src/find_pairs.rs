@@ -185,7 +185,7 @@ fn with_kept_tree<T: Kept, R>(work: impl FnOnce(&mut Quadtree<T>) -> R) -> R {
     };
     let tree = kept.get_or_insert_default();
     let result = work(tree);
-    if tree.kept_bytes() > MAX_KEPT {
+    if tree.memory_bytes() > MAX_KEPT {
         *kept = None;
     }
     result

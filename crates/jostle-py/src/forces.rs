@@ -9,11 +9,10 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::arrays::{
-    Argument, Given, column, count, decimal, long_ids, number, point, read_only, table, word,
+    Argument, Given, column, count, decimal, long_ids, number, point, read_only, reals, table, word,
 };
 use crate::error::{refused, type_error, value_error};
 use crate::motor::PyMotor;
-use crate::particles::reals;
 
 /// A force towards a point or a particle.
 ///

@@ -7,10 +7,7 @@ use jostle::particles::{
 use jostle::{Defaults, Each, Error, Filter, Particles};
 use pyo3::prelude::*;
 
-use crate::arrays::Argument;
-
-/// An argument that may be omitted or None.
-type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+use crate::arrays::{Argument, Maybe, reals};
 
 /// Copied columns with checked shapes; the values are not checked yet.
 #[derive(Default)]
@@ -170,11 +167,6 @@ pub fn only_vector(
     Ok(vec![Argument::reals(name, value)?.only_pair(of)?])
 }
 
-/// A float32 for all or one for each of `len` particles.
-pub fn reals(name: &'static str, value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<f32>>> {
-    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
-}
-
 /// A bool for all or one for each of `len` particles.
 pub fn truths(
     name: &'static str,
@@ -182,15 +174,6 @@ pub fn truths(
     len: usize,
 ) -> PyResult<Option<Each<bool>>> {
     value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
-}
-
-/// Bits for all or for each of `len` particles.
-pub fn bit_sets(
-    name: &'static str,
-    value: Maybe<'_, '_>,
-    len: usize,
-) -> PyResult<Option<Each<u32>>> {
-    value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
 }
 
 fn check_column(

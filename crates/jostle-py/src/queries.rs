@@ -14,8 +14,7 @@ use crate::results;
 /// An argument of a query.
 pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
-/// An argument that may be left out or None.
-pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
+pub use crate::arrays::Maybe;
 
 /// The result of a search; a Python error if it could not start.
 pub type Answer<R> = PyResult<jostle::Result<R>>;

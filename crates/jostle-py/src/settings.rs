@@ -4,9 +4,8 @@ use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAI
 use jostle::{Method, OnTouch, Settings};
 use pyo3::prelude::*;
 
-use crate::arrays::{Given, count, truth, word};
+use crate::arrays::{Given, count, reals, truth, word};
 use crate::error::value_error;
-use crate::particles::reals;
 
 // These numbers are written in the signatures.
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);

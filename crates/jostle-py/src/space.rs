@@ -10,7 +10,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, column, table, truth};
+use crate::arrays::{Argument, Given, bit_sets, column, reals, table, truth};
 use crate::error::{refused, value_error};
 use crate::events::PyEvents;
 use crate::ids::{Ids, one_id};
@@ -720,23 +720,12 @@ impl<T: Scalar> Draft<T> {
     }
 }
 
-fn reals<T: Scalar + Element>(
-    name: &'static str,
-    value: Maybe<'_, '_>,
-    len: usize,
-) -> PyResult<Option<Each<T>>> {
-    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
-}
-
 fn sizes<T: Scalar + Element>(value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<[T; 2]>>> {
     value.map(|value| Argument::reals("half_sizes", value)?.half_sizes(len)).transpose()
 }
 
 fn bits([categories, masks]: [Maybe<'_, '_>; 2], len: usize) -> PyResult<[Option<Each<u32>>; 2]> {
-    let read = |name, value: Maybe<'_, '_>| {
-        value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
-    };
-    Ok([read("categories", categories)?, read("masks", masks)?])
+    Ok([bit_sets("categories", categories, len)?, bit_sets("masks", masks, len)?])
 }
 
 /// A value of each shape, and whether the argument was one id.

@@ -4,9 +4,8 @@ use jostle::{Each, Error, Wall};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, column, read_only, table};
+use crate::arrays::{Argument, Given, column, read_only, reals, table};
 use crate::error::refused;
-use crate::particles::reals;
 
 /// Elastic walls with the friction of the particles, from an array of shape (m, 2, 2) or None.
 pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
@@ -40,7 +39,7 @@ pub fn set_restitution(walls: &mut [Wall], given: &Given<'_>) -> PyResult<()> {
 /// Sets the coefficients of friction: one number for all walls or one for each; None, or NaN for
 /// one wall, is that of the particle.
 pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    let each = reals("wall_friction", value, walls.len())?;
+    let each = reals::<f32>("wall_friction", value, walls.len())?;
     if let Some(Each::One(one)) = each
         && !(one >= 0.0 && one.is_finite())
     {

@@ -11,7 +11,9 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{Given, column, count, decimal, number, point, read_only, table};
+use crate::arrays::{
+    Given, bit_sets, column, count, decimal, number, point, read_only, reals, table,
+};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
@@ -19,7 +21,7 @@ use crate::forces;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, bit_sets, only_vector, reals, truths, vectors};
+use crate::particles::{Draft, only_vector, truths, vectors};
 use crate::quadtree::PyQuadtree;
 use crate::queries::result_of;
 use crate::results;

@@ -115,7 +115,7 @@ impl<T: Scalar> Columns<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn kept_bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         let [half_x, half_y, max_x, max_y] = [&self.half_x, &self.half_y, &self.max_x, &self.max_y];
         let numbers = [&self.x, &self.y, &self.radius, half_x, half_y, max_x, max_y];
         let bits = self.category.capacity() + self.mask.capacity();

@@ -475,10 +475,10 @@ fn memory_follows_the_living() {
             }
             space.remove(&ids).unwrap();
             if round == 20 {
-                most = space.kept_bytes();
+                most = space.memory_bytes();
             }
         }
-        assert!(space.kept_bytes() <= 2 * most, "{} after {most}", space.kept_bytes());
+        assert!(space.memory_bytes() <= 2 * most, "{} after {most}", space.memory_bytes());
     }
 }
 
@@ -487,10 +487,10 @@ fn trees_and_pairs_of_the_removed_are_given_back() {
     let mut space = space();
     let ids = space.add(&discs(&lattice(200), 0.6)).unwrap();
     space.update(DEFAULT_MAX_PAIRS).unwrap();
-    let full = space.kept_bytes();
+    let full = space.memory_bytes();
     space.remove(&ids[40..]).unwrap();
     space.update(DEFAULT_MAX_PAIRS).unwrap();
-    assert!(space.kept_bytes() < full / 2, "{} of {full}", space.kept_bytes());
+    assert!(space.memory_bytes() < full / 2, "{} of {full}", space.memory_bytes());
 }
 
 /// One ship over many bullets, or many shapes in one place: nothing is quadratic but the pairs.

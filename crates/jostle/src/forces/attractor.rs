@@ -1,9 +1,9 @@
 //! Attractors: a central force towards a point or a particle.
 
-use super::{Bodies, check_number};
-use crate::error::{Error, Result};
+use super::{Bodies, check_number, check_pair};
+use crate::error::Result;
 use crate::parallel;
-use crate::particles::{FARTHEST, check_vectors};
+use crate::particles::FARTHEST;
 use crate::space::Id;
 
 /// The centre of an attraction.
@@ -41,11 +41,8 @@ pub struct Attractor {
 impl Attractor {
     /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
-        if let Pole::Point([x, y]) = self.pole {
-            check_vectors("point", &[[x, y]]).map_err(|_| {
-                let rule = format!("both coordinates must be finite and within ±{FARTHEST:e}");
-                Error::of("point", format!("({x}, {y})"), &rule)
-            })?;
+        if let Pole::Point(point) = self.pole {
+            check_pair("point", point)?;
         }
         check_number("strength", self.strength, -FARTHEST)
     }

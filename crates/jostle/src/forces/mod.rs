@@ -23,7 +23,7 @@ pub use thermostat::Thermostat;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::particles::FARTHEST;
+use crate::particles::{FARTHEST, check_vectors};
 use crate::space::Id;
 
 /// A force. It refers to particles by id; within a world, by row.
@@ -226,6 +226,14 @@ pub fn accelerate(
 /// A number within the limits of a world; 0 for NaN.
 fn bounded(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
+}
+
+/// Refuses a point or a vector that is not finite or out of range.
+pub fn check_pair(argument: &'static str, [x, y]: [f32; 2]) -> Result<()> {
+    check_vectors(argument, &[[x, y]]).map_err(|_| {
+        let rule = format!("both coordinates must be finite and within ±{FARTHEST:e}");
+        Error::of(argument, format!("({x}, {y})"), &rule)
+    })
 }
 
 /// Refuses a number that is not finite or out of range.

@@ -6,9 +6,9 @@
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
-use super::check_number;
+use super::{check_number, check_pair};
 use crate::error::{Error, Result};
-use crate::particles::{FARTHEST, check_vectors};
+use crate::particles::FARTHEST;
 use crate::space::Id;
 
 /// A rotation about a centre and a translation, both reversed in the second half of each period.
@@ -31,13 +31,6 @@ pub struct Motor {
 impl Motor {
     /// Refuses numbers out of range, and a particle or a wall that is named twice.
     pub fn validate(&self) -> Result<()> {
-        let check_pair = |argument, pair: [f32; 2]| {
-            let [x, y] = pair;
-            check_vectors(argument, &[pair]).map_err(|_| {
-                let rule = format!("both coordinates must be finite and within ±{FARTHEST:e}");
-                Error::of(argument, format!("({x}, {y})"), &rule)
-            })
-        };
         check_pair("center", self.center)?;
         check_pair("velocity", self.velocity)?;
         check_number("angular_velocity", self.angular_velocity, -FARTHEST)?;

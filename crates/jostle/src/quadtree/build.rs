@@ -54,7 +54,7 @@ impl<T: Scalar> Nodes<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn kept_bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
             + self.bounds.capacity() * size_of::<Bounds<T>>()
             + self.strips.capacity() * size_of::<Strips<T>>()

@@ -180,8 +180,8 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn kept_bytes(&self) -> usize {
-        self.built.kept_bytes() + self.columns.kept_bytes() + self.order.kept_bytes()
+    pub fn memory_bytes(&self) -> usize {
+        self.built.memory_bytes() + self.columns.memory_bytes() + self.order.memory_bytes()
     }
 
     /// Number of shapes.

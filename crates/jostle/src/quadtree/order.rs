@@ -126,14 +126,14 @@ impl<T: Scalar> Order<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn kept_bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         let items: usize = self.keyed.iter().map(|keyed| keyed.items.capacity()).sum();
         let grids = self.keyed.capacity() * (size_of::<Keyed<T>>() + size_of::<[usize; 4]>());
         grids
             + items * size_of::<Item<T>>()
             + self.rows.capacity() * size_of::<u32>()
             + (self.equal.capacity() + self.open.capacity()) * size_of::<Range<usize>>()
-            + self.sorter.kept_bytes()
+            + self.sorter.memory_bytes()
     }
 
     /// Frees the memory that only sorting uses.

@@ -178,8 +178,8 @@ impl<T> Clone for Sorter<T> {
 
 impl<T: Copy + Default + Send + Sync> Sorter<T> {
     /// Allocated bytes, used or not.
-    pub fn kept_bytes(&self) -> usize {
-        let scratch: usize = locked(&self.scratch).iter().map(Scratch::kept_bytes).sum();
+    pub fn memory_bytes(&self) -> usize {
+        let scratch: usize = locked(&self.scratch).iter().map(Scratch::memory_bytes).sum();
         scratch
             + self.parted.capacity() * size_of::<Item<T>>()
             + (self.ends.capacity() + self.keys.capacity() + self.starts.capacity())
@@ -468,7 +468,7 @@ struct Scratch<T> {
 }
 
 impl<T> Scratch<T> {
-    fn kept_bytes(&self) -> usize {
+    fn memory_bytes(&self) -> usize {
         (self.collected.capacity() + self.spare.capacity()) * size_of::<Item<T>>()
             + self.counts.capacity() * size_of::<u32>()
             + self.equal.capacity() * size_of::<Range<usize>>()

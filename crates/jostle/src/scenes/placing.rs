@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use super::random::Random;
 use crate::error::{Error, Result};
-use crate::particles::{Particles, check_radii, check_vectors};
+use crate::forces::check_pair;
+use crate::particles::{Particles, check_radii};
 
 /// A rectangle: min x, min y, max x, max y.
 pub type Area = [f32; 4];
@@ -35,8 +36,8 @@ pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Ve
 /// The centres of discs of `radius` in a straight line from `start` to `end`, so close that
 /// particles slide along them as along a smooth wall.
 pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>> {
-    check_vectors("start", &[start]).map_err(|_| no_end("start", start))?;
-    check_vectors("end", &[end]).map_err(|_| no_end("end", end))?;
+    check_pair("start", start)?;
+    check_pair("end", end)?;
     if check_radii(&[radius]).is_err() || radius == 0.0 {
         return Err(Error::of("radius", radius, "it must be finite and more than 0"));
     }
@@ -53,10 +54,6 @@ pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>
         [0, 1].map(|k| (f64::from(start[k]) + offset[k] * share) as f32)
     };
     Ok((0..=steps as u32).map(bead).collect())
-}
-
-fn no_end(argument: &'static str, [x, y]: [f32; 2]) -> Error {
-    Error::of(argument, format!("({x}, {y})"), "both coordinates must be finite and within ±1e18")
 }
 
 /// The discs of walls between consecutive corners.

@@ -411,8 +411,8 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Bytes of memory that they keep, used or not.
-    pub(super) fn kept_bytes(&self) -> usize {
-        let of_layer = |layer: &Layer<T>| layer.tree.kept_bytes() + 4 * layer.slots.capacity();
+    pub(super) fn memory_bytes(&self) -> usize {
+        let of_layer = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
         let words = self.fresh.capacity() * 4 + self.home.capacity() + self.listed.capacity();
         let boxes = self.shapes.boxes.as_ref().map_or(0, Vec::capacity);
         let shapes = (self.shapes.centers.capacity() * 3 + boxes * 4) * size_of::<T>();
