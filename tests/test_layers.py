@@ -31,7 +31,7 @@ def names_of(paths: list[Path], base: Path) -> list[str]:
 
 # ---- dependencies --------------------------------------------------------------------------------
 
-MAY_DEPEND_ON = {"jostle": {"rayon"}, "jostle-py": {"jostle", "numpy", "pyo3"}}
+MAY_DEPEND_ON = {"jostle": {"rayon"}, "jostle-py": {"jostle", "libc", "numpy", "pyo3"}}
 MANIFESTS = sorted(ROOT.glob("crates/*/Cargo.toml"))
 
 

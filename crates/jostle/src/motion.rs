@@ -150,11 +150,10 @@ impl Motions {
         row.set_exact([0, 1].map(|k| old[k] + f64::from(by[k])));
     }
 
-    /// Replaces position and velocity; the displacement is the change of the position.
+    /// Replaces position and velocity; the displacement is that from the `old` position.
     #[inline(always)]
-    pub fn advance(&self, place: u32, position: [f64; 2], velocity: [f64; 2]) {
+    pub fn advance(&self, place: u32, old: [f64; 2], position: [f64; 2], velocity: [f64; 2]) {
         let row = &self.0[place as usize];
-        let old = exact(row.position.vector(), row.residual.vector());
         row.travel.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
         row.set_exact(position);
         row.velocity.set_vector(velocity.map(|v| v as f32));

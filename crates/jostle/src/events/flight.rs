@@ -100,6 +100,12 @@ pub struct Flight<'a> {
 }
 
 impl Flight<'_> {
+    /// Whether nothing reads the motions after the window has begun, so that they may be written before
+    /// all histories are known.
+    pub fn keeps_starts(&self) -> bool {
+        self.kicks.is_empty() && self.spins.is_empty()
+    }
+
     /// The velocity with which a movable disc begins.
     #[inline(always)]
     fn velocity(&self, index: u32) -> Vector {
@@ -203,12 +209,24 @@ impl Window<'_> {
         }
         let start = &self.starts[index as usize];
         if start.velocity != [0.0; 2] {
-            let position = self.segment(index).place_at(self.end, self.gravity());
-            motions.advance(index, position, motions.velocity(index).map(f64::from));
+            let segment = self.segment(index);
+            let position = segment.place_at(self.end, self.gravity());
+            let velocity = motions.velocity(index).map(f64::from);
+            motions.advance(index, segment.position, position, velocity);
         }
         if !spins.is_empty() && !particles.movable[index as usize] {
             self.turn(index, &self.turning(index));
         }
+    }
+
+    /// Moves a disc along its last segment to the end of the window; `stopped` is its velocity after it
+    /// had too many events.
+    #[inline(always)]
+    pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
+        let Start { position, residual, .. } = self.starts[index as usize];
+        let [end, velocity] = last.at(self.end, self.gravity());
+        let velocity = stopped.unwrap_or_else(|| self.after(index, last.falls, velocity));
+        self.flight.motions.advance(index, exact(position, residual), end, velocity);
     }
 
     /// The velocity of a disc after the sub-step from that at the end of the window.

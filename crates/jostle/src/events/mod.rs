@@ -201,7 +201,7 @@ impl Events {
         }
         self.find_first_impacts_of_later(&window);
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
-        self.each_block(&window, reaches, |block, arguments| {
+        self.each_block(&window, reaches, |block, mut arguments| {
             let near = &mut arguments.scratch.near;
             block.find_first_impacts(&window, arguments.neighbors, near);
             block.find_first_wall_impacts(&window);
@@ -209,14 +209,14 @@ impl Events {
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
             if block.impacts_until(window.end) as u64 <= share {
-                block.simulate(arguments);
+                block.simulate(&mut arguments);
             }
         });
         interrupt::check()?;
         let end = self.end_of_window(&window, shortest, most);
         let is_shorter = end < window.end;
         window.end = end;
-        self.each_block(&window, reaches, |block, arguments| {
+        self.each_block(&window, reaches, |block, mut arguments| {
             if is_shorter {
                 block.history.clear();
                 block.is_simulated = false;
@@ -224,7 +224,7 @@ impl Events {
                 block.shorten(&window, arguments.neighbors);
             }
             if !block.is_simulated {
-                block.simulate(arguments);
+                block.simulate(&mut arguments);
             }
         });
         interrupt::check()?;
@@ -356,24 +356,21 @@ impl Events {
         let blocks = found.iter_mut().zip(&self.blocks);
         parallel::for_each(window.flight.threads, blocks, |(found, block)| {
             found.clear();
-            let Block { range, history, .. } = block;
+            let Block { number, range, .. } = block;
             if stop.is_set() {
                 return;
             }
-            for course in &history.courses {
-                self.neighbors.of(course.index, |neighbor| {
-                    if range.contains(&neighbor.index)
-                        || !window.starts[neighbor.index as usize].is_movable
-                    {
-                        return;
-                    }
-                    let image = self.neighbors.image(neighbor);
-                    let pair = [course.index, neighbor.index];
-                    if self.meet(window, pair, image, false) {
-                        found.push(pair);
-                    }
-                });
-            }
+            self.neighbors.each_across(*number, range, |own, neighbor| {
+                if self.course_of[own as usize] == NONE
+                    || !window.starts[neighbor.index as usize].is_movable
+                {
+                    return;
+                }
+                let (pair, image) = ([own, neighbor.index], self.neighbors.image(&neighbor));
+                if self.meet(window, pair, image, false) {
+                    found.push(pair);
+                }
+            });
         });
         self.conflicts.extend(found.iter().flatten());
         self.found = found;
@@ -538,28 +535,16 @@ impl Events {
 
     /// Writes positions, velocities and displacements at the end of the window.
     fn finish(&mut self, window: &Window<'_>) {
-        let (motions, gravity) = (window.flight.motions, window.gravity());
         let (course_of, again) = (&self.course_of, &self.again);
+        let is_moved = window.flight.keeps_starts();
         let turns = !window.flight.spins.is_empty();
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
-            for index in block.range.clone() {
-                let (last, stopped) = match course_of[index as usize] {
-                    NONE if !window.starts[index as usize].is_movable => {
-                        window.carry(index);
-                        continue;
-                    }
-                    NONE => (window.segment(index), None),
-                    number => {
-                        let is_again = number & AGAIN != 0;
-                        let history = if is_again { again } else { &block.history };
-                        let course = &history.courses[(number & !AGAIN) as usize];
-                        (course.segment, course.stopped)
-                    }
-                };
-                let [position, velocity] = last.at(window.end, gravity);
-                let end = stopped.unwrap_or_else(|| window.after(index, last.falls, velocity));
-                motions.advance(index, position, end);
-                if turns {
+            if !is_moved {
+                let range = block.range.start as usize..block.range.end as usize;
+                block.move_discs(window, &course_of[range]);
+            }
+            for index in block.range.clone().filter(|_| turns) {
+                if window.starts[index as usize].is_movable {
                     let number = course_of[index as usize];
                     let history = if number & AGAIN != 0 { again } else { &block.history };
                     let found = history.turnings.get((number & !AGAIN) as usize);
@@ -569,6 +554,11 @@ impl Events {
             }
             block.history.retain(0, course_of);
         });
+        for (number, course) in (0..).zip(&again.courses) {
+            if course_of[course.index as usize] == AGAIN | number {
+                window.move_disc(course.index, &course.segment, course.stopped);
+            }
+        }
         self.again.retain(AGAIN, &self.course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.bounced.extend(&history.bounces);
@@ -629,7 +619,7 @@ impl Block {
     }
 
     /// Simulates the events of the block by itself.
-    fn simulate(&mut self, arguments: Arguments<'_>) {
+    fn simulate(&mut self, arguments: &mut Arguments<'_>) {
         self.is_simulated = true;
         let Arguments { window, neighbors, course_of, reaches, stop, scratch } = arguments;
         let (range, history) = (self.range.clone(), &mut self.history);
@@ -647,6 +637,23 @@ impl Block {
             scratch,
         };
         simulation.run(&self.first, &[]);
+        if window.flight.keeps_starts() {
+            // The discs are in the cache now. Those that are simulated again are moved again.
+            self.move_discs(window, course_of);
+        }
+    }
+
+    /// Moves the discs of the block to the end of the window, by its own history.
+    fn move_discs(&self, window: &Window<'_>, course_of: &[u32]) {
+        for (index, &number) in self.range.clone().zip(course_of) {
+            match self.history.courses.get(number as usize) {
+                Some(course) => window.move_disc(index, &course.segment, course.stopped),
+                None if window.starts[index as usize].is_movable => {
+                    window.move_disc(index, &window.segment(index), None);
+                }
+                None => window.carry(index),
+            }
+        }
     }
 
     /// The number of impacts after the start, until `end`.

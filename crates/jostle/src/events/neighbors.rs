@@ -261,6 +261,29 @@ impl Neighbors {
         }
     }
 
+    /// Calls `act` with each disc of a block, a range of discs, and each of its neighbours that belongs
+    /// to another block.
+    pub fn each_across(
+        &self,
+        number: usize,
+        range: &Range<u32>,
+        mut act: impl FnMut(u32, Neighbor),
+    ) {
+        for &([a, b], image) in &self.blocks[number].across {
+            if range.contains(&a) {
+                act(a, Neighbor { index: b, image });
+            } else {
+                act(b, Neighbor { index: a, image: opposite(image) });
+            }
+        }
+        let from = |disc: u32| self.later.partition_point(|&(of, _)| of < disc);
+        for &(of, neighbor) in &self.later[from(range.start)..from(range.end)] {
+            if !range.contains(&neighbor.index) {
+                act(of, neighbor);
+            }
+        }
+    }
+
     /// Which entries of `later` belong to a disc.
     fn later_of(&self, index: u32) -> Range<usize> {
         let first = self.later.partition_point(|&(of, _)| of < index);

@@ -360,6 +360,19 @@ pub fn nearest<T: Scalar>(
     Ok(found)
 }
 
+/// Number of values written between two checks for interruption.
+const FILLED: usize = 1 << 18;
+
+/// As [`memory::filled`], with checks for interruption: the first writes to new memory can be slow.
+fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
+    let mut values = memory::with_room(len)?;
+    while values.len() < len {
+        stop.check()?;
+        values.resize(len.min(values.len() + FILLED), value.clone());
+    }
+    Ok(values)
+}
+
 /// As [`nearest`], for shapes that are not in one tree: `search` tests them for one point, and
 /// `shape_of` returns the shape with an id.
 ///
@@ -378,8 +391,8 @@ pub fn nearest_by<T: Scalar>(
     let stop = Stop::current();
     let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let len = k * points.len();
-    let distances = memory::filled(len, T::INFINITY)?;
-    let mut all = Neighbors { distances, ids: memory::filled(len, -1)?, tests: 0 };
+    let distances = filled(len, T::INFINITY, &stop)?;
+    let mut all = Neighbors { distances, ids: filled(len, -1, &stop)?, tests: 0 };
     let found = parallel::map(threads, parts.len(), |part| {
         // One list for all queries of a task, because failures of small allocations abort.
         let (mut neighbors, mut ends) = (Vec::new(), memory::with_room(parts[part].len())?);

@@ -126,7 +126,7 @@ pub trait Simd<T: Number>: Copy {
     #[inline(always)]
     fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
         let mut columns = [[T::default(); LANES]; 2];
-        for (lane, &place) in places.of(k).iter().enumerate() {
+        for (lane, &place) in places.below(from.len(), k).iter().enumerate() {
             let word = numbers_at(from, place);
             (columns[0][lane], columns[1][lane]) = (T::from(word[0]), T::from(word[1]));
         }
@@ -138,7 +138,7 @@ pub trait Simd<T: Number>: Copy {
     fn scatter(self, blocks: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
         let mut columns = [[T::default(); LANES]; 2];
         blocks.into_iter().zip(&mut columns).for_each(|(block, to)| self.store(block, to));
-        for (lane, &place) in places.of(k).iter().enumerate() {
+        for (lane, &place) in places.below(to.len(), k).iter().enumerate() {
             set_numbers_at(to, place, [columns[0][lane].single(), columns[1][lane].single()]);
         }
     }
