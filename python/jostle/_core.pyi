@@ -132,7 +132,7 @@ _Force: TypeAlias = (
 )
 
 def abandon_threads() -> None:
-    """Forgets the threads of the process that this one was forked from."""
+    """Abandons the threads of the parent process, which do not exist in a forked process."""
 
 def wake_threads_always(always: bool) -> None:
     """Lets small calls wake other threads. For tests."""
@@ -257,7 +257,7 @@ def sprite_pairs(
     rule : {"rect", "rects", "circle", "mask", "within"}
         "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
         "rects" is "rect" for lists of rectangles instead of sprites. "mask" and "within" give
-        candidate pairs, none of them sure: "mask" masks that may overlap, "within" rectangles
+        candidate pairs, none of them certain: "mask" masks that may overlap, "within" rectangles
         that collide or are at most `scale` apart along each axis.
     scale : float
         Factor for rectangles or radii, 1.0 for their own size; for "within" the largest gap.
@@ -269,7 +269,7 @@ def sprite_pairs(
     Returns
     -------
     tuple of ndarray of uint32, shape (m, 2), and ndarray of bool, shape (m,), or None
-        Rows of `left` and of `right`, sorted, and whether each pair is sure, or None if
+        Rows of `left` and of `right`, sorted, and whether each pair is certain, or None if
         all are. None alone if only pygame can decide.
     """
 
@@ -497,9 +497,10 @@ class Quadtree:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
-            `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-            `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
+            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
+            `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
+            in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
@@ -517,7 +518,7 @@ class Quadtree:
 
         Notes
         -----
-        Queries are converted to the tree's dtype; the answer is that of brute force in that
+        Queries are converted to the tree's dtype; the result is that of brute force in this
         arithmetic. Many queries in one call use all threads of the tree. A shape without
         categories (0) is found only if no mask is given.
 
@@ -626,8 +627,8 @@ class Quadtree:
         Examples
         --------
         >>> import jostle
-        >>> tiles = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
-        >>> tiles.query_point((1.0, 0.2))
+        >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
+        >>> tree.query_point((1.0, 0.2))
         array([1])
         """
     @overload
@@ -714,14 +715,13 @@ class Quadtree:
                 fewer than k are found.
             ids : ndarray of int64, shape (k,) or (n, k)
                 Row numbers, the smaller first at equal distances; -1 if fewer than k are
-                found: remove those before you use them as an index. The nearest shape of a
-                point in the tree is that point itself.
+                found; remove those before you use them as an index.
 
         Raises
         ------
         ValueError
-            If a coordinate is not finite, k is less than 1, k times the number of points is more
-            than 134217728, or `max_distance` is negative.
+            If a coordinate is not finite, k is less than 1, k times the number of points is
+            more than 134217728, or `max_distance` is negative.
 
         Examples
         --------
@@ -841,7 +841,7 @@ class Quadtree:
         Returns
         -------
         RayHit or RayHits
-            Row number and distance of the motion until the hit, as from :meth:`raycast`.
+            The row and the distance of the motion until the hit, as from :meth:`raycast`.
 
         Raises
         ------
@@ -1029,8 +1029,8 @@ class Space:
             min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
             Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
             are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
-            x, y, width and height. The four numbers are compared without rounding: boxes that share an edge never overlap, whereas sides computed as
-            ``center ± half_size`` are rounded.
+            x, y, width and height. The four numbers are compared without rounding: boxes that share
+            an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded.
         categories : array_like of int, a number or shape (k,), default 1
             Categories of each shape, as a set of 32 bits.
         masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
@@ -1145,7 +1145,7 @@ class Space:
     def move(self, ids: ArrayLike, centers: _Vectors, *, boxes: None = None) -> None:
         """Change the centres or the boxes of shapes.
 
-        Shapes whose values stay the same cost almost nothing.
+        Shapes whose values are unchanged cost almost nothing.
 
         Parameters
         ----------
@@ -1357,9 +1357,10 @@ class Space:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
-            `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-            `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
+            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
+            `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
+            in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
 
@@ -1377,8 +1378,9 @@ class Space:
 
         Notes
         -----
-        Queries are converted to the space's dtype; the answer is that of brute force in that
-        arithmetic. Many queries in one call use all threads of the space.
+        Queries are converted to the space's dtype; the result is that of brute force in this
+        arithmetic. Many queries in one call use all threads of the space. A shape without
+        categories (0) is found only if no mask is given.
 
         Examples
         --------
@@ -1577,13 +1579,13 @@ class Space:
                 fewer than k are found.
             ids : ndarray of int64, shape (k,) or (n, k)
                 Ids, the smaller first at equal distances; -1 if fewer than k are
-                found.
+                found; remove those before you use them as an index.
 
         Raises
         ------
         ValueError
-            If a coordinate is not finite, k is less than 1, k times the number of points is more
-            than 134217728, or `max_distance` is negative.
+            If a coordinate is not finite, k is less than 1, k times the number of points is
+            more than 134217728, or `max_distance` is negative.
 
         Examples
         --------
@@ -1620,10 +1622,11 @@ class Space:
         Returns
         -------
         RayHit or RayHits
-            Unpacks as ``id, distance``, in this order (:meth:`nearest` returns distances first);
-            for many rays, arrays of both. At equal distances the smaller id; -1 and infinity if
-            nothing is hit. The distance is that to the surface, 0 if a ray starts in a shape. A
-            ray that only touches an edge hits it.
+            Unpacks as ``id, distance``, in this order (:meth:`nearest` returns distances
+            first); for many rays, arrays of both. At equal distances the smaller id; -1 and
+            infinity if nothing is hit, so test the id before you use it as an index. The
+            distance is that to the surface, 0 if a ray starts in a shape. A ray that only
+            touches an edge hits it.
 
         Raises
         ------
@@ -1704,7 +1707,7 @@ class Space:
         Returns
         -------
         RayHit or RayHits
-            Id and distance of the motion until the hit, as from :meth:`raycast`.
+            The id and the distance of the motion until the hit, as from :meth:`raycast`.
 
         Raises
         ------
@@ -1962,9 +1965,10 @@ class World:
     """Particles: discs that move, collide and bounce off walls.
 
     Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
-    order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as long as
-    no particle was removed and none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
-    from positions is kept from step to step; positions that are assigned are exact. The same
+    order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as
+    long as no particle was removed and none merged, the id of a particle is its row. All columns
+    are float32; other numbers are converted. The residuals of positions, which rounding to float32
+    removes, are kept from step to step; assigned positions are exact. The same
     input gives the same bits on every machine, for every number of threads and for both
     methods.
 
@@ -1975,8 +1979,8 @@ class World:
     velocities : array_like, shape (n, 2)
         In units of length per second.
     radii : array_like, a number or shape (n,)
-        In units of length: 0, or between 1e-18 and 1e18. One number, also for `masses`, `densities` and
-        `friction`, is that of particles that are added later, too.
+        In units of length: 0, or between 1e-18 and 1e18. If `radii`, `masses`, `densities` or
+        `friction` is one number, it is also the default of particles that are added later.
     masses : array_like, a number or shape (n,), optional
         Above 0. If omitted, density times radius squared, as in the article; required for
         a particle of radius 0.
@@ -1999,34 +2003,33 @@ class World:
     friction : array_like, a number or shape (n,), default 0.0
         Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
         root of the product of both; at a wall, that of the particle. Without friction particles
-        do not begin to turn.
+        do not begin to rotate.
     angles : array_like, a number or shape (n,), optional
         In radians, positive from +x to +y; 0 if omitted.
     angular_velocities : array_like, a number or shape (n,), optional
         In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
-        radius 0 do not turn: their angular velocity becomes 0. `drag` does not change angular
+        radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
         velocities.
     categories, masks : array_like of int, a number or shape (n,), optional
         Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
+        ``categories[j] & masks[i]``; others pass through each other at no cost. If omitted,
         categories are 1 and masks have all bits. Walls, the container and forces do not depend on
         them.
     sensors : array_like of bool, one or shape (n,), optional
-        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and `events`
-        and `contacts` tell what touches it. If omitted, none is. See `World.sensors`.
+        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
+        `events` and `contacts` report what touches it. If omitted, none is. See `World.sensors`.
     container : Box, Circle, Torus or None, optional
-        The region of the particles. The first step moves particles that are outside to the
-        inside.
+        The region of the particles. The first step moves particles that are outside into it.
     container_restitution : array_like, a number or shape (4,), default 1.0
         Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
-        the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a side
-        it is multiplied by the world's and that of the particle.
+        the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a
+        side it is multiplied by the world's and that of the particle.
     walls : array_like, shape (m, 2, 2), optional
         Line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
         a wall is pushed out in several steps. On a `Torus` there can be no walls.
     wall_velocities : array_like, shape (2,) or (m, 2), optional
-        Velocities with which the walls move, in units of length per second; 0 if omitted. They push
+        Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
         particles and are not pushed. Walls that share an end should have the same velocity. Nothing
         falls asleep while a wall moves.
     wall_restitution : array_like, a number or shape (m,), default 1.0
@@ -2037,12 +2040,12 @@ class World:
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-        `AndersenThermostat` and `Motor`: what acts beside gravity and contacts.
+        `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
         friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
-        merged particle has all bits of their categories and masks. If one has friction or turns,
+        merged particle has all bits of their categories and masks. If one has friction or rotates,
         angular momentum is conserved. If some of the particles are not movable, the merged
         particle is not movable either and has the place and the velocity of the heaviest of
         these; momentum is lost. Particles do not merge if the
@@ -2065,7 +2068,7 @@ class World:
         coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
         speed below 0.01 √(g r), where r is the radius.
     track_events : bool, default False
-        Whether `events` tells which pairs began and ceased to touch in each call of `step`.
+        Whether `events` reports which pairs began and ceased to touch in each call of `step`.
 
     Raises
     ------
@@ -2077,7 +2080,7 @@ class World:
 
     See Also
     --------
-    jostle.scenes.create : A world of a ready-made scene.
+    jostle.scenes.create : The world of a named scene.
     WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
 
     References
@@ -2192,9 +2195,9 @@ class World:
     ) -> int:
         """Add one particle or many, after the others.
 
-        What is omitted is the number that was last given for all particles: to `World`, as in
-        ``World(..., friction=0.5)``, or by assigning it, as in ``world.friction = 0.5``. An array
-        with a number for each particle does not count.
+        The default of an omitted argument is the number that was last given for all particles: to
+        `World`, as in ``World(..., friction=0.5)``, or by assignment, as in ``world.friction =
+        0.5``. An array with a number for each particle does not change the default.
 
         Parameters
         ----------
@@ -2202,13 +2205,13 @@ class World:
         radii : array_like, a number or shape (k,), optional
             Required if no number was given for all particles.
         masses : array_like, a number or shape (k,), optional
-            If omitted and no number was given for all particles, or if `densities` are given, density
-            times radius squared.
+            If omitted and no number was given for all particles, or if `densities` are given,
+            density times radius squared.
         densities : array_like, a number or shape (k,), optional
             1.0 if no number was given to `World`.
         restitutions : array_like, a number or shape (k,), optional
-            1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor of
-            all contacts anyway.
+            1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
+            of all contacts anyway.
         movable : array_like of bool, one or shape (k,), default True
         friction : array_like, a number or shape (k,), optional
             0.0 if no number was given for all particles.
@@ -2220,8 +2223,8 @@ class World:
         Returns
         -------
         ndarray of int64, shape (k,), or int
-            Their ids, above all ids before; one id for one position. Their rows are the last ones of
-            every column.
+            Their ids, above all ids before; one id for one position. Their rows are the last ones
+            of every column.
 
         Raises
         ------
@@ -2368,15 +2371,15 @@ class World:
         >>> world.set(0, positions=(2, 1))
         """
     def force(self, ids: ArrayLike, forces: _Vectors) -> None:
-        """Add forces of your own on some particles, for the next call of `step`.
+        """Add given forces on some particles, for the next call of `step`.
 
-        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
-        the same particle add up.
+        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces
+        on the same particle add up.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            The particles; one may be given more than once. Nothing accelerates immovable ones.
+            The particles; one may be given more than once. Immovable ones are not accelerated.
         forces : array_like, shape (k, 2), or (2,) for one id
             In units of mass times length per second². A force wakes the particle.
 
@@ -2404,12 +2407,12 @@ class World:
         """The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
 
         The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
-        used again. ``id in world`` tells whether a particle has an id.
+        used again. ``id in world`` is True if a particle has the id.
 
         See Also
         --------
         rows : The rows of ids.
-        renumbered : What became of merged particles.
+        renumbered : The new ids after particles merged.
 
         Examples
         --------
@@ -2481,12 +2484,13 @@ class World:
     def velocities(self, value: _Vectors) -> None: ...
     @property
     def accelerations(self) -> NDArray[np.float32]:
-        """Accelerations by forces of your own in the next call of `step`: ndarray of float32, shape
+        """Given accelerations in the next call of `step`: ndarray of float32, shape
         (n, 2), a read-only copy in units of length per second².
 
-        Assign an array of this shape before each call, or None for none; `force` adds to it. They act
-        during all steps of the call, beside gravity and `forces`, and are 0 after it. Nothing accelerates
-        immovable particles. The others wake where it is not 0, and do not fall asleep in the call.
+        Assign an array of this shape before each call, or None for none; `force` adds to it. They
+        act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+        particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
+        the call.
 
         Raises
         ------
@@ -2538,7 +2542,7 @@ class World:
     def restitutions(self, value: ArrayLike) -> None: ...
     @property
     def movable(self) -> NDArray[np.bool_]:
-        """Which particles can be moved: ndarray of bool, shape (n,), a read-only copy.
+        """Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
 
         The others keep their velocities: a disc that is made immovable while it moves becomes
         kinematic.
@@ -2573,7 +2577,7 @@ class World:
     def angles(self) -> NDArray[np.float32]:
         """Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
 
-        Positive angles turn from +x to +y. To change all, assign an array or one number; to
+        Positive angles are from +x to +y. To change all, assign an array or one number; to
         change some, use `set`. Numbers outside the range are wrapped into it.
 
         Raises
@@ -2650,12 +2654,13 @@ class World:
     def sensors(self) -> NDArray[np.bool_]:
         """Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
 
-        A sensor and another particle pass through each other, and `contacts` and `events` tell that
-        they touch, without impulses. A disc that passes through a sensor within a step, at any speed,
-        is found too: it has entered and left. Walls, the container and forces act on sensors that are
-        movable, as on other particles; one with ``movable=False`` stays where it is put or moves with
-        its velocity, and reports other particles that are not movable, too. Two sensors report each
-        other if one is movable. Categories and masks tell what they report. They never merge.
+        A sensor and another particle pass through each other; `contacts` and `events` report that
+        they touch, without impulses. A disc that passes through a sensor within a step, at any
+        speed, is found too: it has entered and left. Walls, the container and forces act on sensors
+        that are movable, as on other particles; one with ``movable=False`` stays where it is put or
+        moves with its velocity, and reports other particles that are not movable, too. Two sensors
+        report each other if one is movable. Categories and masks determine what they report. They
+        never merge.
 
         To change all, assign an array or one bool; to change some, use `set`.
 
@@ -2712,7 +2717,7 @@ class World:
 
         Examples
         --------
-        A floor that stops what falls on it, between elastic walls:
+        An inelastic floor between elastic walls:
 
         >>> import jostle
         >>> world = jostle.World(
@@ -2731,10 +2736,10 @@ class World:
         units of length.
 
         Assign an array of this shape, or None for no walls. Wall k keeps the velocity and the
-        coefficients of the wall k before; further ones stand still and have a restitution of 1 and
-        the friction of the particles. All particles wake. Walls that are moved in this way transfer
-        no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in several
-        steps, to the side on which their centre is.
+        coefficients of the previous wall k; additional ones are at rest and have a restitution of 1
+        and the friction of the particles. All particles wake. Walls that are moved in this way
+        transfer no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in
+        several steps, to the side on which their centre is.
 
         Raises
         ------
@@ -2764,8 +2769,8 @@ class World:
     def walls(self, value: ArrayLike | None) -> None: ...
     @property
     def wall_velocities(self) -> NDArray[np.float32]:
-        """Velocities of the walls: ndarray of float32, shape (m, 2), a read-only copy in units of length
-        per second.
+        """Velocities of the walls: ndarray of float32, shape (m, 2), a read-only copy in units of
+        length per second.
 
         A wall moves with its velocity in each step, so that `walls` has its new ends, and pushes
         particles as a kinematic particle does: pistons, paddles, lifts. Assign an array, one vector
@@ -2809,10 +2814,10 @@ class World:
     @property
     def forces(self) -> tuple[_Force, ...]:
         """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-        `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by id.
-        If a particle is removed, its attractors and springs are removed too, and motors drive the
-        others. If particles merge, forces refer to the merged particle, and a spring between two of
-        them is removed.
+        `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
+        id. If a particle is removed, its attractors and springs are removed too, and motors drive
+        the others. If particles merge, forces refer to the merged particle, and a spring between
+        two of them is removed.
         """
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
@@ -2823,8 +2828,8 @@ class World:
     def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
     @property
     def renumbered(self) -> _Ids | None:
-        """What became of each id in the last call of `step`: a read-only ndarray of int64, or None if
-        no particles merged.
+        """The new id of each id after the last call of `step`: a read-only ndarray of int64, or None
+        if no particles merged.
 
         It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
         ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
@@ -2897,8 +2902,8 @@ class World:
         All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
         `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
         velocities of an immovable particle change, the islands that touch it wake. Nothing falls
-        asleep if there is a force other than `Thermostat`, or with another `on_touch` than "bounce".
-        Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+        asleep if there is a force other than `Thermostat`, or with another `on_touch` than
+        "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
 
         See Also
         --------
@@ -2916,11 +2921,11 @@ class World:
         array([ True, False])
         """
     def quadtree(self) -> Quadtree:
-        """Return a quadtree of the particles as they are now.
+        """Return a quadtree of the particles in their current state.
 
-        It is a copy: later steps do not change it. It answers with rows: ``world.ids[rows]`` are the
-        ids of these particles, if none was added, removed or merged since. A query does not look
-        beyond the sides of a torus.
+        It is a copy: later steps do not change it. Its queries return rows: ``world.ids[rows]`` are
+        the ids of these particles, if none was added, removed or merged since. Queries do not
+        include images beyond the sides of a torus.
 
         Returns
         -------
@@ -2963,8 +2968,8 @@ class World:
         to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
         particle. Divided by the length of the step, impulses are mean forces.
 
-        The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls` has
-        the number 4 + k.
+        The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls`
+        has the number 4 + k.
 
         See Also
         --------
@@ -2988,15 +2993,15 @@ class World:
         sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
 
         All steps and sub-steps of the call count: a pair that began and ceased to touch is in
-        `entered` and in `left`. A pair in `entered` did not touch at the end of the call before, and a
-        pair in `left` does not touch at the end of this one, also because a particle was removed or
-        merged. In the first call all pairs that touch have entered. So a pair
+        `entered` and in `left`. A pair in `entered` did not touch at the end of the call before,
+        and a pair in `left` does not touch at the end of this one, also because a particle was
+        removed or merged. In the first call all pairs that touch have entered. So a pair
         that has entered does not enter again before it has left.
 
-        Particles touch if they collide, if the gap between them is at most the rounding of float32, or
-        if a resting contact presses them together. Particles that pass through each other, sensors
-        among them, touch if they overlap at any time of the call. Two that are not movable touch only
-        if just one is a sensor.
+        Particles touch if they collide, if the gap between them is at most the rounding of float32,
+        or if a resting contact presses them together. Particles that pass through each other,
+        sensors among them, touch if they overlap at any time of the call. Two that are not movable
+        touch only if just one is a sensor.
 
         Raises
         ------
@@ -3031,10 +3036,10 @@ class World:
     def track_events(self, value: bool) -> None: ...
     @property
     def collisions(self) -> WorldCollisions:
-        """The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those of
-        two particles, and `walls`, those of a particle and a wall or the container.
+        """The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those
+        of two particles, and `walls`, those of a particle and a wall or the container.
 
-        All impacts in the order of time count, those of the same pair each. Resting contacts do not.
+        Every impact counts, also several of one pair. Resting contacts do not count.
 
         See Also
         --------
@@ -3067,8 +3072,8 @@ class World:
         """Simulated time in seconds."""
     @property
     def profile(self) -> dict[str, float]:
-        """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs", "contacts",
-        "resting", "events", "correction" and "store", and "forces" if there are forces.
+        """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
+        "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
         """
     @property
     def stats(self) -> WorldStats:
@@ -3319,7 +3324,7 @@ class Attractor:
     point : array_like, shape (2,), optional
         The point, in units of length; or give `particle`.
     strength : float
-        Acceleration for each unit of distance ("harmonic"), or G times the attracting
+        Acceleration per unit of distance ("harmonic"), or G times the attracting
         mass ("inverse_square"). If negative, the force is repulsive.
     law : {"harmonic", "inverse_square"}, default "harmonic"
         Acceleration is strength times distance, as in the article, or strength over
@@ -3360,7 +3365,7 @@ class Attractor:
         """The attracting point, (x, y); None if it is a particle."""
     @property
     def strength(self) -> float:
-        """Acceleration for each unit of distance, or G times the attracting mass."""
+        """Acceleration per unit of distance, or G times the attracting mass."""
     @property
     def law(self) -> Literal["harmonic", "inverse_square"]:
         """ "harmonic" or "inverse_square"."""
@@ -3378,9 +3383,9 @@ class Gravitation:
     """Gravitation between all particles.
 
     The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all
-    others; on a torus over their nearest images. Many particles are summed by Barnes
-    and Hut's method on a quadtree, with an error of about half a percent for the default
-    `theta`; few are summed exactly. Momentum is conserved.
+    others; on a torus with minimum images. Many particles are summed by the Barnes-Hut
+    method on a quadtree, with an error of about half a percent for the default `theta`; few
+    are summed directly. Momentum is conserved.
 
     Parameters
     ----------
@@ -3398,6 +3403,15 @@ class Gravitation:
         If an argument is not a number.
     ValueError
         If a number is out of range.
+
+    See Also
+    --------
+    Attractor : A central force without a reaction.
+
+    References
+    ----------
+    J. Barnes and P. Hut, *A hierarchical O(N log N) force-calculation algorithm*, Nature 324
+    (1986).
 
     Examples
     --------
@@ -3428,9 +3442,10 @@ class Gravitation:
 class Springs:
     """Springs between pairs of particles.
 
-    The force of each spring is stiffness times stretch plus damping times the speed of
-    lengthening. Stiff springs are integrated in parts of a sub-step; the stiffness is
-    limited if even these are too long. A spring is removed with either of its ends.
+    The force of each spring is stiffness times stretch plus damping times the rate of
+    lengthening. Stiff springs are integrated in parts of a sub-step, whose number is limited;
+    the stiffness is reduced if more would be necessary. If one of its ends is removed, a spring is
+    removed too.
 
     Parameters
     ----------
@@ -3439,9 +3454,9 @@ class Springs:
     lengths : array_like, a number or shape (m,)
         Lengths at rest, in units of length.
     stiffness : array_like, a number or shape (m,)
-        Force for each unit of stretch.
+        Force per unit of stretch.
     damping : array_like, a number or shape (m,), default 0.0
-        Force for each unit of speed.
+        Force per unit of speed.
     max_stretch : array_like, a number or shape (m,), optional
         Stretch beyond which a spring breaks at the end of a step, in units of length. If
         omitted, none breaks.
@@ -3481,10 +3496,10 @@ class Springs:
         """Lengths at rest: ndarray of float32, shape (m,)."""
     @property
     def stiffness(self) -> NDArray[np.float32]:
-        """Force for each unit of stretch: ndarray of float32, shape (m,)."""
+        """Force per unit of stretch: ndarray of float32, shape (m,)."""
     @property
     def damping(self) -> NDArray[np.float32]:
-        """Force for each unit of speed: ndarray of float32, shape (m,)."""
+        """Force per unit of speed: ndarray of float32, shape (m,)."""
     @property
     def max_stretch(self) -> NDArray[np.float32]:
         """Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
@@ -3497,19 +3512,18 @@ class Springs:
 
 @final
 class Motor:
-    """Drives immovable particles and walls along a given motion.
+    """A prescribed motion of immovable particles and walls.
 
-    They turn about a centre and move with a velocity, for example as the paddles of a mill, the
-    flippers of a pinball table or a piston. With a `period` they move there in its first half and back
-    in its second. Other particles are pushed by them and do not slow them down. It is one of the
-    `World.forces`.
+    They rotate about a centre and move with a velocity, for example as the paddles of a mill, the
+    flippers of a pinball table or a piston. With a `period` the motion is reversed in its second
+    half. They push other particles and are not pushed. A motor is one of the `World.forces`.
 
     Parameters
     ----------
     ids : array_like of int, shape (k,), optional
         Ids of the immovable particles; if one is removed, the motor drives the others.
     walls : array_like of int, shape (m,), optional
-        Indices of the walls. They do not turn.
+        Indices of the walls. Walls do not rotate.
     center : array_like, shape (2,), default (0.0, 0.0)
         The centre of the rotation, in units of length. It moves with `velocity`.
     angular_velocity : float, default 0.0
@@ -3517,15 +3531,16 @@ class Motor:
     velocity : array_like, shape (2,), default (0.0, 0.0)
         In units of length per second.
     period : float, optional
-        Seconds of the motion there and back, above 0. If omitted, it never goes back.
+        Period in seconds, above 0. If omitted, the motion is not reversed.
 
     Raises
     ------
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a number is out of range, a particle or a wall is given twice, or walls are to turn. When it
-        is assigned to `World.forces`, also if a particle is movable or a wall does not exist.
+        If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
+        not 0 for walls. When it is assigned to `World.forces`, also if a particle is movable or a
+        wall does not exist.
 
     See Also
     --------
@@ -3533,13 +3548,14 @@ class Motor:
 
     Notes
     -----
-    The motion is a function of `World.time`. At the beginning of each step the motor sets the velocities
-    that lead to the right place at its end: on a circle particles follow a chord, so take steps in
-    which they turn by a small angle. Between calls they can be moved; the motion goes on from there.
+    The motion is a function of `World.time`. At the beginning of each step the motor sets the
+    velocities that lead to the position at its end. On a circle a step is a chord, so the angle per
+    step should be small. Particles and walls that are moved between calls continue from their new
+    position.
 
     Examples
     --------
-    A paddle of four discs that turns twice in a second:
+    A paddle of four discs that rotates twice per second:
 
     >>> import jostle, math
     >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
@@ -3585,7 +3601,7 @@ class Motor:
         """In units of length per second, (x, y)."""
     @property
     def period(self) -> float | None:
-        """Seconds of the motion there and back; None if it never goes back."""
+        """Period in seconds; None if the motion is not reversed."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
@@ -3595,15 +3611,15 @@ class Thermostat:
     """Walls that heat or cool the particles that bounce off them.
 
     Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-    the article's lesson about gases. A world has at most one thermostat. The speeds do not become those
-    of a gas in equilibrium, see `ThermalWalls`.
+    the article's lesson about gases. A world has at most one `Thermostat`. The speeds do not reach
+    the Maxwell distribution, see `ThermalWalls`.
 
     Parameters
     ----------
     speed : float
-        In units of length per second, at least 0.
+        Target speed in units of length per second, at least 0.
     rate : float
-        Rate of the change, 0 to 1; with 1 particles leave the walls with `speed`.
+        Relative change by one bounce, 0 to 1; with 1 particles leave the walls with `speed`.
 
     Raises
     ------
@@ -3611,6 +3627,11 @@ class Thermostat:
         If an argument is not a number.
     ValueError
         If a number is out of range.
+
+    See Also
+    --------
+    ThermalWalls : Sides of the container with a temperature.
+    AndersenThermostat : A heat bath for all particles.
 
     Examples
     --------
@@ -3630,21 +3651,21 @@ class Thermostat:
         """The target speed."""
     @property
     def rate(self) -> float:
-        """The rate of the change, 0 to 1."""
+        """Relative change by one bounce, 0 to 1."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[float, float]: ...
 
 @final
 class ThermalWalls:
-    """Sides of the container at a temperature.
+    """Sides of the container with a temperature.
 
-    A particle that hits such a side leaves it as if it came through it from a gas in equilibrium: the
-    speed along the normal has the density ∝ v exp(-m v²/2kT), the velocity along the wall is normally
-    distributed with the variance kT/m. A gas between such walls gets their temperature and a Maxwell
-    distribution; between different temperatures heat flows. The random numbers follow from
-    `seed`, the particle's state at the impact and the time, so results have the same bits for every
-    number of threads and every order of adding.
+    A particle that hits such a side leaves it with the velocity of a particle that enters through
+    it from a gas in equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the
+    velocity along the wall is normally distributed with the variance kT/m. A gas between such walls
+    reaches their temperature and the Maxwell distribution; between different temperatures there is
+    a heat flow. The random numbers are functions of `seed`, the particle's state at the impact and
+    the time, so results have the same bits for every number of threads and every order of adding.
 
     Parameters
     ----------
@@ -3652,10 +3673,10 @@ class ThermalWalls:
         Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
         particle, in units of mass times length² per second².
     sides : array_like of int, shape (k,), optional
-        Which sides: 0 to 3 at min x, max x, min y and max y, the numbers in `World.wall_contacts`; 0
-        is the wall of a `Circle`. If omitted, all.
+        Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
+        0 is the wall of a `Circle`. If omitted, all.
     seed : int, default 0
-        Of the random numbers, below 2³².
+        Seed of the random numbers, below 2³².
 
     Raises
     ------
@@ -3666,19 +3687,19 @@ class ThermalWalls:
 
     See Also
     --------
-    AndersenThermostat : Heats particles everywhere.
-    Thermostat : The article's rule, which does not lead to a Maxwell distribution.
+    AndersenThermostat : A heat bath for all particles.
+    Thermostat : The article's rule, which does not lead to the Maxwell distribution.
 
     Notes
     -----
-    Several of them may have different sides. Angular velocities, and particles that rest on a wall, are
-    not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change along
-    the normal.
+    Several of them may have different sides. Angular velocities, and particles that rest on a wall,
+    are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
+    along the normal.
 
     References
     ----------
-    R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*, Physical
-    Review E 57, R17 (1998).
+    R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*,
+    Physical Review E 57, R17 (1998).
 
     Examples
     --------
@@ -3710,13 +3731,13 @@ class ThermalWalls:
 
 @final
 class AndersenThermostat:
-    """A bath at a temperature that gives each particle a new velocity at random times.
+    """A heat bath that gives each particle a new velocity at random times.
 
-    At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt). Each
-    component of it is normally distributed with the variance kT/m. So all particles reach a Maxwell
-    distribution at this temperature, the canonical ensemble; momentum and energy are not conserved. The
-    random numbers follow from `seed`, the particle's state and the time, so results have the same bits
-    for every number of threads and every order of adding.
+    At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt).
+    Each component of it is normally distributed with the variance kT/m. So the particles reach the
+    Maxwell distribution at this temperature (canonical ensemble); momentum and energy are not
+    conserved. The random numbers are functions of `seed`, the particle's state and the time, so
+    results have the same bits for every number of threads and every order of adding.
 
     Parameters
     ----------
@@ -3726,7 +3747,7 @@ class AndersenThermostat:
     rate : float
         Mean number of new velocities of a particle per second, at least 0.
     seed : int, default 0
-        Of the random numbers, below 2³².
+        Seed of the random numbers, below 2³².
 
     Raises
     ------
@@ -3737,7 +3758,7 @@ class AndersenThermostat:
 
     See Also
     --------
-    ThermalWalls : Heats particles at the sides of the container only.
+    ThermalWalls : Sides of the container with a temperature.
 
     Notes
     -----
@@ -3745,8 +3766,8 @@ class AndersenThermostat:
 
     References
     ----------
-    H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, Journal of
-    Chemical Physics 72, 2384 (1980).
+    H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*,
+    Journal of Chemical Physics 72, 2384 (1980).
 
     Examples
     --------
@@ -3810,7 +3831,8 @@ def describe_scene(name: str) -> str:
     --------
     >>> import jostle
     >>> print(jostle.scenes.describe("billiards"))
-    A cue ball with side spin breaks a rack of balls. Follow how its momentum and its spin spread over all.
+    A cue ball with side spin breaks a rack of balls. Its momentum and its spin spread over all
+    balls.
     """
 
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World:

@@ -1,32 +1,32 @@
 //! The allocator of the extension module.
 //!
-//! A small allocation that fails ends the process. Near the limit of memory it may fail only because
-//! another thread holds, for a moment, a large allocation that it is about to refuse (see
-//! `jostle::memory`). So small allocations wait for that thread.
+//! A failed small allocation aborts the process. Near the limit of memory it may fail only because
+//! another thread briefly has a large allocation that it will free (see `jostle::memory`). So small
+//! allocations are retried.
 //!
-//! Large allocations ask for huge pages, as NumPy does for its arrays: a search among millions of shapes
-//! then takes fewer page faults, and fewer reads of page tables.
+//! Large allocations request huge pages, as NumPy does for its arrays. A search among millions of
+//! shapes then has fewer page faults and fewer TLB misses.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
 use std::thread;
 use std::time::Duration;
 
-/// Larger allocations fail at once: the core makes an error of the failure.
+/// Larger allocations are not retried: the core returns an error if they fail.
 const SMALL: usize = 1 << 16;
 
-/// Times that a small allocation is tried again, and the time between them.
+/// Number of retries of a small allocation, and the time between them.
 const TRIES: usize = 100;
 const WAIT: Duration = Duration::from_millis(1);
 
-/// Allocations of at least so many bytes ask for huge pages.
+/// Allocations of at least this number of bytes request huge pages.
 const LARGE: usize = 1 << 22;
 
-/// The size of a huge page, or a multiple of a page on systems where it is another.
+/// The size of a huge page; on systems with another size, a multiple of the page size.
 #[cfg(target_os = "linux")]
 const HUGE_PAGE: usize = 1 << 21;
 
-/// The system's allocator. Small allocations that fail are tried again.
+/// The system's allocator with retries of small allocations, and huge pages for large ones.
 struct Retrying;
 
 #[global_allocator]
@@ -54,7 +54,7 @@ fn allocate(bytes: usize, allocate: impl Fn() -> *mut u8) -> *mut u8 {
     pointer
 }
 
-/// Asks for huge pages in a new allocation. If the system has none, nothing changes.
+/// Requests huge pages for a new allocation. Without effect if the system has none.
 #[cfg(target_os = "linux")]
 #[cold]
 #[allow(unsafe_code, reason = "a call of the system")]
@@ -62,7 +62,8 @@ fn advise(pointer: *mut u8, bytes: usize) {
     let skipped = pointer.align_offset(HUGE_PAGE);
     let length = bytes.saturating_sub(skipped) / HUGE_PAGE * HUGE_PAGE;
     if length > 0 {
-        // SAFETY: the range lies within the allocation, and the advice does not change its contents.
+        // SAFETY: the range lies within the allocation, and the advice does not change its
+        // contents.
         unsafe { libc::madvise(pointer.add(skipped).cast(), length, libc::MADV_HUGEPAGE) };
     }
 }

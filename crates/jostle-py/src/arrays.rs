@@ -1,9 +1,9 @@
-//! Arrays and numbers between Python and Rust; nothing else converts them.
+//! Conversion of arrays and numbers between Python and Rust.
 //!
-//! In: whatever `numpy.asarray` understands, of any layout and byte order, is
-//! checked and copied, so that other threads cannot change it during the call. The shape is
-//! checked before the copy; a copy that does not fit into memory is a MemoryError.
-//! Out: vectors become arrays without a copy.
+//! Arguments: anything that `numpy.asarray` accepts, with any layout and byte order, is checked and
+//! copied, so that other threads cannot change it during the call. The shape is checked before the
+//! copy; if its allocation fails, MemoryError is raised. Results: vectors become arrays without a
+//! copy.
 
 use std::fmt::Display;
 
@@ -23,15 +23,15 @@ use pyo3::types::{PyBool, PyFrozenSet, PyInt, PySet};
 use crate::error::{type_error, value_error};
 use crate::masked::refuse_masked;
 
-/// An argument that may be left out, which is not the same as giving None.
+/// An argument that may be omitted. None is a value, not an omission.
 #[derive(Default)]
 pub struct Given<'py>(Option<Bound<'py, PyAny>>);
 
 impl<'py> Given<'py> {
-    /// For the defaults of signatures.
+    /// The default in signatures.
     pub const NOTHING: Self = Self(None);
 
-    /// The argument, unless it was left out.
+    /// The value; None if the argument was omitted.
     pub fn value(&self) -> Option<&Bound<'py, PyAny>> {
         self.0.as_ref()
     }
@@ -45,14 +45,14 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
     }
 }
 
-/// Values of categories and masks.
+/// The rule for categories and masks.
 const BIT_SET_RULE: &str = "a set of 32 bits: between 0 and 4294967295, or a negative integer from \
                             -4294967296 as ~bits gives it";
 
-/// Values of the ids of particles.
+/// The rule for ids of particles.
 const ID_RULE: &str = "the id of a particle, between 0 and 9223372036854775807";
 
-/// What an array argument may hold.
+/// The kinds of numbers of array arguments.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Real,
@@ -78,10 +78,10 @@ impl Kind {
     }
 }
 
-/// An argument as NumPy sees it, its type checked.
+/// An array argument with a checked type.
 pub struct Argument<'py> {
     name: &'static str,
-    /// Never a subclass, whose methods could return anything.
+    /// Not of a subclass, whose methods may be overridden.
     array: Bound<'py, PyUntypedArray>,
     was_array: bool,
 }
@@ -128,7 +128,7 @@ impl<'py> Argument<'py> {
             return Ok(());
         }
         if kind == Kind::Integer && value.is_instance_of::<PyInt>() && !is_truth(value) {
-            // Too long even for NumPy, which makes it an object.
+            // An int that exceeds 64 bits; NumPy stores it as an object.
             return Err(value_error(name, value, BIT_SET_RULE));
         }
         let wanted = kind.name();
@@ -139,7 +139,7 @@ impl<'py> Argument<'py> {
         Err(PyTypeError::new_err(format!("{name} must hold {wanted}, not {found}")))
     }
 
-    /// Whether it is two numbers that did not come in an array.
+    /// Whether it is a pair of numbers that was not given as an array.
     pub fn is_plain_pair(&self) -> bool {
         !self.was_array && self.array.shape() == [2]
     }
@@ -191,7 +191,7 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// The only pair; `of` says what there is one of.
+    /// A single pair; `of` names the object that it belongs to, for error messages.
     pub fn only_pair<T: Scalar + Element>(&self, of: &str) -> PyResult<[T; 2]> {
         match self.array.shape() {
             [2] => self.only(self.real_pairs()?),
@@ -232,8 +232,7 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// One list of points, or many of equal length: all points one after the other, and the
-    /// number of lists and their length where there are many.
+    /// One list of points, or many of equal length.
     pub fn one_or_more_lists<T: Scalar + Element>(&self) -> PyResult<PointLists<T>> {
         match *self.array.shape() {
             [_, 2] => Ok(PointLists { points: self.real_pairs()?, many: None }),
@@ -296,7 +295,7 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// Ids of 63 bits: one, or a row of them; `of` says what they identify.
+    /// Ids of 63 bits: one or many; `of` is what they identify, for error messages.
     fn long_ids(&self, of: &str) -> PyResult<Each<i64>> {
         if self.array.ndim() > 1 {
             return Err(self.wrong_shape("an integer or (k,)"));
@@ -314,7 +313,7 @@ impl<'py> Argument<'py> {
         if self.is_scalar() { Ok(Each::One(self.only(ids)?)) } else { Ok(Each::Rows(ids)) }
     }
 
-    /// A truth for all or one for each of `len` rows.
+    /// A bool for all or one for each of `len` rows.
     pub fn truth_each(&self, len: usize) -> PyResult<Each<bool>> {
         self.each(len, "True or False", |argument| argument.copied())
     }
@@ -332,7 +331,7 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// All numbers as `T`, row after row.
+    /// All numbers as `T`, in row-major order.
     fn real<T: Scalar + Element>(&self) -> PyResult<Vec<T>> {
         if self.is_single() {
             self.read(|all: &[f32]| {
@@ -395,7 +394,7 @@ impl<'py> Argument<'py> {
         Ok(narrowed)
     }
 
-    /// The name of one of its values: with the row, where it has rows.
+    /// The name of one of its values, with the row if it has rows.
     fn entry(&self, index: usize) -> String {
         let name = self.name;
         match self.array.shape() {
@@ -407,12 +406,12 @@ impl<'py> Argument<'py> {
         }
     }
 
-    /// The only one of its values.
+    /// Its only value.
     fn only<V: Copy>(&self, values: Vec<V>) -> PyResult<V> {
         values.first().copied().ok_or_else(|| self.changed())
     }
 
-    /// A copy of all values, row after row.
+    /// A copy of all values, in row-major order.
     fn copied<V: Element + Copy>(&self) -> PyResult<Vec<V>> {
         self.read(|values: &[V]| self.collected(values.len(), values.iter().copied()))
     }
@@ -430,8 +429,7 @@ impl<'py> Argument<'py> {
         Ok(room)
     }
 
-    /// What `take` makes of all values, row after row, of whatever layout and byte order
-    /// they are.
+    /// Calls `take` with all values in row-major order, for any layout and byte order.
     fn read<V: Element + Copy, R>(&self, take: impl FnOnce(&[V]) -> PyResult<R>) -> PyResult<R> {
         let len = self.array.len();
         if len == 0 {
@@ -449,19 +447,19 @@ impl<'py> Argument<'py> {
             let full = error.is_instance_of::<PyMemoryError>(py);
             if full { no_memory(self.name, len, size_of::<V>()) } else { error }
         })?;
-        // A warning of NumPy's may run Python code, which may have changed the array.
+        // A warning of NumPy can run Python code, which could change the array.
         match copy.cast::<PyArrayDyn<V>>()?.try_readonly()?.as_slice() {
             Ok(values) if values.len() == len => take(values),
             _ => Err(self.changed()),
         }
     }
 
-    /// An array that other code changed during the copy is not used.
+    /// The error for an array that was changed during the copy.
     fn changed(&self) -> PyErr {
         PyValueError::new_err(format!("{} changed its shape while it was read", self.name))
     }
 
-    /// Refuses the shape.
+    /// The error for a wrong shape.
     pub fn wrong_shape(&self, expected: &str) -> PyErr {
         let found = match self.array.shape() {
             [] => "()".to_string(),
@@ -475,23 +473,22 @@ impl<'py> Argument<'py> {
     }
 }
 
-/// Lists of points of equal length, one after the other.
+/// Lists of points of equal length, concatenated.
 pub struct PointLists<T> {
     pub points: Vec<[T; 2]>,
-    /// How many lists, and how many points in each; None for a list that stands alone.
+    /// Number of lists and number of points in each; None for a single list.
     pub many: Option<(usize, usize)>,
 }
 
-/// The nearest number of a type with fewer digits. Only 0 is rounded to 0, so that a size
-/// that is too small is refused.
+/// The nearest number of a type. Only 0 is rounded to 0, so that a size that is too small is
+/// refused.
 fn rounded<T: Scalar>(value: f64) -> T {
     let near = T::from_f64(value);
     let smallest = f64::from(f32::from_bits(1));
     if near == T::ZERO && value != 0.0 { T::from_f64(smallest.copysign(value)) } else { near }
 }
 
-/// The low 32 bits of what may be a set of 32 bits: `~bits` is negative for an int or a signed
-/// array.
+/// The low 32 bits of a valid set of bits; `~bits` is negative for an int or a signed array.
 fn low_bits(bits: i128) -> Option<u32> {
     (-(1 << 32)..1 << 32).contains(&bits).then_some(bits as u32)
 }
@@ -524,12 +521,33 @@ fn as_array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     Ok(array.cast_into::<PyUntypedArray>()?)
 }
 
-/// Whether a call computes in float32: every array is float32, and there is one.
-/// A single number follows the arrays beside it.
+/// Whether a call computes in float32: there is an array, and all arrays are float32. Single
+/// numbers do not count.
 pub fn all_single(arguments: &[Option<&Argument<'_>>]) -> bool {
     let arrays = arguments.iter().flatten().filter(|argument| !argument.is_scalar());
     let mut arrays = arrays.peekable();
     arrays.peek().is_some() && arrays.all(|argument| argument.is_single())
+}
+
+/// An argument that may be omitted or None.
+pub type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// A number for all or one for each of `len` rows, if the argument is given.
+pub fn reals<T: Scalar + Element>(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<T>>> {
+    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
+}
+
+/// A bit set for all or one for each of `len` rows, if the argument is given.
+pub fn bit_sets(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<u32>>> {
+    value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
 }
 
 /// One real number.
@@ -540,7 +558,7 @@ pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     }
 }
 
-/// An id of 63 bits or an array of them; `of` says what they identify: "shape".
+/// An id of 63 bits or an array of ids; `of` is what they identify, for error messages: "shape".
 pub fn long_ids(name: &'static str, value: &Bound<'_, PyAny>, of: &str) -> PyResult<Each<i64>> {
     if value.is_instance_of::<PyInt>() && !is_truth(value) {
         return value.extract().map(Each::One).map_err(|_| too_long_id(name, value, of));
@@ -548,7 +566,7 @@ pub fn long_ids(name: &'static str, value: &Bound<'_, PyAny>, of: &str) -> PyRes
     Argument::integers(name, value)?.long_ids(of)
 }
 
-/// What does not fit into an id is none.
+/// The error for an integer that is too large for an id.
 fn too_long_id(name: &str, id: impl Display, of: &str) -> PyErr {
     PyValueError::new_err(format!("{name} is {id}; no {of} has this id"))
 }
@@ -562,30 +580,30 @@ pub fn point(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f32; 2]>
     }
 }
 
-/// One integer of at least `least`.
-pub fn count(name: &str, value: &Bound<'_, PyAny>, least: usize) -> PyResult<usize> {
+/// One integer of at least `min`.
+pub fn count(name: &str, value: &Bound<'_, PyAny>, min: usize) -> PyResult<usize> {
     if is_truth(value) {
         return Err(type_error(name, "an integer", value));
     }
     match value.extract::<usize>() {
-        Ok(count) if count >= least => Ok(count),
+        Ok(count) if count >= min => Ok(count),
         Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
             Err(type_error(name, "an integer", value))
         }
-        Err(_) if value.gt(least)? => {
+        Err(_) if value.gt(min)? => {
             Err(value_error(name, value, &format!("at most {}", usize::MAX)))
         }
-        _ => Err(value_error(name, value, &format!("at least {least}"))),
+        _ => Err(value_error(name, value, &format!("at least {min}"))),
     }
 }
 
-/// True or False; left out, it is False.
+/// True or False; False if omitted.
 pub fn truth(name: &str, given: &Given<'_>) -> PyResult<bool> {
     let Some(value) = given.value() else { return Ok(false) };
     value.extract::<bool>().map_err(|_| type_error(name, "True or False", value))
 }
 
-/// A word; None where it was left out.
+/// A string; None if omitted.
 pub fn word(name: &str, given: &Given<'_>, rule: &str) -> PyResult<Option<String>> {
     let read = |value: &Bound<'_, PyAny>| {
         value.extract::<String>().map_err(|_| type_error(name, rule, value))
@@ -593,7 +611,7 @@ pub fn word(name: &str, given: &Given<'_>, rule: &str) -> PyResult<Option<String
     given.value().map(read).transpose()
 }
 
-/// True and False count as 1 and 0 in Python; as an argument that is a slip.
+/// Whether a value is a bool. Python accepts bools as 1 and 0; as arguments they are mistakes.
 fn is_truth(value: &Bound<'_, PyAny>) -> bool {
     value.is_instance_of::<PyBool>()
 }
@@ -622,8 +640,8 @@ pub fn matrix<V: Element>(
     Ok(matrix.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
 }
 
-/// Ids and pairs of ids for the caller, as signed 64-bit integers, so that differences are
-/// right; does not need the GIL.
+/// Ids or pairs of ids as signed 64-bit integers, so that differences do not overflow; without the
+/// GIL.
 pub fn long<I: Widen>(ids: &[I]) -> jostle::Result<Vec<I::Long>> {
     let mut long = memory::with_room(ids.len())?;
     let mut pulse = Pulse::current();
@@ -634,12 +652,12 @@ pub fn long<I: Widen>(ids: &[I]) -> jostle::Result<Vec<I::Long>> {
     Ok(long)
 }
 
-/// Ids that are widened between two checks for an interruption.
+/// Number of ids that are converted between two checks for interruption.
 const AT_A_TIME: usize = 1 << 12;
 
-/// An id of the core, or several.
+/// An id or a pair of ids of the core.
 pub trait Widen: Copy {
-    /// The same in 64 bits.
+    /// The 64-bit type.
     type Long;
     /// Converts.
     fn widen(self) -> Self::Long;
@@ -669,8 +687,7 @@ impl Widen for [i64; 2] {
     }
 }
 
-/// The same array, made read-only: it is a copy, and writing into it would have no effect on the
-/// world.
+/// Makes an array read-only: it is a copy, so writing into it would not change the world.
 pub fn read_only<V: Element, D: numpy::ndarray::Dimension>(
     array: Bound<'_, numpy::PyArray<V, D>>,
 ) -> Bound<'_, numpy::PyArray<V, D>> {
@@ -678,7 +695,7 @@ pub fn read_only<V: Element, D: numpy::ndarray::Dimension>(
     array
 }
 
-/// A float32 as the float64 with the same shortest decimals: 0.1 stays 0.1.
+/// The float64 with the same shortest decimal representation as a float32: 0.1 stays 0.1.
 pub fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

@@ -1,4 +1,4 @@
-//! `jostle.Box`, `jostle.Circle`, `jostle.Torus`: the walls of a world, as values.
+//! `jostle.Box`, `jostle.Circle` and `jostle.Torus`: the containers of a world.
 
 use jostle::Container;
 use pyo3::exceptions::PyTypeError;
@@ -222,7 +222,7 @@ impl PyTorus {
     }
 }
 
-/// The core's container of a Python one; None has no walls.
+/// The container of the core for a Python object; None is no container.
 pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Container> {
     let Some(value) = value else { return Ok(Container::None) };
     if let Ok(found) = value.cast::<PyBox>() {
@@ -240,7 +240,7 @@ pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Container> {
     }
 }
 
-/// The Python container of a core one.
+/// The Python object for a container of the core.
 pub fn show(py: Python<'_>, container: Container) -> PyResult<Option<Py<PyAny>>> {
     Ok(match container {
         Container::None => None,

@@ -1,6 +1,5 @@
-//! Errors on their way to Python: a wrong type is a TypeError, a wrong value a
-//! ValueError, each a sentence that begins with the argument; what does not fit into
-//! memory is a MemoryError.
+//! Python exceptions: TypeError for a wrong type, ValueError for a wrong value, both with messages
+//! that begin with the argument, and MemoryError for a failed allocation.
 
 use std::fmt::Display;
 
@@ -9,23 +8,23 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-/// What the core refuses is the value, never the type.
-#[expect(clippy::needless_pass_by_value, reason = "the shape that map_err wants")]
+/// The exception for an error of the core.
+#[expect(clippy::needless_pass_by_value, reason = "for map_err")]
 pub fn refused(error: Error) -> PyErr {
     match error {
         Error::NoMemory { .. } => PyMemoryError::new_err(error.to_string()),
-        // An exception of a signal handler was raised before.
+        // Usually the exception of a signal handler is raised instead, see `interrupt`.
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
         _ => PyValueError::new_err(error.to_string()),
     }
 }
 
-/// A value of the right type that breaks a rule.
+/// The exception for a value of the right type that violates a rule.
 pub fn value_error(argument: &str, value: impl Display, rule: &str) -> PyErr {
     PyValueError::new_err(format!("{argument} is {value}; it must be {rule}"))
 }
 
-/// A value of the wrong type.
+/// The exception for a value of the wrong type.
 pub fn type_error(argument: &str, rule: &str, value: &Bound<'_, PyAny>) -> PyErr {
     let found = value.get_type().name().map_or_else(|_| "?".into(), |name| name.to_string());
     PyTypeError::new_err(format!("{argument} must be {rule}, not {found}"))

@@ -1,4 +1,4 @@
-//! Bytes in files: whole ones, or the old ones.
+//! Files that are replaced atomically.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -15,8 +15,8 @@ pub fn read(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
     py.detach(|| fs::read(path)).map_err(|error| os_error(py, &error, path))
 }
 
-/// Replaces the contents of a file, or leaves it unchanged. A symbolic link is followed, and
-/// permissions are kept.
+/// Replaces the contents of a file; if this fails, the file is unchanged. A symbolic link is
+/// followed, and permissions are kept.
 pub fn replace(py: Python<'_>, path: &Path, bytes: &[u8]) -> PyResult<()> {
     let done = py.detach(|| {
         let target = follow_links(path)?;
@@ -26,7 +26,7 @@ pub fn replace(py: Python<'_>, path: &Path, bytes: &[u8]) -> PyResult<()> {
                 OpenOptions::new().write(true).open(&target)?.write_all(bytes)
             }
             Ok(_) => {
-                // Refused if it may not be written.
+                // Fails if the file is not writable.
                 let old = OpenOptions::new().write(true).open(&target)?.metadata()?;
                 replace_whole(&target, bytes, Some(&old))
             }
@@ -48,11 +48,11 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
             Err(_) => return Ok(target),
         }
     }
-    // The system's own error for a circle of links.
+    // The error of the system for a cycle of links.
     fs::metadata(path).map(|_| target)
 }
 
-/// Writes a new file beside `target`, which then takes its name.
+/// Writes a new file in the same folder and renames it to `target`.
 fn replace_whole(target: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> io::Result<()> {
     let (mut file, temporary) = create_beside(target)?;
     let written = old
@@ -62,13 +62,13 @@ fn replace_whole(target: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> io:
     drop(file);
     let renamed = written.and_then(|()| fs::rename(&temporary, target));
     if renamed.is_err() {
-        // The first error is returned.
+        // An error here is ignored: the first one is returned.
         let _ = fs::remove_file(&temporary);
     }
     renamed
 }
 
-/// Gives a new file the owner, as far as the system allows that, and the permissions of an old one.
+/// Copies the permissions of the old file, and its owner if the system allows this.
 fn keep_access(file: &File, old: &fs::Metadata) -> io::Result<()> {
     #[cfg(unix)]
     {
@@ -94,12 +94,12 @@ fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
     }
 }
 
-/// Python's own exception: its class follows from the number of the error.
+/// The OSError for an error; Python derives its subclass from the error number.
 fn os_error(py: Python<'_>, error: &io::Error, path: &Path) -> PyErr {
     let Some(number) = error.raw_os_error() else {
         return PyOSError::new_err(error.to_string());
     };
-    let told = py.import("os").and_then(|os| os.call_method1("strerror", (number,)));
-    let told = told.and_then(|text| text.extract()).unwrap_or_else(|_| error.to_string());
-    PyOSError::new_err((number, told, path.to_path_buf()))
+    let text = py.import("os").and_then(|os| os.call_method1("strerror", (number,)));
+    let text = text.and_then(|text| text.extract()).unwrap_or_else(|_| error.to_string());
+    PyOSError::new_err((number, text, path.to_path_buf()))
 }

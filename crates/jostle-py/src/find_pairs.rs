@@ -147,19 +147,19 @@ impl Search {
     }
 }
 
-/// A type of number for which a tree's memory is kept from call to call.
+/// Number types, each with a tree whose memory is kept between calls.
 trait Kept: Scalar {
-    fn memory() -> &'static Memory<Self>;
+    fn tree() -> &'static KeptTree<Self>;
 }
 
-type Memory<T> = Mutex<Option<Quadtree<T>>>;
+type KeptTree<T> = Mutex<Option<Quadtree<T>>>;
 
 macro_rules! kept {
     ($t:ty) => {
         impl Kept for $t {
-            fn memory() -> &'static Memory<Self> {
-                static MEMORY: Memory<$t> = Mutex::new(None);
-                &MEMORY
+            fn tree() -> &'static KeptTree<Self> {
+                static TREE: KeptTree<$t> = Mutex::new(None);
+                &TREE
             }
         }
     };
@@ -167,17 +167,16 @@ macro_rules! kept {
 kept!(f32);
 kept!(f64);
 
-/// More memory than this, for each of the two types, is given back after a call: enough
-/// for a million circles.
-const MOST_KEPT: usize = 64 << 20;
+/// Maximum number of bytes that are kept for each of the two types: enough for a million circles.
+const MAX_KEPT: usize = 64 << 20;
 
-/// Does `work` with a tree whose memory was used before: asking the system for it anew
-/// takes a sixth of the time of a call. Where another thread has it, a new one serves.
+/// Calls `work` with a tree whose memory is kept between calls, because allocation takes a sixth of
+/// the time of a call; with a new tree if another thread uses the kept one.
 fn with_kept_tree<T: Kept, R>(work: impl FnOnce(&mut Quadtree<T>) -> R) -> R {
-    let mut kept = match T::memory().try_lock() {
+    let mut kept = match T::tree().try_lock() {
         Ok(kept) => kept,
         Err(TryLockError::Poisoned(poisoned)) => {
-            T::memory().clear_poison();
+            T::tree().clear_poison();
             let mut kept = poisoned.into_inner();
             *kept = None;
             kept
@@ -186,7 +185,7 @@ fn with_kept_tree<T: Kept, R>(work: impl FnOnce(&mut Quadtree<T>) -> R) -> R {
     };
     let tree = kept.get_or_insert_default();
     let result = work(tree);
-    if tree.kept_bytes() > MOST_KEPT {
+    if tree.memory_bytes() > MAX_KEPT {
         *kept = None;
     }
     result

@@ -1,5 +1,5 @@
-//! `jostle.Attractor`, `jostle.Gravitation`, `jostle.Springs`, and the thermostats: what
-//! accelerates the particles of a world, as values.
+//! The forces of a world: `jostle.Attractor`, `jostle.Gravitation`, `jostle.Springs` and the
+//! thermostats.
 
 use jostle::forces::{self, Law, Pole, Spring};
 use jostle::{Each, Error, Force, Id};
@@ -9,11 +9,10 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::arrays::{
-    Argument, Given, column, count, decimal, long_ids, number, point, read_only, table, word,
+    Argument, Given, column, count, decimal, long_ids, number, point, read_only, reals, table, word,
 };
 use crate::error::{refused, type_error, value_error};
 use crate::motor::PyMotor;
-use crate::particles::reals;
 
 /// A force towards a point or a particle.
 ///
@@ -25,7 +24,7 @@ use crate::particles::reals;
 /// point : array_like, shape (2,), optional
 ///     The point, in units of length; or give `particle`.
 /// strength : float
-///     Acceleration for each unit of distance ("harmonic"), or G times the attracting
+///     Acceleration per unit of distance ("harmonic"), or G times the attracting
 ///     mass ("inverse_square"). If negative, the force is repulsive.
 /// law : {"harmonic", "inverse_square"}, default "harmonic"
 ///     Acceleration is strength times distance, as in the article, or strength over
@@ -94,7 +93,7 @@ impl PyAttractor {
         }
     }
 
-    /// Acceleration for each unit of distance, or G times the attracting mass.
+    /// Acceleration per unit of distance, or G times the attracting mass.
     #[getter]
     fn strength(&self) -> f64 {
         decimal(self.0.strength)
@@ -118,7 +117,7 @@ impl PyAttractor {
         }
     }
 
-    #[expect(clippy::type_complexity, reason = "the shape that pickle wants")]
+    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
     fn __getnewargs_ex__<'py>(
         &self,
         py: Python<'py>,
@@ -148,9 +147,9 @@ impl PyAttractor {
 /// Gravitation between all particles.
 ///
 /// The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all
-/// others; on a torus over their nearest images. Many particles are summed by Barnes
-/// and Hut's method on a quadtree, with an error of about half a percent for the default
-/// `theta`; few are summed exactly. Momentum is conserved.
+/// others; on a torus with minimum images. Many particles are summed by the Barnes-Hut
+/// method on a quadtree, with an error of about half a percent for the default `theta`; few
+/// are summed directly. Momentum is conserved.
 ///
 /// Parameters
 /// ----------
@@ -169,6 +168,15 @@ impl PyAttractor {
 /// ValueError
 ///     If a number is out of range.
 ///
+/// See Also
+/// --------
+/// Attractor : A central force without a reaction.
+///
+/// References
+/// ----------
+/// J. Barnes and P. Hut, *A hierarchical O(N log N) force-calculation algorithm*, Nature 324
+/// (1986).
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -181,7 +189,7 @@ impl PyAttractor {
 #[derive(PartialEq)]
 pub struct PyGravitation(forces::Gravitation);
 
-// The signature that Python shows spells it out.
+// The default in the signature.
 const _: () = assert!(forces::gravitation::DEFAULT_THETA == 0.5);
 
 #[pymethods]
@@ -195,7 +203,7 @@ impl PyGravitation {
         signature = (G, softening=Given::NOTHING, theta=Given::NOTHING),
         text_signature = "(G, softening=0.0, theta=0.5)"
     )]
-    #[expect(non_snake_case, reason = "its name everywhere")]
+    #[expect(non_snake_case, reason = "its usual name")]
     fn new(G: &Bound<'_, PyAny>, softening: Given<'_>, theta: Given<'_>) -> PyResult<Self> {
         let g = number("G", G)? as f32;
         let or = |name, given: &Given<'_>, default| {
@@ -242,9 +250,10 @@ impl PyGravitation {
 
 /// Springs between pairs of particles.
 ///
-/// The force of each spring is stiffness times stretch plus damping times the speed of
-/// lengthening. Stiff springs are integrated in parts of a sub-step; the stiffness is
-/// limited if even these are too long. A spring is removed with either of its ends.
+/// The force of each spring is stiffness times stretch plus damping times the rate of
+/// lengthening. Stiff springs are integrated in parts of a sub-step, whose number is limited;
+/// the stiffness is reduced if more would be necessary. If one of its ends is removed, a spring is
+/// removed too.
 ///
 /// Parameters
 /// ----------
@@ -253,9 +262,9 @@ impl PyGravitation {
 /// lengths : array_like, a number or shape (m,)
 ///     Lengths at rest, in units of length.
 /// stiffness : array_like, a number or shape (m,)
-///     Force for each unit of stretch.
+///     Force per unit of stretch.
 /// damping : array_like, a number or shape (m,), default 0.0
-///     Force for each unit of speed.
+///     Force per unit of speed.
 /// max_stretch : array_like, a number or shape (m,), optional
 ///     Stretch beyond which a spring breaks at the end of a step, in units of length. If
 ///     omitted, none breaks.
@@ -332,13 +341,13 @@ impl PySprings {
         read_only(column(py, self.0.0.iter().map(|spring| spring.length).collect()))
     }
 
-    /// Force for each unit of stretch: ndarray of float32, shape (m,).
+    /// Force per unit of stretch: ndarray of float32, shape (m,).
     #[getter]
     fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
         read_only(column(py, self.0.0.iter().map(|spring| spring.stiffness).collect()))
     }
 
-    /// Force for each unit of speed: ndarray of float32, shape (m,).
+    /// Force per unit of speed: ndarray of float32, shape (m,).
     #[getter]
     fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
         read_only(column(py, self.0.0.iter().map(|spring| spring.damping).collect()))
@@ -369,15 +378,15 @@ impl PySprings {
 /// Walls that heat or cool the particles that bounce off them.
 ///
 /// Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-/// the article's lesson about gases. A world has at most one thermostat. The speeds do not become those
-/// of a gas in equilibrium, see `ThermalWalls`.
+/// the article's lesson about gases. A world has at most one `Thermostat`. The speeds do not reach
+/// the Maxwell distribution, see `ThermalWalls`.
 ///
 /// Parameters
 /// ----------
 /// speed : float
-///     In units of length per second, at least 0.
+///     Target speed in units of length per second, at least 0.
 /// rate : float
-///     Rate of the change, 0 to 1; with 1 particles leave the walls with `speed`.
+///     Relative change by one bounce, 0 to 1; with 1 particles leave the walls with `speed`.
 ///
 /// Raises
 /// ------
@@ -385,6 +394,11 @@ impl PySprings {
 ///     If an argument is not a number.
 /// ValueError
 ///     If a number is out of range.
+///
+/// See Also
+/// --------
+/// ThermalWalls : Sides of the container with a temperature.
+/// AndersenThermostat : A heat bath for all particles.
 ///
 /// Examples
 /// --------
@@ -419,7 +433,7 @@ impl PyThermostat {
         decimal(self.0.speed)
     }
 
-    /// The rate of the change, 0 to 1.
+    /// Relative change by one bounce, 0 to 1.
     #[getter]
     fn rate(&self) -> f64 {
         decimal(self.0.rate)
@@ -438,14 +452,14 @@ impl PyThermostat {
     }
 }
 
-/// Sides of the container at a temperature.
+/// Sides of the container with a temperature.
 ///
-/// A particle that hits such a side leaves it as if it came through it from a gas in equilibrium: the
-/// speed along the normal has the density ∝ v exp(-m v²/2kT), the velocity along the wall is normally
-/// distributed with the variance kT/m. A gas between such walls gets their temperature and a Maxwell
-/// distribution; between different temperatures heat flows. The random numbers follow from
-/// `seed`, the particle's state at the impact and the time, so results have the same bits for every
-/// number of threads and every order of adding.
+/// A particle that hits such a side leaves it with the velocity of a particle that enters through
+/// it from a gas in equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the
+/// velocity along the wall is normally distributed with the variance kT/m. A gas between such walls
+/// reaches their temperature and the Maxwell distribution; between different temperatures there is
+/// a heat flow. The random numbers are functions of `seed`, the particle's state at the impact and
+/// the time, so results have the same bits for every number of threads and every order of adding.
 ///
 /// Parameters
 /// ----------
@@ -453,10 +467,10 @@ impl PyThermostat {
 ///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
 ///     particle, in units of mass times length² per second².
 /// sides : array_like of int, shape (k,), optional
-///     Which sides: 0 to 3 at min x, max x, min y and max y, the numbers in `World.wall_contacts`; 0
-///     is the wall of a `Circle`. If omitted, all.
+///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
+///     0 is the wall of a `Circle`. If omitted, all.
 /// seed : int, default 0
-///     Of the random numbers, below 2³².
+///     Seed of the random numbers, below 2³².
 ///
 /// Raises
 /// ------
@@ -467,19 +481,19 @@ impl PyThermostat {
 ///
 /// See Also
 /// --------
-/// AndersenThermostat : Heats particles everywhere.
-/// Thermostat : The article's rule, which does not lead to a Maxwell distribution.
+/// AndersenThermostat : A heat bath for all particles.
+/// Thermostat : The article's rule, which does not lead to the Maxwell distribution.
 ///
 /// Notes
 /// -----
-/// Several of them may have different sides. Angular velocities, and particles that rest on a wall, are
-/// not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change along
-/// the normal.
+/// Several of them may have different sides. Angular velocities, and particles that rest on a wall,
+/// are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
+/// along the normal.
 ///
 /// References
 /// ----------
-/// R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*, Physical
-/// Review E 57, R17 (1998).
+/// R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*,
+/// Physical Review E 57, R17 (1998).
 ///
 /// Examples
 /// --------
@@ -554,13 +568,13 @@ impl PyThermalWalls {
     }
 }
 
-/// A bath at a temperature that gives each particle a new velocity at random times.
+/// A heat bath that gives each particle a new velocity at random times.
 ///
-/// At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt). Each
-/// component of it is normally distributed with the variance kT/m. So all particles reach a Maxwell
-/// distribution at this temperature, the canonical ensemble; momentum and energy are not conserved. The
-/// random numbers follow from `seed`, the particle's state and the time, so results have the same bits
-/// for every number of threads and every order of adding.
+/// At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt).
+/// Each component of it is normally distributed with the variance kT/m. So the particles reach the
+/// Maxwell distribution at this temperature (canonical ensemble); momentum and energy are not
+/// conserved. The random numbers are functions of `seed`, the particle's state and the time, so
+/// results have the same bits for every number of threads and every order of adding.
 ///
 /// Parameters
 /// ----------
@@ -570,7 +584,7 @@ impl PyThermalWalls {
 /// rate : float
 ///     Mean number of new velocities of a particle per second, at least 0.
 /// seed : int, default 0
-///     Of the random numbers, below 2³².
+///     Seed of the random numbers, below 2³².
 ///
 /// Raises
 /// ------
@@ -581,7 +595,7 @@ impl PyThermalWalls {
 ///
 /// See Also
 /// --------
-/// ThermalWalls : Heats particles at the sides of the container only.
+/// ThermalWalls : Sides of the container with a temperature.
 ///
 /// Notes
 /// -----
@@ -589,8 +603,8 @@ impl PyThermalWalls {
 ///
 /// References
 /// ----------
-/// H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, Journal of
-/// Chemical Physics 72, 2384 (1980).
+/// H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*,
+/// Journal of Chemical Physics 72, 2384 (1980).
 ///
 /// Examples
 /// --------
@@ -658,7 +672,7 @@ impl PyAndersenThermostat {
     }
 }
 
-/// Which sides of the container are numbered in an array.
+/// The sides of the container with the numbers in an array.
 fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; 4]> {
     let numbers = long_ids("sides", value, "side")?.rows(1);
     let mut sides = [false; 4];
@@ -699,7 +713,7 @@ fn id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Id> {
     Id::try_from(id).map_err(|_| value_error(name, id, "the id of a particle"))
 }
 
-/// The core's forces of a sequence of Python ones.
+/// The forces of the core for a sequence of Python objects.
 pub fn read(value: &Bound<'_, PyAny>) -> PyResult<Vec<Force>> {
     let rule = "a sequence of forces";
     let items = value.try_iter().map_err(|_| type_error("forces", rule, value))?;
@@ -728,7 +742,7 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
     }
 }
 
-/// The Python forces of core ones.
+/// The Python objects for forces of the core.
 pub fn show<'py>(py: Python<'py>, forces: Vec<Force>) -> PyResult<Bound<'py, PyTuple>> {
     let one = |force| -> PyResult<Py<PyAny>> {
         Ok(match force {

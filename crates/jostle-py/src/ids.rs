@@ -1,4 +1,4 @@
-//! The ids in a call: of shapes or of particles, one or many.
+//! Ids as arguments: one or many, of shapes or of particles.
 
 use jostle::{Each, Id};
 use pyo3::prelude::*;
@@ -6,9 +6,9 @@ use pyo3::types::{PyBool, PyString};
 
 use crate::arrays::long_ids;
 use crate::error::type_error;
-use crate::queries::told;
+use crate::queries::result_of;
 
-/// The left side of `in`; None if it is nothing that may be an id. `hint` says what to do with many.
+/// The left operand of `in`; None if it cannot be an id. `hint` says how to test many ids.
 pub fn one_id(value: &Bound<'_, PyAny>, hint: &str) -> PyResult<Option<Id>> {
     if !value.is_instance_of::<PyString>() && value.len().is_ok() {
         return Err(type_error("the left side of `in`", &format!("one id; {hint}"), value));
@@ -16,23 +16,23 @@ pub fn one_id(value: &Bound<'_, PyAny>, hint: &str) -> PyResult<Option<Id>> {
     Ok(if value.is_instance_of::<PyBool>() { None } else { value.extract().ok() })
 }
 
-/// What a call is about.
+/// The argument `ids` of a call.
 pub struct Ids {
     pub all: Vec<Id>,
-    /// Whether it was one id and no array.
+    /// Whether the argument was one id instead of an array.
     pub single: bool,
 }
 
 impl Ids {
-    /// Reads the argument `ids`; `of` says what they identify: "shape".
+    /// Reads the argument; `of` is what they identify, for error messages: "shape".
     pub fn read(value: &Bound<'_, PyAny>, of: &str) -> PyResult<Self> {
         let ids = long_ids("ids", value, of)?;
         let single = matches!(ids, Each::One(_));
         Ok(Self { all: ids.rows(1), single })
     }
 
-    /// Where one id was given, an error names no row.
-    pub fn told<V>(&self, done: jostle::Result<V>) -> PyResult<V> {
-        told(done, self.single)
+    /// As [`result_of`](crate::queries::result_of).
+    pub fn result_of<V>(&self, result: jostle::Result<V>) -> PyResult<V> {
+        result_of(result, self.single)
     }
 }

@@ -1,4 +1,4 @@
-//! Long calls: they release the GIL, and end early if a signal handler raises.
+//! Long calls, which release the GIL and are interrupted if a signal handler raises.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
@@ -10,29 +10,29 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-/// Time between two runs of the signal handlers.
+/// Interval at which signal handlers run.
 const POLL_EVERY: Duration = Duration::from_millis(50);
 
-/// For a thread without signal handlers: longer than any call.
+/// The interval for threads that do not run signal handlers: longer than any call.
 const NEVER: Duration = Duration::from_secs(86_400);
 
 thread_local! {
-    /// When the current call of this thread runs the signal handlers next; none before the
-    /// first poll.
+    /// The time at which the current call of this thread runs the signal handlers next; None before
+    /// the first poll.
     static NEXT: Cell<Option<Instant>> = const { Cell::new(None) };
     /// The exception of a signal handler during the current call of this thread.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Does `work` without the GIL. An exception of a signal handler stops the work and is
-/// returned; a panic becomes a RuntimeError.
+/// Calls `work` without the GIL. An exception of a signal handler interrupts it and is returned; a
+/// panic becomes a RuntimeError.
 pub fn detached<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     let outer = NEXT.take();
     let done = py.detach(|| catch_unwind(AssertUnwindSafe(|| interrupt::watch(poll, work))));
     NEXT.set(outer);
     match RAISED.take() {
         Some(error) => Err(error),
-        None => done.map_err(|panic| fault(&*panic)),
+        None => done.map_err(|panic| panic_error(&*panic)),
     }
 }
 
@@ -41,10 +41,10 @@ pub fn detached_to_the_end<R: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> R + Send,
 ) -> PyResult<R> {
-    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| fault(&*panic))
+    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| panic_error(&*panic))
 }
 
-/// Runs the signal handlers, if it is time; returns whether one of them has raised.
+/// Runs the signal handlers at [`POLL_EVERY`]; returns whether one of them has raised.
 fn poll() -> bool {
     let now = Instant::now();
     let Some(next) = NEXT.get() else {
@@ -76,7 +76,7 @@ fn runs_signal_handlers(py: Python<'_>) -> PyResult<bool> {
 }
 
 /// The exception for a panic.
-pub fn fault(panic: &(dyn Any + Send)) -> PyErr {
+pub fn panic_error(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
     PyRuntimeError::new_err(format!("internal error of jostle ({text}); please report it"))

@@ -1,5 +1,5 @@
-//! The Python face of jostle: docstrings, signatures and calls. What is computed
-//! is computed in the core; `arrays` is the only place that converts.
+//! The Python binding: docstrings, signatures and calls of the core. Only `arrays` converts arrays
+//! and numbers.
 
 mod allocator;
 mod error;
@@ -13,6 +13,7 @@ mod settings;
 mod shapes;
 mod results;
 mod queries;
+mod query_methods;
 mod ids;
 mod find_pairs;
 mod quadtree;
@@ -26,7 +27,7 @@ mod walls;
 mod world;
 mod scenes;
 
-/// The compiled part of jostle; `import jostle` has everything in it.
+/// The compiled module of jostle; its contents are in `jostle`.
 #[pyo3::pymodule]
 mod _core {
     use pyo3::prelude::*;
@@ -67,13 +68,13 @@ mod _core {
         jostle::parallel::wake_always(always);
     }
 
-    /// Forgets the threads of the process that this one was forked from.
+    /// Abandons the threads of the parent process, which do not exist in a forked process.
     #[pyfunction]
     fn abandon_threads() {
         jostle::parallel::abandon_threads();
     }
 
-    /// Behind `jostle.scenes`, which gives them their names.
+    /// Adds the functions of `jostle.scenes`, which renames them.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("scene_names", wrap_pyfunction!(names, module)?)?;
@@ -84,12 +85,13 @@ mod _core {
         module.add("scene_fountains", wrap_pyfunction!(fountains, module)?)?;
         module.add("scene_galton_board", wrap_pyfunction!(galton_board, module)?)?;
         module.add("scene_wall", wrap_pyfunction!(wall, module)?)?;
-        // Now, or the first array would look for NumPy's functions, which a signal can end.
+        // Imports NumPy's C API now: during a call, a signal could interrupt the import.
         numpy::PyArray1::<u8>::zeros(module.py(), 0, false);
         abandon_threads_after_fork(module)
     }
 
-    /// Where there is no fork (Windows), there is nothing to do.
+    /// Registers [`abandon_threads`] to run in forked processes, except on Windows, which has no
+    /// fork.
     fn abandon_threads_after_fork(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let os = module.py().import("os")?;
         if !os.hasattr("register_at_fork")? {

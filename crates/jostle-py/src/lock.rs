@@ -1,4 +1,4 @@
-//! A lock that returns an error instead of waiting if it could never be acquired.
+//! A lock that returns an error instead of waiting forever.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,15 +14,15 @@ use pyo3::sync::MutexExt;
 /// A value that one thread at a time uses.
 pub struct Shared<T> {
     value: Mutex<T>,
-    /// The thread that uses it; 0 if none does.
+    /// The thread that has the lock; 0 if none has it.
     user: AtomicU64,
-    /// For errors: what the value is, and how to get another one.
+    /// For error messages: what the value is, and how to get another one.
     noun: &'static str,
     remedy: &'static str,
 }
 
 /// A number for the current thread of the current process, never 0.
-fn present() -> u64 {
+fn current_user() -> u64 {
     static THREADS: AtomicU64 = AtomicU64::new(1);
     thread_local! {
         static THREAD: u64 = THREADS.fetch_add(1, Ordering::Relaxed);
@@ -30,13 +30,13 @@ fn present() -> u64 {
     (forks() as u64) << 48 | THREAD.with(|thread| *thread)
 }
 
-/// The process of a user.
-fn era(user: u64) -> u64 {
+/// The process of a user, as the number of forks.
+fn process_of(user: u64) -> u64 {
     user >> 48
 }
 
-/// How many milliseconds a forked process waits for a thread that may not exist in it.
-const PATIENCE: u32 = 100;
+/// Milliseconds that a forked process waits for a thread that may not exist in it.
+const MAX_WAIT: u32 = 100;
 
 impl<T> Shared<T> {
     /// `noun` names the value in errors, `remedy` says how to get another one.
@@ -50,34 +50,34 @@ impl<T> Shared<T> {
         value.map(|value| self.used(value)).ok_or_else(|| self.broken())
     }
 
-    /// Waits for the value with the GIL held, for short use.
+    /// Waits for the value, with the GIL held while the value is used.
     pub fn lock_attached(&self, py: Python<'_>) -> PyResult<Guard<'_, T>> {
         let value = self.try_lock()?.map_or_else(|| self.value.lock_py_attached(py).ok(), Some);
         value.map(|value| self.used(value)).ok_or_else(|| self.broken())
     }
 
     fn used<'a>(&'a self, value: MutexGuard<'a, T>) -> Guard<'a, T> {
-        self.user.store(present(), Ordering::Relaxed);
+        self.user.store(current_user(), Ordering::Relaxed);
         Guard { value, user: &self.user }
     }
 
     /// None if a thread of this process uses the value. Returns an error if the value is used
     /// by a call that this one interrupted, or by a thread that does not exist here.
     fn try_lock(&self) -> PyResult<Option<MutexGuard<'_, T>>> {
-        for _ in 0..PATIENCE {
+        for _ in 0..MAX_WAIT {
             match self.value.try_lock() {
                 Ok(value) => return Ok(Some(value)),
                 Err(TryLockError::Poisoned(_)) => return Err(self.broken()),
                 Err(TryLockError::WouldBlock) => {}
             }
             let user = self.user.load(Ordering::Relaxed);
-            if user == present() {
+            if user == current_user() {
                 return Err(self.busy());
             }
-            if forks() == 0 || user != 0 && era(user) == era(present()) {
+            if forks() == 0 || user != 0 && process_of(user) == process_of(current_user()) {
                 return Ok(None);
             }
-            // Either a thread has just locked it, or a thread of the parent process had.
+            // Locked either by a thread of this process just now, or by one of the parent process.
             thread::sleep(Duration::from_millis(1));
         }
         Err(self.left_behind())

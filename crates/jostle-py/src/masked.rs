@@ -1,5 +1,4 @@
-//! Refuses arrays of `numpy.ma` with masked elements: a copy of their numbers would include
-//! the masked ones.
+//! Refusal of `numpy.ma` arrays with masked elements, because a copy would include these.
 
 use numpy::PyUntypedArray;
 use pyo3::exceptions::PyValueError;

@@ -1,4 +1,4 @@
-//! `jostle.Motor`: a given motion of immovable particles and walls, as a value.
+//! `jostle.Motor`.
 
 use jostle::Id;
 use jostle::forces::Motor;
@@ -9,19 +9,18 @@ use pyo3::types::{IntoPyDict, PyDict};
 use crate::arrays::{Given, column, decimal, long_ids, number, point, read_only};
 use crate::error::refused;
 
-/// Drives immovable particles and walls along a given motion.
+/// A prescribed motion of immovable particles and walls.
 ///
-/// They turn about a centre and move with a velocity, for example as the paddles of a mill, the
-/// flippers of a pinball table or a piston. With a `period` they move there in its first half and back
-/// in its second. Other particles are pushed by them and do not slow them down. It is one of the
-/// `World.forces`.
+/// They rotate about a centre and move with a velocity, for example as the paddles of a mill, the
+/// flippers of a pinball table or a piston. With a `period` the motion is reversed in its second
+/// half. They push other particles and are not pushed. A motor is one of the `World.forces`.
 ///
 /// Parameters
 /// ----------
 /// ids : array_like of int, shape (k,), optional
 ///     Ids of the immovable particles; if one is removed, the motor drives the others.
 /// walls : array_like of int, shape (m,), optional
-///     Indices of the walls. They do not turn.
+///     Indices of the walls. Walls do not rotate.
 /// center : array_like, shape (2,), default (0.0, 0.0)
 ///     The centre of the rotation, in units of length. It moves with `velocity`.
 /// angular_velocity : float, default 0.0
@@ -29,15 +28,16 @@ use crate::error::refused;
 /// velocity : array_like, shape (2,), default (0.0, 0.0)
 ///     In units of length per second.
 /// period : float, optional
-///     Seconds of the motion there and back, above 0. If omitted, it never goes back.
+///     Period in seconds, above 0. If omitted, the motion is not reversed.
 ///
 /// Raises
 /// ------
 /// TypeError
 ///     If an argument has the wrong type.
 /// ValueError
-///     If a number is out of range, a particle or a wall is given twice, or walls are to turn. When it
-///     is assigned to `World.forces`, also if a particle is movable or a wall does not exist.
+///     If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
+///     not 0 for walls. When it is assigned to `World.forces`, also if a particle is movable or a
+///     wall does not exist.
 ///
 /// See Also
 /// --------
@@ -45,13 +45,14 @@ use crate::error::refused;
 ///
 /// Notes
 /// -----
-/// The motion is a function of `World.time`. At the beginning of each step the motor sets the velocities
-/// that lead to the right place at its end: on a circle particles follow a chord, so take steps in
-/// which they turn by a small angle. Between calls they can be moved; the motion goes on from there.
+/// The motion is a function of `World.time`. At the beginning of each step the motor sets the
+/// velocities that lead to the position at its end. On a circle a step is a chord, so the angle per
+/// step should be small. Particles and walls that are moved between calls continue from their new
+/// position.
 ///
 /// Examples
 /// --------
-/// A paddle of four discs that turns twice in a second:
+/// A paddle of four discs that rotates twice per second:
 ///
 /// >>> import jostle, math
 /// >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
@@ -98,13 +99,13 @@ impl PyMotor {
             value.map_or(Ok(Vec::new()), |value| Ok(long_ids(name, value, of)?.rows(1)))
         };
         let pair = |name, given: &Given<'_>| given.value().map_or(Ok([0.0; 2]), |v| point(name, v));
-        let turning =
+        let angular_velocity =
             angular_velocity.value().map_or(Ok(0.0), |v| number("angular_velocity", v))?;
         let motor = Motor {
             ids: all("ids", ids, "particle")?,
             walls: wall_numbers(&all("walls", walls, "wall")?)?,
             center: pair("center", &center)?,
-            angular_velocity: turning as f32,
+            angular_velocity: angular_velocity as f32,
             velocity: pair("velocity", &velocity)?,
             period: period.map_or(Ok(f64::INFINITY), |value| number("period", value))? as f32,
         };
@@ -142,13 +143,13 @@ impl PyMotor {
         self.0.velocity.map(decimal).into()
     }
 
-    /// Seconds of the motion there and back; None if it never goes back.
+    /// Period in seconds; None if the motion is not reversed.
     #[getter]
     fn period(&self) -> Option<f64> {
         self.0.period.is_finite().then(|| decimal(self.0.period))
     }
 
-    #[expect(clippy::type_complexity, reason = "the shape that pickle wants")]
+    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
     fn __getnewargs_ex__<'py>(
         &self,
         py: Python<'py>,
@@ -169,7 +170,7 @@ impl PyMotor {
     }
 }
 
-/// Indices of walls.
+/// The indices of walls as u32.
 fn wall_numbers(all: &[i64]) -> PyResult<Vec<u32>> {
     let number = |(index, &wall): (usize, &i64)| {
         let refusal = || jostle::Error::at("walls", index, wall, "no wall has this index");

@@ -1,4 +1,4 @@
-//! Columns of particles on their way into a world.
+//! Columns of particles as arguments of a world.
 
 use jostle::particles::{
     MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
@@ -7,12 +7,9 @@ use jostle::particles::{
 use jostle::{Defaults, Each, Error, Filter, Particles};
 use pyo3::prelude::*;
 
-use crate::arrays::Argument;
+use crate::arrays::{Argument, Maybe, reals};
 
-/// An argument that may be left out or None.
-type Maybe<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
-
-/// Copied columns, of the right shapes; the values are not yet checked.
+/// Copied columns with checked shapes; the values are not checked yet.
 #[derive(Default)]
 pub struct Draft {
     pub positions: Option<Vec<[f32; 2]>>,
@@ -31,7 +28,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// The columns that every new particle needs.
+    /// The columns that are required for new particles.
     pub fn of_new<'py>(
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
@@ -47,7 +44,7 @@ impl Draft {
         Ok((draft, len))
     }
 
-    /// The same of one particle, and then no number, or of many.
+    /// The same for one particle, without a number, or for many.
     pub fn of_one_or_many<'py>(
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
@@ -67,8 +64,7 @@ impl Draft {
         Ok((draft, len))
     }
 
-    /// What is given by one number for all particles becomes the default of those that are added
-    /// later.
+    /// Columns given as one number become the defaults of particles that are added later.
     pub fn defaults(&self, before: Defaults) -> Defaults {
         fn one<V: Copy>(column: Option<&Each<V>>) -> Option<V> {
             column.and_then(|column| if let Each::One(one) = column { Some(*one) } else { None })
@@ -86,7 +82,7 @@ impl Draft {
         }
     }
 
-    /// New particles of these columns; what was left out takes its default. Needs no Python.
+    /// New particles with these columns; omitted ones get their defaults. Without the GIL.
     pub fn particles(mut self, len: usize, defaults: &Defaults) -> jostle::Result<Particles> {
         self.check()?;
         self.radii = self.radii.or(defaults.radius.map(Each::One));
@@ -110,7 +106,7 @@ impl Draft {
         Ok(particles)
     }
 
-    /// Refuses values that no world can hold, by the index that the caller gave them.
+    /// Refuses invalid values; errors have the index in the argument.
     pub fn check(&self) -> jostle::Result<()> {
         check_vectors("positions", self.positions.as_deref().unwrap_or_default())?;
         check_vectors("velocities", self.velocities.as_deref().unwrap_or_default())?;
@@ -125,7 +121,7 @@ impl Draft {
 
     /// Writes the columns over those of the particles.
     pub fn write(self, particles: &mut Particles) {
-        // Given positions are exact.
+        // The positions of the caller are exact.
         let residuals = self.positions.is_some().then_some(Each::One([0.0; 2]));
         put(residuals, &mut particles.residuals, |to, value| *to = value);
         put(self.positions.map(Each::Rows), &mut particles.positions, |to, value| *to = value);
@@ -134,14 +130,14 @@ impl Draft {
         put(self.masses, &mut particles.masses, |to, value| *to = value);
         put(self.restitutions, &mut particles.restitutions, |to, value| *to = value);
         put(self.movable, &mut particles.movable, |to, value| *to = value);
-        // There is no column of friction and rotation while all of it is 0.
+        // The column of friction and rotation is omitted if all of it is 0.
         if self.friction.is_some() || self.angles.is_some() || self.angular_velocities.is_some() {
             let spins = particles.spins_mut();
             put(self.friction, spins, |spin, friction| spin.friction = friction);
             put(self.angles, spins, |spin, angle| spin.angle = f64::from(angle));
             put(self.angular_velocities, spins, |spin, speed| spin.velocity = speed);
         }
-        // Nor is there one of categories and masks while all have the default.
+        // The column of categories and masks is omitted if all have the default.
         if self.categories.is_some() || self.masks.is_some() {
             let filters = particles.filters_mut();
             put(self.categories, filters, |filter, bits| filter.category = bits);
@@ -162,7 +158,7 @@ pub fn vectors(
     value.map(|value| Argument::reals(name, value)?.pairs(len)).transpose()
 }
 
-/// The only pair of float32; `of` says what there is one of.
+/// A single pair of float32; `of` names the object that it belongs to, for error messages.
 pub fn only_vector(
     name: &'static str,
     value: &Bound<'_, PyAny>,
@@ -171,27 +167,13 @@ pub fn only_vector(
     Ok(vec![Argument::reals(name, value)?.only_pair(of)?])
 }
 
-/// A float32 for all or one for each of `len` particles.
-pub fn reals(name: &'static str, value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<f32>>> {
-    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
-}
-
-/// A truth for all or one for each of `len` particles.
+/// A bool for all or one for each of `len` particles.
 pub fn truths(
     name: &'static str,
     value: Maybe<'_, '_>,
     len: usize,
 ) -> PyResult<Option<Each<bool>>> {
     value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
-}
-
-/// Bits for all or for each of `len` particles.
-pub fn bit_sets(
-    name: &'static str,
-    value: Maybe<'_, '_>,
-    len: usize,
-) -> PyResult<Option<Each<u32>>> {
-    value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
 }
 
 fn check_column(
@@ -201,15 +183,15 @@ fn check_column(
     column.map_or(Ok(()), |column| column.check(check))
 }
 
-/// As [`check_masses`], where the caller has given none.
+/// As [`check_masses`], for masses that follow from densities and radii.
 fn check_own_masses(particles: &Particles) -> jostle::Result<()> {
     let Particles { masses, radii, .. } = particles;
-    let [least, most] = MASS_RANGE;
-    match masses.iter().position(|mass| !(least..=most).contains(mass)) {
+    let [min, max] = MASS_RANGE;
+    match masses.iter().position(|mass| !(min..=max).contains(mass)) {
         Some(index) => {
             let rule = format!(
                 "its mass, density times radius squared, would be {:e}, but must lie between \
-                 {least:e} and {most:e}; give masses",
+                 {min:e} and {max:e}; give masses",
                 masses[index]
             );
             Err(Error::at("radii", index, radii[index], &rule))
@@ -218,7 +200,7 @@ fn check_own_masses(particles: &Particles) -> jostle::Result<()> {
     }
 }
 
-/// The core knows masses only.
+/// Refuses invalid densities. The core has masses only.
 fn check_densities(densities: &[f32]) -> jostle::Result<()> {
     match densities.iter().position(|d| !(*d > 0.0 && d.is_finite())) {
         Some(index) => {

@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use jostle::pairs::{self, Found};
-use jostle::query::{self, Hits};
 use jostle::{Scalar, Settings, Stats};
 use numpy::{Element, PyArray2};
 use pyo3::exceptions::PyTypeError;
@@ -13,6 +12,7 @@ use crate::arrays::{Given, long, table, truth};
 use crate::error::{refused, type_error};
 use crate::interrupt::detached;
 use crate::queries::{self, Asked, Maybe};
+use crate::query_methods::{CountedTree, Index, query_methods};
 use crate::results;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
@@ -105,6 +105,25 @@ macro_rules! with_tree {
         }
     };
 }
+
+/// [`with_tree!`] with the tree as the [`Index`] of queries.
+macro_rules! with_counted_tree {
+    ($self:ident, $name:ident => $do:expr) => {
+        with_tree!(&$self.tree, tree => {
+            let $name = &CountedTree { tree, tests: &$self.tests };
+            $do
+        })
+    };
+}
+
+query_methods!(
+    PyQuadtree,
+    with_counted_tree,
+    "tree",
+    "tree = jostle.Quadtree(",
+    "Row numbers",
+    "row"
+);
 
 impl PyQuadtree {
     /// A tree of the core.
@@ -220,10 +239,7 @@ impl PyQuadtree {
         let other = other.map(|other| self.partner(other)).transpose()?;
         let found = detached(py, || {
             let mut found = match other {
-                None => with_tree!(&self.tree, tree => match mask {
-                    None => pairs::within(tree, max_pairs),
-                    Some(mask) => pairs::within_mask(tree, mask, max_pairs),
-                }),
+                None => with_tree!(&self.tree, tree => pairs::within(tree, mask, max_pairs)),
                 Some(other) => between(&self.tree, &other.get().tree, mask, max_pairs),
             }?;
             if sort {
@@ -282,344 +298,6 @@ impl PyQuadtree {
         })
     }
 
-    /// Find the shapes that overlap a rectangle, or each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// rect : array_like, shape (4,) or (k, 4)
-    ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
-    ///     `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-    ///     `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending; for many rectangles a `Hits`. A shape that only touches
-    ///     a rectangle does not overlap it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a minimum is above its maximum, or there are more
-    ///     than 134217728 ids.
-    ///
-    /// Notes
-    /// -----
-    /// Queries are converted to the tree's dtype; the answer is that of brute force in that
-    /// arithmetic. Many queries in one call use all threads of the tree. A shape without
-    /// categories (0) is found only if no mask is given.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    /// >>> tree.query_rect((2.5, -1, 9, 1))
-    /// array([1, 2])
-    /// >>> hits = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
-    /// >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
-    /// array([1, 2])
-    #[pyo3(signature = (rect, *, mask=None))]
-    fn query_rect<'py>(
-        &self,
-        py: Python<'py>,
-        rect: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_tree!(&self.tree, tree => queries::rect(py, rect, |rects| {
-            Ok(self.counted(query::search(tree, rects, mask)))
-        }))
-    }
-
-    /// Find the shapes that overlap a disc, or each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// center : array_like, shape (2,) or (k, 2)
-    ///     Centres.
-    /// radius : array_like, a number or shape (k,)
-    ///     Radii. With one centre and many radii, all discs have that centre.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending; for many discs a `Hits`. A shape that only touches
-    ///     a disc does not overlap it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a radius is out of range, or there are more than
-    ///     134217728 ids.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    /// >>> tree.query_circle((1, 0), 1.5)
-    /// array([0, 1])
-    #[pyo3(signature = (center, radius, *, mask=None))]
-    fn query_circle<'py>(
-        &self,
-        py: Python<'py>,
-        center: &Bound<'py, PyAny>,
-        radius: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_tree!(&self.tree, tree => queries::circle(py, center, radius, |circles| {
-            Ok(self.counted(query::search(tree, circles, mask)))
-        }))
-    }
-
-    /// Find the shapes that contain a point, or each of many points.
-    ///
-    /// A circle or a rounded box contains its edge. A rectangle contains its left and its
-    /// upper edge, but not the right and the lower, as in pygame, so tiles side by side
-    /// share no point. A rectangle of width and height 0 is a circle of radius 0.
-    ///
-    /// Parameters
-    /// ----------
-    /// point : array_like, shape (2,) or (k, 2)
-    ///     Points.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending; for many points a `Hits`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a coordinate is not finite, or there are more than 134217728 ids.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tiles = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
-    /// >>> tiles.query_point((1.0, 0.2))
-    /// array([1])
-    #[pyo3(signature = (point, *, mask=None))]
-    fn query_point<'py>(
-        &self,
-        py: Python<'py>,
-        point: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_tree!(&self.tree, tree => queries::point(py, point, |points| {
-            Ok(self.counted(query::search(tree, points, mask)))
-        }))
-    }
-
-    /// Find the shapes that overlap a convex polygon, or each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// vertices : array_like, shape (v, 2) or (k, v, 2)
-    ///     Corners in order, clockwise or counterclockwise.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Row numbers, ascending; for many polygons a `Hits`. A shape that only touches
-    ///     a polygon does not overlap it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a polygon has fewer than three corners, is not convex or has no area, if a
-    ///     coordinate is not finite, or there are more than 134217728 ids.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    /// >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
-    /// array([2])
-    #[pyo3(signature = (vertices, *, mask=None))]
-    fn query_polygon<'py>(
-        &self,
-        py: Python<'py>,
-        vertices: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_tree!(&self.tree, tree => queries::polygon(py, vertices, |polygons| {
-            Ok(self.counted(query::search(tree, polygons, mask)))
-        }))
-    }
-
-    /// Find the shapes nearest to a point, or to each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// point : array_like, shape (2,) or (n, 2)
-    ///     Points.
-    /// k : int, default 1
-    ///     Number of shapes to find.
-    /// max_distance : float, default inf
-    ///     Ignore shapes farther than this, in units of length.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// Neighbors
-    ///     Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
-    ///     (:meth:`raycast` returns the row first).
-    ///
-    ///     distances : ndarray of the tree's dtype, shape (k,) or (n, k)
-    ///         Distances to the surfaces, nearest first; 0 inside a shape, infinity if
-    ///         fewer than k are found.
-    ///     ids : ndarray of int64, shape (k,) or (n, k)
-    ///         Row numbers, the smaller first at equal distances; -1 if fewer than k are
-    ///         found: remove those before you use them as an index. The nearest shape of a
-    ///         point in the tree is that point itself.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a coordinate is not finite, k is less than 1, k times the number of points is more
-    ///     than 134217728, or `max_distance` is negative.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-    /// >>> distances, ids = tree.nearest((2, 0), k=2)
-    /// >>> distances, ids
-    /// (array([0., 1.]), array([1, 0]))
-    #[pyo3(
-        signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None),
-        text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None)"
-    )]
-    fn nearest<'py>(
-        &self,
-        py: Python<'py>,
-        point: &Bound<'py, PyAny>,
-        k: Given<'py>,
-        max_distance: Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_tree!(&self.tree, tree => {
-            queries::nearest(py, point, &k, &max_distance, |points, wanted| {
-                let found = query::nearest(tree, points, wanted, mask);
-                let tests = found.as_ref().map_or(0, |found| found.tests);
-                self.tests.store(tests, Ordering::Relaxed);
-                Ok(found)
-            })
-        })
-    }
-
-    /// Find the first shape that a ray hits, or each of many rays.
-    ///
-    /// Parameters
-    /// ----------
-    /// origin : array_like, shape (2,) or (k, 2)
-    ///     Start of each ray.
-    /// direction : array_like, shape (2,) or (k, 2)
-    ///     Direction of each ray, of any length except 0. One origin may have many
-    ///     directions, and many origins one direction.
-    /// max_distance : float, default inf
-    ///     Maximum length of the rays, in units of length.
-    /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
-    ///
-    /// Returns
-    /// -------
-    /// RayHit or RayHits
-    ///     Unpacks as ``row, distance``, in this order (:meth:`nearest` returns distances
-    ///     first); for many rays, arrays of both. At equal distances the smaller row; -1 and
-    ///     infinity if nothing is hit, so test the row before you use it as an index. The
-    ///     distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-    ///     touches an edge hits it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-    /// >>> tree.raycast((-4, 0), (1, 0))
-    /// RayHit(id=0, distance=3.0)
-    /// >>> tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
-    /// RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
-    #[pyo3(
-        signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
-        text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
-    )]
-    fn raycast<'py>(
-        &self,
-        py: Python<'py>,
-        origin: &Bound<'py, PyAny>,
-        direction: &Bound<'py, PyAny>,
-        max_distance: Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.cast(py, (origin, direction, None), &max_distance, mask)
-    }
-
-    /// Find the first shape that a moving disc hits, or each of many discs.
-    ///
-    /// Parameters
-    /// ----------
-    /// origin : array_like, shape (2,) or (k, 2)
-    ///     Start of the centre of each disc.
-    /// direction : array_like, shape (2,) or (k, 2)
-    ///     Direction of the motion, of any length except 0.
-    /// radius : array_like, a number or shape (k,)
-    ///     Radii of the discs.
-    /// max_distance : float, default inf
-    ///     Maximum distance of the motion, in units of length.
-    /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
-    ///
-    /// Returns
-    /// -------
-    /// RayHit or RayHits
-    ///     Row number and distance of the motion until the hit, as from :meth:`raycast`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
-    ///     `max_distance` is negative.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-    /// >>> tree.circle_cast((-4, 0.5), (1, 0), radius=0.5)
-    /// RayHit(id=0, distance=2.585786437626905)
-    #[pyo3(
-        signature = (origin, direction, radius, *, max_distance=Given::NOTHING, mask=None),
-        text_signature = "($self, origin, direction, radius, *, max_distance=math.inf, mask=None)"
-    )]
-    fn circle_cast<'py>(
-        &self,
-        py: Python<'py>,
-        origin: &Bound<'py, PyAny>,
-        direction: &Bound<'py, PyAny>,
-        radius: &Bound<'py, PyAny>,
-        max_distance: Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
-    }
-
     /// Return the boxes of the tree.
     ///
     /// Returns
@@ -676,31 +354,6 @@ impl PyQuadtree {
 }
 
 impl PyQuadtree {
-    /// Remembers how many tests an answer took.
-    fn counted<I>(&self, hits: jostle::Result<Hits<I>>) -> jostle::Result<Hits<I>> {
-        self.tests.store(hits.as_ref().map_or(0, |hits| hits.tests), Ordering::Relaxed);
-        hits
-    }
-
-    /// Rays, or discs along them.
-    fn cast<'py>(
-        &self,
-        py: Python<'py>,
-        (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Maybe<'_, 'py>),
-        max_distance: &Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_tree!(&self.tree, tree => {
-            queries::cast(py, origin, direction, radius, max_distance, |rays| {
-                let hits = query::first_hits(tree, rays, mask);
-                let tests = hits.as_ref().map_or(0, |hits| hits.tests);
-                self.tests.store(tests, Ordering::Relaxed);
-                Ok(hits)
-            })
-        })
-    }
-
     /// The other tree of a pair, if it computes as this one does.
     fn partner(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<Self>> {
         let Ok(tree) = other.cast::<Self>() else {
@@ -719,21 +372,9 @@ impl PyQuadtree {
 
 fn between(a: &Tree, b: &Tree, mask: Option<u32>, max_pairs: usize) -> jostle::Result<Found> {
     match (a, b) {
-        (Tree::Single(a), Tree::Single(b)) => between_alike(a, b, mask, max_pairs),
-        (Tree::Double(a), Tree::Double(b)) => between_alike(a, b, mask, max_pairs),
+        (Tree::Single(a), Tree::Single(b)) => pairs::between(a, b, mask, max_pairs),
+        (Tree::Double(a), Tree::Double(b)) => pairs::between(a, b, mask, max_pairs),
         // Refused before.
         _ => Ok(Found::default()),
-    }
-}
-
-fn between_alike<T: Scalar>(
-    a: &jostle::Quadtree<T>,
-    b: &jostle::Quadtree<T>,
-    mask: Option<u32>,
-    max_pairs: usize,
-) -> jostle::Result<Found> {
-    match mask {
-        None => pairs::between(a, b, max_pairs),
-        Some(mask) => pairs::between_mask(a, b, mask, max_pairs),
     }
 }

@@ -1,5 +1,4 @@
-//! Conversion of queries for the core, and of their results for Python; each argument
-//! is one query or many.
+//! Conversion of the arguments of queries, each one query or many, and of their results.
 
 use jostle::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
 use jostle::{Each, Error, Scalar};
@@ -15,8 +14,7 @@ use crate::results;
 /// An argument of a query.
 pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 
-/// An argument that may be left out or None.
-pub type Maybe<'a, 'py> = Option<Asked<'a, 'py>>;
+pub use crate::arrays::Maybe;
 
 /// The result of a search; a Python error if it could not start.
 pub type Answer<R> = PyResult<jostle::Result<R>>;
@@ -31,35 +29,28 @@ pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
     }
 }
 
-/// How far to look.
-fn reach<T: Scalar>(max_distance: &Given<'_>) -> PyResult<T> {
+/// The maximum distance of a query.
+fn max_distance<T: Scalar>(given: &Given<'_>) -> PyResult<T> {
     let read = |value| number("max_distance", value);
-    Ok(T::from_f64(max_distance.value().map_or(Ok(f64::INFINITY), read)?))
+    Ok(T::from_f64(given.value().map_or(Ok(f64::INFINITY), read)?))
 }
 
-/// An error about the only query, or shape, has no row.
-fn without_row(error: Error) -> Error {
-    match error {
-        Error::Value { argument, index: Some(_), value, rule } => Error::of(argument, value, &rule),
-        other => other,
-    }
+/// The result of a call as a Python result. If the argument was a single id or query, an error
+/// names no row.
+pub fn result_of<V>(result: jostle::Result<V>, single: bool) -> PyResult<V> {
+    result.map_err(|error| if single { error.without_row() } else { error }).map_err(refused)
 }
 
-/// The result of a call; where one id was given, an error names no row.
-pub fn told<V>(done: jostle::Result<V>, single: bool) -> PyResult<V> {
-    done.map_err(|error| if single { without_row(error) } else { error }).map_err(refused)
-}
-
-/// Makes regions, searches them, and returns the ids of `many`, or of one.
+/// Makes regions and searches them; returns the ids of `many` regions, or of one.
 fn region<'py, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
     many: bool,
     regions: impl FnOnce() -> jostle::Result<Vec<R>> + Send,
-    ask: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
+    search: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let answer = || -> Answer<Hits<i64>> {
         match regions() {
-            Ok(regions) => Ok(ask(&regions)?.and_then(results::with_long_ids)),
+            Ok(regions) => Ok(search(&regions)?.and_then(results::with_long_ids)),
             Err(error) => Ok(Err(error)),
         }
     };
@@ -67,7 +58,7 @@ fn region<'py, R: Send, I: Send + Into<i64>>(
     if many {
         results::hits(py, hits.map_err(refused)?)
     } else {
-        Ok(column(py, told(hits, true)?.ids).into_any())
+        Ok(column(py, result_of(hits, true)?.ids).into_any())
     }
 }
 
@@ -83,24 +74,24 @@ fn rows_of<V>(asked: &Each<V>) -> (bool, &[V]) {
 pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     rect: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Rect<T>]) -> Answer<Hits<I>> + Send,
+    search: impl FnOnce(&[Rect<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let sides = sides(rect, &SIDES)?;
     let asked: Each<[T; 4]> =
         Argument::reals("rect", sides.as_ref().unwrap_or(rect))?.one_or_rows()?;
     let (many, rects) = rows_of(&asked);
-    region(py, many, || Rect::all(rects), ask)
+    region(py, many, || Rect::all(rects), search)
 }
 
 /// Attributes with the sides of pygame's Rect, which NumPy would read as x, y, width and
 /// height.
 pub const SIDES_OF_RECT: [&str; 4] = ["left", "top", "right", "bottom"];
 
-/// The same and those of `jostle.Box`, which are float32: precise enough for a query, but not
-/// for a shape.
+/// [`SIDES_OF_RECT`], and the attributes of `jostle.Box`, which are float32: accepted for queries,
+/// but not for shapes.
 const SIDES: [[&str; 4]; 2] = [SIDES_OF_RECT, ["min_x", "min_y", "max_x", "max_y"]];
 
-/// The sides of an object that has them as attributes, or of the objects in a list that do.
+/// The sides of an object that has them as attributes, or of such objects in a list.
 pub fn sides<'py>(
     rect: &Bound<'py, PyAny>,
     attributes: &[[&str; 4]],
@@ -146,11 +137,11 @@ fn sides_of_one<'py>(
 pub fn point<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     point: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Point<T>]) -> Answer<Hits<I>> + Send,
+    search: impl FnOnce(&[Point<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     let (many, points) = rows_of(&asked);
-    region(py, many, || Point::all(points), ask)
+    region(py, many, || Point::all(points), search)
 }
 
 /// `query_circle`.
@@ -158,36 +149,36 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     center: &Bound<'py, PyAny>,
     radius: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Circle<T>]) -> Answer<Hits<I>> + Send,
+    search: impl FnOnce(&[Circle<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let radius = Argument::reals("radius", radius)?;
     let centers: Each<[T; 2]> = Argument::reals("center", center)?.one_or_rows()?;
     let len = centers.len().map_or_else(|| radius.rows_if_any(), |len| Ok(Some(len)))?;
     let radii = radius.real_each(len.unwrap_or(1))?;
-    region(py, len.is_some(), || Circle::all(&centers, &radii), ask)
+    region(py, len.is_some(), || Circle::all(&centers, &radii), search)
 }
 
 /// `query_polygon`.
 pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     vertices: &Bound<'py, PyAny>,
-    ask: impl FnOnce(&[Polygon<T>]) -> Answer<Hits<I>> + Send,
+    search: impl FnOnce(&[Polygon<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let PointLists { points, many } = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
     let Some((polygons, corners)) = many else {
-        // The row in the error is a corner, not the index of a query.
+        // The row in the error is that of a corner, not of a query.
         let polygon = Polygon::new(&points).map_err(refused)?;
-        let answer = || PyResult::Ok(ask(&[polygon])?.and_then(results::with_long_ids));
+        let answer = || PyResult::Ok(search(&[polygon])?.and_then(results::with_long_ids));
         return Ok(column(py, detached(py, answer)??.map_err(refused)?.ids).into_any());
     };
     let polygon = |index: usize| {
         Polygon::new(&points[index * corners..(index + 1) * corners])
             .map_err(|error| of_polygon(index, error))
     };
-    region(py, true, || (0..polygons).map(polygon).collect(), ask)
+    region(py, true, || (0..polygons).map(polygon).collect(), search)
 }
 
-/// Says which of many polygons an error is about.
+/// Adds the index of a polygon to an error about a corner.
 fn of_polygon(polygon: usize, error: Error) -> Error {
     match error {
         Error::Value { argument, index: Some(corner), value, rule } => {
@@ -207,33 +198,33 @@ pub fn nearest<'py, T: Scalar + Element>(
     point: &Bound<'py, PyAny>,
     k: &Given<'py>,
     max_distance: &Given<'py>,
-    ask: impl FnOnce(&[[T; 2]], (usize, T)) -> Answer<Neighbors<T>> + Send,
+    search: impl FnOnce(&[[T; 2]], (usize, T)) -> Answer<Neighbors<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let k = k.value().map_or(Ok(1), |k| count("k", k, 1))?;
-    let reach = reach(max_distance)?;
+    let max_distance = self::max_distance(max_distance)?;
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     match &asked {
         Each::One(one) => {
-            let found = detached(py, || ask(std::slice::from_ref(one), (k, reach)))??;
-            results::neighbors(py, told(found, true)?, None)
+            let found = detached(py, || search(std::slice::from_ref(one), (k, max_distance)))??;
+            results::neighbors(py, result_of(found, true)?, None)
         }
         Each::Rows(rows) => {
-            let found = detached(py, || ask(rows, (k, reach)))??.map_err(refused)?;
+            let found = detached(py, || search(rows, (k, max_distance)))??.map_err(refused)?;
             results::neighbors(py, found, Some((rows.len(), k)))
         }
     }
 }
 
-/// `raycast`, and `circle_cast` where there is a radius.
+/// `raycast`, or `circle_cast` if there is a radius.
 pub fn cast<'py, T: Scalar + Element>(
     py: Python<'py>,
     origin: &Bound<'py, PyAny>,
     direction: &Bound<'py, PyAny>,
     radius: Maybe<'_, 'py>,
     max_distance: &Given<'py>,
-    ask: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
+    search: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let reach = reach(max_distance)?;
+    let max_distance = self::max_distance(max_distance)?;
     let radius = radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
     let direction = Argument::reals("direction", direction)?;
     let origins: Each<[T; 2]> = Argument::reals("origin", origin)?.one_or_rows()?;
@@ -247,14 +238,14 @@ pub fn cast<'py, T: Scalar + Element>(
     }
     let radii =
         radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len.unwrap_or(1)))?;
-    let hits = || match Ray::all(&origins, &directions, &radii, reach) {
-        Ok(rays) => ask(&rays),
+    let hits = || match Ray::all(&origins, &directions, &radii, max_distance) {
+        Ok(rays) => search(&rays),
         Err(error) => Ok(Err(error)),
     };
     let hits = detached(py, hits)??;
     if len.is_some() {
         results::ray_hits(py, hits.map_err(refused)?)
     } else {
-        results::ray_hit(py, &told(hits, true)?)
+        results::ray_hit(py, &result_of(hits, true)?)
     }
 }

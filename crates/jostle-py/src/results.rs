@@ -1,9 +1,9 @@
-//! Answers of several arrays, as the named tuples of `jostle.results`.
+//! Results of several arrays, as named tuples of `jostle.results`.
 
 use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
-use jostle::scenes::{GaltonBoard, Nozzle};
+use jostle::scenes::{Emitter, GaltonBoard};
 use jostle::{Collisions, Id, Scalar, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
@@ -98,11 +98,11 @@ pub fn world_stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyA
     STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
 }
 
-/// The same with ids for the caller; does not need the GIL.
+/// The same with 64-bit ids; without the GIL.
 pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;
     if size_of::<I>() == size_of::<i64>() {
-        // This takes no other memory.
+        // Converted in place.
         return Ok(Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests });
     }
     let mut long = memory::with_room(ids.len())?;
@@ -121,7 +121,7 @@ pub fn hits(py: Python<'_>, all: Hits<i64>) -> PyResult<Bound<'_, PyAny>> {
     HITS.import(py, "jostle.results", "Hits")?.call1((column(py, offsets), column(py, all.ids)))
 }
 
-/// `jostle.Neighbors`; many points have a shape.
+/// `jostle.Neighbors`; `shape` is that of the arrays for many points.
 pub fn neighbors<T: Element>(
     py: Python<'_>,
     all: Neighbors<T>,
@@ -161,7 +161,7 @@ pub fn galton_board(py: Python<'_>, all: GaltonBoard) -> PyResult<Bound<'_, PyAn
 }
 
 /// `jostle.scenes.Nozzle`.
-pub fn nozzle<'py>(py: Python<'py>, of: &Nozzle) -> PyResult<Bound<'py, PyAny>> {
+pub fn nozzle<'py>(py: Python<'py>, of: &Emitter) -> PyResult<Bound<'py, PyAny>> {
     static NOZZLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pair = |[a, b]: [f32; 2]| (decimal(a), decimal(b));
     let [position, velocity, radii] = [of.position, of.velocity, of.radii].map(pair);

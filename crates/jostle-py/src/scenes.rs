@@ -47,7 +47,8 @@ pub fn names() -> Vec<&'static str> {
 /// --------
 /// >>> import jostle
 /// >>> print(jostle.scenes.describe("billiards"))
-/// A cue ball with side spin breaks a rack of balls. Follow how its momentum and its spin spread over all.
+/// A cue ball with side spin breaks a rack of balls. Its momentum and its spin spread over all
+/// balls.
 #[pyfunction]
 pub fn describe(name: &Bound<'_, PyAny>) -> PyResult<&'static str> {
     Ok(scene(name)?.about)
@@ -193,8 +194,8 @@ pub fn fountains<'py>(
     py: Python<'py>,
     n: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-    let nozzles = scenes::fountains(particles(n)?).map_err(refused)?;
-    nozzles.iter().map(|nozzle| results::nozzle(py, nozzle)).collect()
+    let emitters = scenes::emitters(particles(n)?).map_err(refused)?;
+    emitters.iter().map(|emitter| results::nozzle(py, emitter)).collect()
 }
 
 /// Return the geometry of the board in the scene `galton`.

@@ -1,54 +1,53 @@
-//! The knobs that calls share, and what they are when left out.
+//! Arguments that several calls have, and their defaults.
 
 use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
 use jostle::{Method, OnTouch, Settings};
 use pyo3::prelude::*;
 
-use crate::arrays::{Given, count, truth, word};
+use crate::arrays::{Given, count, reals, truth, word};
 use crate::error::value_error;
-use crate::particles::reals;
 
-// The signatures that Python shows spell these numbers out.
+// These numbers are written in the signatures.
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
 const _: () = assert!(DEFAULT_LEAF_CAPACITY == 96);
 const _: () = assert!(DEFAULT_MAX_DEPTH == 4096);
 
-/// The most pairs to return.
+/// Maximum number of pairs to return.
 pub fn max_pairs(given: &Given<'_>) -> PyResult<usize> {
     given.value().map_or(Ok(DEFAULT_MAX_PAIRS), |value| count("max_pairs", value, 0))
 }
 
-/// Shapes that a leaf may hold.
+/// Maximum number of shapes in a leaf.
 pub fn leaf_capacity(given: &Given<'_>) -> PyResult<usize> {
     given.value().map_or(Ok(DEFAULT_LEAF_CAPACITY), |value| count("leaf_capacity", value, 1))
 }
 
-/// Subdivisions allowed.
+/// Maximum number of subdivisions.
 pub fn max_depth(given: &Given<'_>) -> PyResult<usize> {
     given.value().map_or(Ok(DEFAULT_MAX_DEPTH), |value| count("max_depth", value, 0))
 }
 
-/// None stands for one thread for each core.
+/// Number of threads; None is one for each core.
 pub fn threads(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     value.map(|value| count("threads", value, 1)).transpose()
 }
 
-/// Parts of a step; None stands for as many as the scene needs.
+/// Number of sub-steps; None is automatic.
 pub fn substeps(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     value.map(|value| count("substeps", value, 1)).transpose()
 }
 
-/// Whether particles may fall asleep; left out, they may.
+/// Whether particles may fall asleep; True if omitted.
 pub fn sleeping(given: &Given<'_>) -> PyResult<bool> {
     if given.value().is_none() { Ok(true) } else { truth("sleeping", given) }
 }
 
-/// Whether pairs that touch are recorded; left out, they are not.
+/// Whether pairs that touch are recorded; False if omitted.
 pub fn track_events(given: &Given<'_>) -> PyResult<bool> {
     if given.value().is_none() { Ok(false) } else { truth("track_events", given) }
 }
 
-/// How `find_pairs` finds them; None stands for the faster way.
+/// The method of `find_pairs`; None is the faster one.
 pub fn method_or_auto(given: &Given<'_>) -> PyResult<Option<Method>> {
     let rule = "'auto', 'brute' or 'quadtree'";
     match word("method", given, rule)?.as_deref() {
@@ -59,7 +58,7 @@ pub fn method_or_auto(given: &Given<'_>) -> PyResult<Option<Method>> {
     }
 }
 
-/// How a world finds its pairs.
+/// The method of a world.
 pub fn method(given: &Given<'_>) -> PyResult<Method> {
     let rule = "'quadtree' or 'brute'";
     match word("method", given, rule)?.as_deref() {
@@ -69,7 +68,7 @@ pub fn method(given: &Given<'_>) -> PyResult<Method> {
     }
 }
 
-/// What Python calls it.
+/// The name of a method in Python.
 pub fn method_name(method: Method) -> &'static str {
     match method {
         Method::Quadtree => "quadtree",
@@ -77,7 +76,7 @@ pub fn method_name(method: Method) -> &'static str {
     }
 }
 
-/// What becomes of particles that touch.
+/// The reaction of particles that touch.
 pub fn on_touch(given: &Given<'_>) -> PyResult<OnTouch> {
     let rule = "'bounce', 'merge' or 'ignore'";
     match word("on_touch", given, rule)?.as_deref() {
@@ -88,7 +87,7 @@ pub fn on_touch(given: &Given<'_>) -> PyResult<OnTouch> {
     }
 }
 
-/// What Python calls it.
+/// The name of a reaction in Python.
 pub fn on_touch_name(on_touch: OnTouch) -> &'static str {
     match on_touch {
         OnTouch::Bounce => "bounce",

@@ -1,5 +1,4 @@
-//! The shapes of a call: centres or boxes, radii, half sizes and filters, copied out of
-//! NumPy with one precision for all of them.
+//! Shapes as arguments: centres or boxes, radii, half sizes and filters, copied in one precision.
 
 use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use jostle::{Each, Scalar};
@@ -10,15 +9,15 @@ use pyo3::prelude::*;
 use crate::arrays::{Argument, Given, all_single};
 use crate::queries::{Maybe, SIDES_OF_RECT, sides};
 
-/// Shapes in the precision that their arrays ask for.
+/// Shapes in the precision of their arrays.
 pub enum Shapes {
-    /// Every array was float32.
+    /// All arrays are float32.
     Single(Rows<f32>),
-    /// Anything else.
+    /// Otherwise.
     Double(Rows<f64>),
 }
 
-/// Copied and of the right shapes; the values are not yet checked.
+/// Copied arrays with checked shapes; the values are not checked yet.
 pub struct Rows<T> {
     places: Places<T>,
     radii: Each<T>,
@@ -34,15 +33,14 @@ pub enum Places<T> {
     Boxes(Vec<[T; 4]>),
 }
 
-/// The argument for the positions of shapes: their centres, or boxes, which include their
-/// sizes.
+/// The argument with the positions of shapes: centres, or boxes.
 pub enum Where<'py> {
     Centers(Argument<'py>),
     Boxes(Argument<'py>),
 }
 
 impl<'py> Where<'py> {
-    /// The argument that is given. Refuses both, and neither.
+    /// Reads the given argument. Refuses both and neither.
     pub fn read(
         centers: Maybe<'_, 'py>,
         half_sizes: Maybe<'_, 'py>,
@@ -101,7 +99,7 @@ impl<'py> Where<'py> {
         })
     }
 
-    /// One, or many of them, and then how many.
+    /// One position without a number, or many with their number.
     pub fn one_or_rows<T: Scalar + Element>(&self) -> PyResult<(Places<T>, Option<usize>)> {
         fn with_len<V: Copy>(each: Each<V>) -> (Vec<V>, Option<usize>) {
             let len = each.len();
@@ -119,7 +117,7 @@ impl<'py> Where<'py> {
         })
     }
 
-    /// As [`Self::rows`] for the only shape there is.
+    /// As [`Self::rows`], for a single shape.
     pub fn only<T: Scalar + Element>(&self) -> PyResult<Places<T>> {
         match self.one_or_rows()? {
             (one, None) => Ok(one),
@@ -130,7 +128,7 @@ impl<'py> Where<'py> {
 }
 
 impl<T: Scalar> Places<T> {
-    /// The core's shapes; does not need the GIL.
+    /// The shapes of the core, with checked values; without the GIL.
     pub fn shapes(
         self,
         radii: Each<T>,
@@ -155,7 +153,7 @@ impl Shapes {
         let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
         let half_sizes =
             half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;
-        // A plain pair of half sizes for all shapes follows the arrays beside it.
+        // A plain pair of half sizes for all shapes does not determine the precision.
         let sizes = half_sizes.as_ref().filter(|sizes| !sizes.is_plain_pair());
         let single = all_single(&[Some(places.argument()), radii.as_ref(), sizes]);
         let filters = read_filters(categories, masks, places.len()?)?;
@@ -204,7 +202,7 @@ impl<T: Scalar + Element> Rows<T> {
         })
     }
 
-    /// The core's shapes; does not need the GIL.
+    /// The shapes of the core, with checked values; without the GIL.
     pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
         self.places.shapes(self.radii, self.half_sizes, self.filters)
     }

@@ -10,13 +10,14 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, column, table, truth};
+use crate::arrays::{Argument, Given, bit_sets, column, reals, table, truth};
 use crate::error::{refused, value_error};
 use crate::events::PyEvents;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::detached;
 use crate::lock::Shared;
-use crate::queries::{self, Asked, Maybe, told};
+use crate::queries::{self, Asked, Maybe, result_of};
+use crate::query_methods::{Index, query_methods};
 use crate::settings;
 use crate::shapes::{Places, Where};
 
@@ -70,7 +71,7 @@ pub struct PySpace {
     space: Either,
 }
 
-/// The core's space, in one precision or the other.
+/// A space of the core, in either precision.
 enum Either {
     Single(Shared<Space<f32>>),
     Double(Shared<Space<f64>>),
@@ -85,6 +86,15 @@ macro_rules! with_space {
         }
     };
 }
+
+query_methods!(
+    PySpace,
+    with_space,
+    "space",
+    "space = jostle.Space()\n>>> ids = space.add(",
+    "Ids",
+    "id"
+);
 
 #[pymethods]
 impl PySpace {
@@ -125,8 +135,8 @@ impl PySpace {
     ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
     ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
     ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
-    ///     x, y, width and height. The four numbers are compared without rounding: boxes that share an edge never overlap, whereas sides computed as
-    ///     ``center ± half_size`` are rounded.
+    ///     x, y, width and height. The four numbers are compared without rounding: boxes that share
+    ///     an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded.
     /// categories : array_like of int, a number or shape (k,), default 1
     ///     Categories of each shape, as a set of 32 bits.
     /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
@@ -187,14 +197,14 @@ impl PySpace {
                 filters: bits(filters, len.unwrap_or(1))?,
             };
             let ids = long(py, space, |space| space.add(&new.shapes(places)?))?;
-            let ids = told(ids, len.is_none())?;
+            let ids = result_of(ids, len.is_none())?;
             if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
         })
     }
 
     /// Change the centres or the boxes of shapes.
     ///
-    /// Shapes whose values stay the same cost almost nothing.
+    /// Shapes whose values are unchanged cost almost nothing.
     ///
     /// Parameters
     /// ----------
@@ -241,7 +251,7 @@ impl PySpace {
             let ids = Ids::read(ids, "shape")?;
             let places = Where::read(centers, None, boxes)?;
             let places = if ids.single { places.only() } else { places.rows(ids.all.len()) }?;
-            ids.told(long(py, space, |space| match &places {
+            ids.result_of(long(py, space, |space| match &places {
                 Places::Centers(centers) => space.move_to(&ids.all, centers),
                 Places::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
             })?)
@@ -290,7 +300,7 @@ impl PySpace {
             let radii = reals("radii", radii, ids.all.len())?;
             let sizes = sizes(half_sizes, ids.all.len())?;
             let (radii, sizes) = (radii.as_ref(), sizes.as_ref());
-            ids.told(long(py, space, |space| space.resize(&ids.all, radii, sizes))?)
+            ids.result_of(long(py, space, |space| space.resize(&ids.all, radii, sizes))?)
         })
     }
 
@@ -333,7 +343,7 @@ impl PySpace {
             let ids = Ids::read(ids, "shape")?;
             let [categories, masks] = bits([categories, masks], ids.all.len())?;
             let (categories, masks) = (categories.as_ref(), masks.as_ref());
-            ids.told(long(py, space, |space| space.set_filter(&ids.all, categories, masks))?)
+            ids.result_of(long(py, space, |space| space.set_filter(&ids.all, categories, masks))?)
         })
     }
 
@@ -362,7 +372,7 @@ impl PySpace {
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         with_space!(self, space => {
             let ids = Ids::read(ids, "shape")?;
-            ids.told(long(py, space, |space| space.remove(&ids.all))?)
+            ids.result_of(long(py, space, |space| space.remove(&ids.all))?)
         })
     }
 
@@ -466,343 +476,6 @@ impl PySpace {
             })?;
             table(py, pairs.map_err(refused)?)
         })
-    }
-
-    /// Find the shapes that overlap a rectangle, or each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// rect : array_like, shape (4,) or (k, 4)
-    ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`,
-    ///     `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and
-    ///     `max_y`, such as :class:`jostle.Box` (float32), are accepted, also in a list.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending; for many rectangles a `Hits`. A shape that only touches
-    ///     a rectangle does not overlap it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a minimum is above its maximum, or there are more
-    ///     than 134217728 ids.
-    ///
-    /// Notes
-    /// -----
-    /// Queries are converted to the space's dtype; the answer is that of brute force in that
-    /// arithmetic. Many queries in one call use all threads of the space.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    /// >>> space.query_rect((2.5, -1, 9, 1))
-    /// array([1, 2])
-    /// >>> hits = space.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
-    /// >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
-    /// array([1, 2])
-    #[pyo3(signature = (rect, *, mask=None))]
-    fn query_rect<'py>(
-        &self,
-        py: Python<'py>,
-        rect: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_space!(self, space => queries::rect(py, rect, |rects| {
-            Ok(space.lock()?.search(rects, mask))
-        }))
-    }
-
-    /// Find the shapes that overlap a disc, or each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// center : array_like, shape (2,) or (k, 2)
-    ///     Centres.
-    /// radius : array_like, a number or shape (k,)
-    ///     Radii. With one centre and many radii, all discs have that centre.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending; for many discs a `Hits`. A shape that only touches
-    ///     a disc does not overlap it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a radius is out of range, or there are more than
-    ///     134217728 ids.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    /// >>> space.query_circle((1, 0), 1.5)
-    /// array([0, 1])
-    #[pyo3(signature = (center, radius, *, mask=None))]
-    fn query_circle<'py>(
-        &self,
-        py: Python<'py>,
-        center: &Bound<'py, PyAny>,
-        radius: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_space!(self, space => queries::circle(py, center, radius, |circles| {
-            Ok(space.lock()?.search(circles, mask))
-        }))
-    }
-
-    /// Find the shapes that contain a point, or each of many points.
-    ///
-    /// A circle or a rounded box contains its edge. A rectangle contains its left and its
-    /// upper edge, but not the right and the lower, as in pygame, so tiles side by side
-    /// share no point. A rectangle of width and height 0 is a circle of radius 0.
-    ///
-    /// Parameters
-    /// ----------
-    /// point : array_like, shape (2,) or (k, 2)
-    ///     Points.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending; for many points a `Hits`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a coordinate is not finite, or there are more than 134217728 ids.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
-    /// >>> space.query_point((1.0, 0.2))
-    /// array([1])
-    #[pyo3(signature = (point, *, mask=None))]
-    fn query_point<'py>(
-        &self,
-        py: Python<'py>,
-        point: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_space!(self, space => queries::point(py, point, |points| {
-            Ok(space.lock()?.search(points, mask))
-        }))
-    }
-
-    /// Find the shapes that overlap a convex polygon, or each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// vertices : array_like, shape (v, 2) or (k, v, 2)
-    ///     Corners in order, clockwise or counterclockwise.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (m,), or Hits
-    ///     Ids, ascending; for many polygons a `Hits`. A shape that only touches
-    ///     a polygon does not overlap it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a polygon has fewer than three corners, is not convex or has no area, if a
-    ///     coordinate is not finite, or there are more than 134217728 ids.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    /// >>> space.query_polygon([(1, 2), (5, 0.5), (5, 2)])
-    /// array([2])
-    #[pyo3(signature = (vertices, *, mask=None))]
-    fn query_polygon<'py>(
-        &self,
-        py: Python<'py>,
-        vertices: &Bound<'py, PyAny>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_space!(self, space => queries::polygon(py, vertices, |polygons| {
-            Ok(space.lock()?.search(polygons, mask))
-        }))
-    }
-
-    /// Find the shapes nearest to a point, or to each of many.
-    ///
-    /// Parameters
-    /// ----------
-    /// point : array_like, shape (2,) or (n, 2)
-    ///     Points.
-    /// k : int, default 1
-    ///     Number of shapes to find.
-    /// max_distance : float, default inf
-    ///     Ignore shapes farther than this, in units of length.
-    /// mask : int, optional
-    ///     Find only shapes with a category in this set of bits.
-    ///
-    /// Returns
-    /// -------
-    /// Neighbors
-    ///     Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
-    ///     (:meth:`raycast` returns the id first).
-    ///
-    ///     distances : ndarray of the space's dtype, shape (k,) or (n, k)
-    ///         Distances to the surfaces, nearest first; 0 inside a shape, infinity if
-    ///         fewer than k are found.
-    ///     ids : ndarray of int64, shape (k,) or (n, k)
-    ///         Ids, the smaller first at equal distances; -1 if fewer than k are
-    ///         found.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a coordinate is not finite, k is less than 1, k times the number of points is more
-    ///     than 134217728, or `max_distance` is negative.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-    /// >>> distances, ids = space.nearest((2, 0), k=2)
-    /// >>> distances, ids
-    /// (array([0., 1.]), array([1, 0]))
-    #[pyo3(
-        signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None),
-        text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None)"
-    )]
-    fn nearest<'py>(
-        &self,
-        py: Python<'py>,
-        point: &Bound<'py, PyAny>,
-        k: Given<'py>,
-        max_distance: Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_space!(self, space => queries::nearest(py, point, &k, &max_distance, |points, wanted| {
-            Ok(space.lock()?.nearest(points, wanted, mask))
-        }))
-    }
-
-    /// Find the first shape that a ray hits, or each of many rays.
-    ///
-    /// Parameters
-    /// ----------
-    /// origin : array_like, shape (2,) or (k, 2)
-    ///     Start of each ray.
-    /// direction : array_like, shape (2,) or (k, 2)
-    ///     Direction of each ray, of any length except 0. One origin may have many
-    ///     directions, and many origins one direction.
-    /// max_distance : float, default inf
-    ///     Maximum length of the rays, in units of length.
-    /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
-    ///
-    /// Returns
-    /// -------
-    /// RayHit or RayHits
-    ///     Unpacks as ``id, distance``, in this order (:meth:`nearest` returns distances first);
-    ///     for many rays, arrays of both. At equal distances the smaller id; -1 and infinity if
-    ///     nothing is hit. The distance is that to the surface, 0 if a ray starts in a shape. A
-    ///     ray that only touches an edge hits it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-    /// >>> space.raycast((-4, 0), (1, 0))
-    /// RayHit(id=0, distance=3.0)
-    /// >>> space.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
-    /// RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
-    #[pyo3(
-        signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
-        text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
-    )]
-    fn raycast<'py>(
-        &self,
-        py: Python<'py>,
-        origin: &Bound<'py, PyAny>,
-        direction: &Bound<'py, PyAny>,
-        max_distance: Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.cast(py, (origin, direction, None), &max_distance, mask)
-    }
-
-    /// Find the first shape that a moving disc hits, or each of many discs.
-    ///
-    /// Parameters
-    /// ----------
-    /// origin : array_like, shape (2,) or (k, 2)
-    ///     Start of the centre of each disc.
-    /// direction : array_like, shape (2,) or (k, 2)
-    ///     Direction of the motion, of any length except 0.
-    /// radius : array_like, a number or shape (k,)
-    ///     Radii of the discs.
-    /// max_distance : float, default inf
-    ///     Maximum distance of the motion, in units of length.
-    /// mask : int, optional
-    ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
-    ///
-    /// Returns
-    /// -------
-    /// RayHit or RayHits
-    ///     Id and distance of the motion until the hit, as from :meth:`raycast`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
-    ///     `max_distance` is negative.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-    /// >>> space.circle_cast((-4, 0.5), (1, 0), radius=0.5)
-    /// RayHit(id=0, distance=2.585786437626905)
-    #[pyo3(
-        signature = (origin, direction, radius, *, max_distance=Given::NOTHING, mask=None),
-        text_signature = "($self, origin, direction, radius, *, max_distance=math.inf, mask=None)"
-    )]
-    fn circle_cast<'py>(
-        &self,
-        py: Python<'py>,
-        origin: &Bound<'py, PyAny>,
-        direction: &Bound<'py, PyAny>,
-        radius: &Bound<'py, PyAny>,
-        max_distance: Given<'py>,
-        mask: Maybe<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
     }
 
     /// Return centres; ``(min + max) / 2`` for shapes given as boxes.
@@ -992,29 +665,14 @@ impl PySpace {
             long(py, space, |space| space.stayed(events))?.map_err(refused)
         })
     }
-
-    fn cast<'py>(
-        &self,
-        py: Python<'py>,
-        (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Option<Asked<'_, 'py>>),
-        max_distance: &Given<'py>,
-        mask: Option<Asked<'_, 'py>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mask = queries::mask(mask)?;
-        with_space!(self, space => {
-            queries::cast(py, origin, direction, radius, max_distance, |rays| {
-                Ok(space.lock()?.first_hits(rays, mask))
-            })
-        })
-    }
 }
 
-/// A space that many threads may hold.
+/// A space with a lock.
 fn shared<T>(space: jostle::Result<Space<T>>) -> jostle::Result<Shared<Space<T>>> {
     Ok(Shared::new(space?, "space", "make a new one"))
 }
 
-/// Works with a space while other Python threads run.
+/// Calls `act` with a space, without the GIL.
 fn long<T: Scalar, R: Send>(
     py: Python<'_>,
     space: &Shared<Space<T>>,
@@ -1040,7 +698,7 @@ fn is_single(dtype: &Given<'_>) -> PyResult<bool> {
     }
 }
 
-/// What new shapes are besides where they are.
+/// The arguments for new shapes, except their positions.
 struct Draft<T> {
     radii: Option<Each<T>>,
     half_sizes: Option<Each<[T; 2]>>,
@@ -1048,7 +706,7 @@ struct Draft<T> {
 }
 
 impl<T: Scalar> Draft<T> {
-    /// The core's shapes; does not need the GIL.
+    /// The shapes of the core, with checked values; without the GIL.
     fn shapes(self, places: Places<T>) -> jostle::Result<Shapes<T>> {
         let radii = self.radii.unwrap_or(Each::One(T::ZERO));
         let filters = match self.filters {
@@ -1062,23 +720,12 @@ impl<T: Scalar> Draft<T> {
     }
 }
 
-fn reals<T: Scalar + Element>(
-    name: &'static str,
-    value: Maybe<'_, '_>,
-    len: usize,
-) -> PyResult<Option<Each<T>>> {
-    value.map(|value| Argument::reals(name, value)?.real_each(len)).transpose()
-}
-
 fn sizes<T: Scalar + Element>(value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<[T; 2]>>> {
     value.map(|value| Argument::reals("half_sizes", value)?.half_sizes(len)).transpose()
 }
 
 fn bits([categories, masks]: [Maybe<'_, '_>; 2], len: usize) -> PyResult<[Option<Each<u32>>; 2]> {
-    let read = |name, value: Maybe<'_, '_>| {
-        value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
-    };
-    Ok([read("categories", categories)?, read("masks", masks)?])
+    Ok([bit_sets("categories", categories, len)?, bit_sets("masks", masks, len)?])
 }
 
 /// A value of each shape, and whether the argument was one id.
@@ -1094,7 +741,7 @@ fn read<T: Scalar, V: Send>(
         let all = ids.map_or_else(|| space.ids(), |ids| Ok(ids.all))?;
         space.read(&all, of)
     })?;
-    Ok((told(values, single)?, single))
+    Ok((result_of(values, single)?, single))
 }
 
 fn read_rows<'py, T: Scalar + Element, const W: usize>(

@@ -4,19 +4,17 @@ use jostle::{Each, Error, Wall};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, column, read_only, table};
+use crate::arrays::{Argument, Given, column, read_only, reals, table};
 use crate::error::refused;
-use crate::particles::reals;
 
-/// Elastic walls with the friction of the particles, from an array of shape (m, 2, 2); None stands
-/// for none.
+/// Elastic walls with the friction of the particles, from an array of shape (m, 2, 2) or None.
 pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let ends = Argument::reals("walls", value)?.segments()?;
     Ok(ends.into_iter().map(Wall::new).collect())
 }
 
-/// Velocities: one vector for all walls or one for each; None stands for 0.
+/// Sets the velocities: one vector for all walls or one for each; None is 0.
 pub fn set_velocities(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     let given = value.map(|value| Argument::reals("wall_velocities", value)).transpose()?;
     let each = given.map_or(Ok(Each::One([0.0; 2])), |given| given.one_or_pairs(walls.len()))?;
@@ -24,7 +22,7 @@ pub fn set_velocities(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> P
     Ok(())
 }
 
-/// Coefficients of restitution: a number for all walls or one for each.
+/// Sets the coefficients of restitution: one number for all walls or one for each.
 pub fn set_restitution(walls: &mut [Wall], given: &Given<'_>) -> PyResult<()> {
     if let Some(each) = reals("wall_restitution", given.value(), walls.len())? {
         if let Each::One(one) = each
@@ -38,10 +36,10 @@ pub fn set_restitution(walls: &mut [Wall], given: &Given<'_>) -> PyResult<()> {
     Ok(())
 }
 
-/// Coefficients of friction: a number for all walls or one for each; None, or NaN for one wall,
-/// stands for that of the particle.
+/// Sets the coefficients of friction: one number for all walls or one for each; None, or NaN for
+/// one wall, is that of the particle.
 pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    let each = reals("wall_friction", value, walls.len())?;
+    let each = reals::<f32>("wall_friction", value, walls.len())?;
     if let Some(Each::One(one)) = each
         && !(one >= 0.0 && one.is_finite())
     {

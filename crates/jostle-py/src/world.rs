@@ -11,7 +11,9 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyMemoryView, PyTuple, PyType};
 
-use crate::arrays::{Given, column, count, decimal, number, point, read_only, table};
+use crate::arrays::{
+    Given, bit_sets, column, count, decimal, number, point, read_only, reals, table,
+};
 use crate::containers;
 use crate::error::{refused, type_error};
 use crate::files;
@@ -19,23 +21,24 @@ use crate::forces;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, bit_sets, only_vector, reals, truths, vectors};
+use crate::particles::{Draft, only_vector, truths, vectors};
 use crate::quadtree::PyQuadtree;
-use crate::queries::told;
+use crate::queries::result_of;
 use crate::results;
 use crate::settings;
 use crate::walls;
 
-/// Between whole steps, a long call looks about this often whether the user has
-/// pressed Ctrl-C and lets other threads at the world.
+/// Interval at which a call of `step` runs signal handlers and lets other threads use the world,
+/// between two steps.
 const LOOK_UP: Duration = Duration::from_millis(50);
 
 /// Particles: discs that move, collide and bounce off walls.
 ///
 /// Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
-/// order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as long as
-/// no particle was removed and none merged, the id of a particle is its row. All columns are float32; other numbers are converted. What rounding to float32 removes
-/// from positions is kept from step to step; positions that are assigned are exact. The same
+/// order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as
+/// long as no particle was removed and none merged, the id of a particle is its row. All columns
+/// are float32; other numbers are converted. The residuals of positions, which rounding to float32
+/// removes, are kept from step to step; assigned positions are exact. The same
 /// input gives the same bits on every machine, for every number of threads and for both
 /// methods.
 ///
@@ -46,8 +49,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// velocities : array_like, shape (n, 2)
 ///     In units of length per second.
 /// radii : array_like, a number or shape (n,)
-///     In units of length: 0, or between 1e-18 and 1e18. One number, also for `masses`, `densities` and
-///     `friction`, is that of particles that are added later, too.
+///     In units of length: 0, or between 1e-18 and 1e18. If `radii`, `masses`, `densities` or
+///     `friction` is one number, it is also the default of particles that are added later.
 /// masses : array_like, a number or shape (n,), optional
 ///     Above 0. If omitted, density times radius squared, as in the article; required for
 ///     a particle of radius 0.
@@ -70,34 +73,33 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// friction : array_like, a number or shape (n,), default 0.0
 ///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
 ///     root of the product of both; at a wall, that of the particle. Without friction particles
-///     do not begin to turn.
+///     do not begin to rotate.
 /// angles : array_like, a number or shape (n,), optional
 ///     In radians, positive from +x to +y; 0 if omitted.
 /// angular_velocities : array_like, a number or shape (n,), optional
 ///     In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
-///     radius 0 do not turn: their angular velocity becomes 0. `drag` does not change angular
+///     radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
 ///     velocities.
 /// categories, masks : array_like of int, a number or shape (n,), optional
 ///     Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-///     ``categories[j] & masks[i]``; others pass through each other and cost nothing. If omitted,
+///     ``categories[j] & masks[i]``; others pass through each other at no cost. If omitted,
 ///     categories are 1 and masks have all bits. Walls, the container and forces do not depend on
 ///     them.
 /// sensors : array_like of bool, one or shape (n,), optional
-///     Whether the particle is a sensor: it neither pushes others nor is pushed by them, and `events`
-///     and `contacts` tell what touches it. If omitted, none is. See `World.sensors`.
+///     Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
+///     `events` and `contacts` report what touches it. If omitted, none is. See `World.sensors`.
 /// container : Box, Circle, Torus or None, optional
-///     The region of the particles. The first step moves particles that are outside to the
-///     inside.
+///     The region of the particles. The first step moves particles that are outside into it.
 /// container_restitution : array_like, a number or shape (4,), default 1.0
 ///     Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
-///     the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a side
-///     it is multiplied by the world's and that of the particle.
+///     the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a
+///     side it is multiplied by the world's and that of the particle.
 /// walls : array_like, shape (m, 2, 2), optional
 ///     Line segments, solid from both sides, from one end to the other; `polyline` makes
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
 ///     a wall is pushed out in several steps. On a `Torus` there can be no walls.
 /// wall_velocities : array_like, shape (2,) or (m, 2), optional
-///     Velocities with which the walls move, in units of length per second; 0 if omitted. They push
+///     Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
 ///     particles and are not pushed. Walls that share an end should have the same velocity. Nothing
 ///     falls asleep while a wall moves.
 /// wall_restitution : array_like, a number or shape (m,), default 1.0
@@ -108,12 +110,12 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
 ///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-///     `AndersenThermostat` and `Motor`: what acts beside gravity and contacts.
+///     `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
 ///     friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
-///     merged particle has all bits of their categories and masks. If one has friction or turns,
+///     merged particle has all bits of their categories and masks. If one has friction or rotates,
 ///     angular momentum is conserved. If some of the particles are not movable, the merged
 ///     particle is not movable either and has the place and the velocity of the heaviest of
 ///     these; momentum is lost. Particles do not merge if the
@@ -136,7 +138,7 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
 ///     speed below 0.01 √(g r), where r is the radius.
 /// track_events : bool, default False
-///     Whether `events` tells which pairs began and ceased to touch in each call of `step`.
+///     Whether `events` reports which pairs began and ceased to touch in each call of `step`.
 ///
 /// Raises
 /// ------
@@ -148,7 +150,7 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///
 /// See Also
 /// --------
-/// jostle.scenes.create : A world of a ready-made scene.
+/// jostle.scenes.create : The world of a named scene.
 /// WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
 ///
 /// References
@@ -183,7 +185,7 @@ pub struct PyWorld {
 
 struct State {
     world: World,
-    /// What each stage of the last step took.
+    /// The time of each stage of the last step.
     profile: [Duration; Stage::ALL.len()],
 }
 
@@ -327,7 +329,7 @@ impl PyWorld {
     fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
         let dt = number("dt", dt)?;
         let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
-        // Refuses a wrong `dt` before anything changes.
+        // Checked before anything changes.
         self.long(py, |state| state.begin(dt))?.map_err(refused)?;
         while left > 0 {
             left = self.step_some(py, dt, left)?;
@@ -338,9 +340,9 @@ impl PyWorld {
 
     /// Add one particle or many, after the others.
     ///
-    /// What is omitted is the number that was last given for all particles: to `World`, as in
-    /// ``World(..., friction=0.5)``, or by assigning it, as in ``world.friction = 0.5``. An array
-    /// with a number for each particle does not count.
+    /// The default of an omitted argument is the number that was last given for all particles: to
+    /// `World`, as in ``World(..., friction=0.5)``, or by assignment, as in ``world.friction =
+    /// 0.5``. An array with a number for each particle does not change the default.
     ///
     /// Parameters
     /// ----------
@@ -348,13 +350,13 @@ impl PyWorld {
     /// radii : array_like, a number or shape (k,), optional
     ///     Required if no number was given for all particles.
     /// masses : array_like, a number or shape (k,), optional
-    ///     If omitted and no number was given for all particles, or if `densities` are given, density
-    ///     times radius squared.
+    ///     If omitted and no number was given for all particles, or if `densities` are given,
+    ///     density times radius squared.
     /// densities : array_like, a number or shape (k,), optional
     ///     1.0 if no number was given to `World`.
     /// restitutions : array_like, a number or shape (k,), optional
-    ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor of
-    ///     all contacts anyway.
+    ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
+    ///     of all contacts anyway.
     /// movable : array_like of bool, one or shape (k,), default True
     /// friction : array_like, a number or shape (k,), optional
     ///     0.0 if no number was given for all particles.
@@ -366,8 +368,8 @@ impl PyWorld {
     /// Returns
     /// -------
     /// ndarray of int64, shape (k,), or int
-    ///     Their ids, above all ids before; one id for one position. Their rows are the last ones of
-    ///     every column.
+    ///     Their ids, above all ids before; one id for one position. Their rows are the last ones
+    ///     of every column.
     ///
     /// Raises
     /// ------
@@ -423,7 +425,7 @@ impl PyWorld {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
         }
-        let ids = told(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        let ids = result_of(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
         if many.is_none() {
             ids.start.into_bound_py_any(py)
         } else {
@@ -458,7 +460,7 @@ impl PyWorld {
     /// array([0, 2])
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
-        ids.told(self.long(py, |state| state.world.remove(&ids.all))?)
+        ids.result_of(self.long(py, |state| state.world.remove(&ids.all))?)
     }
 
     /// Change some columns of some particles.
@@ -530,18 +532,18 @@ impl PyWorld {
             masks: bit_sets("masks", masks, len)?,
             sensors: truths("sensors", sensors, len)?,
         };
-        ids.told(self.long(py, |state| state.write_some(draft, &ids.all))?)
+        ids.result_of(self.long(py, |state| state.write_some(draft, &ids.all))?)
     }
 
-    /// Add forces of your own on some particles, for the next call of `step`.
+    /// Add given forces on some particles, for the next call of `step`.
     ///
-    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
-    /// the same particle add up.
+    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces
+    /// on the same particle add up.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     The particles; one may be given more than once. Nothing accelerates immovable ones.
+    ///     The particles; one may be given more than once. Immovable ones are not accelerated.
     /// forces : array_like, shape (k, 2), or (2,) for one id
     ///     In units of mass times length per second². A force wakes the particle.
     ///
@@ -571,18 +573,18 @@ impl PyWorld {
     ) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
         let forces = vectors_of(&ids, "forces", Some(forces))?.unwrap_or_default();
-        ids.told(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
+        ids.result_of(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
     }
 
     /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
     ///
     /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
-    /// used again. ``id in world`` tells whether a particle has an id.
+    /// used again. ``id in world`` is True if a particle has the id.
     ///
     /// See Also
     /// --------
     /// rows : The rows of ids.
-    /// renumbered : What became of merged particles.
+    /// renumbered : The new ids after particles merged.
     ///
     /// Examples
     /// --------
@@ -631,7 +633,7 @@ impl PyWorld {
     /// array([9., 0.], dtype=float32)
     fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;
-        let rows = ids.told(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
+        let rows = ids.result_of(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
         if ids.single {
             rows[0].into_bound_py_any(py)
         } else {
@@ -678,12 +680,13 @@ impl PyWorld {
         })
     }
 
-    /// Accelerations by forces of your own in the next call of `step`: ndarray of float32, shape
+    /// Given accelerations in the next call of `step`: ndarray of float32, shape
     /// (n, 2), a read-only copy in units of length per second².
     ///
-    /// Assign an array of this shape before each call, or None for none; `force` adds to it. They act
-    /// during all steps of the call, beside gravity and `forces`, and are 0 after it. Nothing accelerates
-    /// immovable particles. The others wake where it is not 0, and do not fall asleep in the call.
+    /// Assign an array of this shape before each call, or None for none; `force` adds to it. They
+    /// act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+    /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
+    /// the call.
     ///
     /// Raises
     /// ------
@@ -774,7 +777,7 @@ impl PyWorld {
         })
     }
 
-    /// Which particles can be moved: ndarray of bool, shape (n,), a read-only copy.
+    /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
     ///
     /// The others keep their velocities: a disc that is made immovable while it moves becomes
     /// kinematic.
@@ -827,7 +830,7 @@ impl PyWorld {
 
     /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
     ///
-    /// Positive angles turn from +x to +y. To change all, assign an array or one number; to
+    /// Positive angles are from +x to +y. To change all, assign an array or one number; to
     /// change some, use `set`. Numbers outside the range are wrapped into it.
     ///
     /// Raises
@@ -938,12 +941,13 @@ impl PyWorld {
 
     /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
     ///
-    /// A sensor and another particle pass through each other, and `contacts` and `events` tell that
-    /// they touch, without impulses. A disc that passes through a sensor within a step, at any speed,
-    /// is found too: it has entered and left. Walls, the container and forces act on sensors that are
-    /// movable, as on other particles; one with ``movable=False`` stays where it is put or moves with
-    /// its velocity, and reports other particles that are not movable, too. Two sensors report each
-    /// other if one is movable. Categories and masks tell what they report. They never merge.
+    /// A sensor and another particle pass through each other; `contacts` and `events` report that
+    /// they touch, without impulses. A disc that passes through a sensor within a step, at any
+    /// speed, is found too: it has entered and left. Walls, the container and forces act on sensors
+    /// that are movable, as on other particles; one with ``movable=False`` stays where it is put or
+    /// moves with its velocity, and reports other particles that are not movable, too. Two sensors
+    /// report each other if one is movable. Categories and masks determine what they report. They
+    /// never merge.
     ///
     /// To change all, assign an array or one bool; to change some, use `set`.
     ///
@@ -1037,7 +1041,7 @@ impl PyWorld {
     ///
     /// Examples
     /// --------
-    /// A floor that stops what falls on it, between elastic walls:
+    /// An inelastic floor between elastic walls:
     ///
     /// >>> import jostle
     /// >>> world = jostle.World(
@@ -1064,10 +1068,10 @@ impl PyWorld {
     /// units of length.
     ///
     /// Assign an array of this shape, or None for no walls. Wall k keeps the velocity and the
-    /// coefficients of the wall k before; further ones stand still and have a restitution of 1 and
-    /// the friction of the particles. All particles wake. Walls that are moved in this way transfer
-    /// no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in several
-    /// steps, to the side on which their centre is.
+    /// coefficients of the previous wall k; additional ones are at rest and have a restitution of 1
+    /// and the friction of the particles. All particles wake. Walls that are moved in this way
+    /// transfer no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in
+    /// several steps, to the side on which their centre is.
     ///
     /// Raises
     /// ------
@@ -1106,8 +1110,8 @@ impl PyWorld {
         self.change_walls(py, new)
     }
 
-    /// Velocities of the walls: ndarray of float32, shape (m, 2), a read-only copy in units of length
-    /// per second.
+    /// Velocities of the walls: ndarray of float32, shape (m, 2), a read-only copy in units of
+    /// length per second.
     ///
     /// A wall moves with its velocity in each step, so that `walls` has its new ends, and pushes
     /// particles as a kinematic particle does: pistons, paddles, lifts. Assign an array, one vector
@@ -1176,10 +1180,10 @@ impl PyWorld {
     }
 
     /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-    /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by id.
-    /// If a particle is removed, its attractors and springs are removed too, and motors drive the
-    /// others. If particles merge, forces refer to the merged particle, and a spring between two of
-    /// them is removed.
+    /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
+    /// id. If a particle is removed, its attractors and springs are removed too, and motors drive
+    /// the others. If particles merge, forces refer to the merged particle, and a spring between
+    /// two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         forces::show(py, self.long(py, |state| state.world.forces())?)
@@ -1203,8 +1207,8 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.on_touch = on_touch)
     }
 
-    /// What became of each id in the last call of `step`: a read-only ndarray of int64, or None if
-    /// no particles merged.
+    /// The new id of each id after the last call of `step`: a read-only ndarray of int64, or None
+    /// if no particles merged.
     ///
     /// It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
     /// ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
@@ -1321,8 +1325,8 @@ impl PyWorld {
     /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
     /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
     /// velocities of an immovable particle change, the islands that touch it wake. Nothing falls
-    /// asleep if there is a force other than `Thermostat`, or with another `on_touch` than "bounce".
-    /// Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+    /// asleep if there is a force other than `Thermostat`, or with another `on_touch` than
+    /// "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
     ///
     /// See Also
     /// --------
@@ -1344,11 +1348,11 @@ impl PyWorld {
         Ok(read_only(column(py, asleep)))
     }
 
-    /// Return a quadtree of the particles as they are now.
+    /// Return a quadtree of the particles in their current state.
     ///
-    /// It is a copy: later steps do not change it. It answers with rows: ``world.ids[rows]`` are the
-    /// ids of these particles, if none was added, removed or merged since. A query does not look
-    /// beyond the sides of a torus.
+    /// It is a copy: later steps do not change it. Its queries return rows: ``world.ids[rows]`` are
+    /// the ids of these particles, if none was added, removed or merged since. Queries do not
+    /// include images beyond the sides of a torus.
     ///
     /// Returns
     /// -------
@@ -1396,8 +1400,8 @@ impl PyWorld {
     /// to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
     /// particle. Divided by the length of the step, impulses are mean forces.
     ///
-    /// The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls` has
-    /// the number 4 + k.
+    /// The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls`
+    /// has the number 4 + k.
     ///
     /// See Also
     /// --------
@@ -1423,15 +1427,15 @@ impl PyWorld {
     /// sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
     ///
     /// All steps and sub-steps of the call count: a pair that began and ceased to touch is in
-    /// `entered` and in `left`. A pair in `entered` did not touch at the end of the call before, and a
-    /// pair in `left` does not touch at the end of this one, also because a particle was removed or
-    /// merged. In the first call all pairs that touch have entered. So a pair
+    /// `entered` and in `left`. A pair in `entered` did not touch at the end of the call before,
+    /// and a pair in `left` does not touch at the end of this one, also because a particle was
+    /// removed or merged. In the first call all pairs that touch have entered. So a pair
     /// that has entered does not enter again before it has left.
     ///
-    /// Particles touch if they collide, if the gap between them is at most the rounding of float32, or
-    /// if a resting contact presses them together. Particles that pass through each other, sensors
-    /// among them, touch if they overlap at any time of the call. Two that are not movable touch only
-    /// if just one is a sensor.
+    /// Particles touch if they collide, if the gap between them is at most the rounding of float32,
+    /// or if a resting contact presses them together. Particles that pass through each other,
+    /// sensors among them, touch if they overlap at any time of the call. Two that are not movable
+    /// touch only if just one is a sensor.
     ///
     /// Raises
     /// ------
@@ -1477,10 +1481,10 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.track_events = track_events)
     }
 
-    /// The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those of
-    /// two particles, and `walls`, those of a particle and a wall or the container.
+    /// The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those
+    /// of two particles, and `walls`, those of a particle and a wall or the container.
     ///
-    /// All impacts in the order of time count, those of the same pair each. Resting contacts do not.
+    /// Every impact counts, also several of one pair. Resting contacts do not count.
     ///
     /// See Also
     /// --------
@@ -1527,8 +1531,8 @@ impl PyWorld {
         Ok(self.state(py)?.world.time())
     }
 
-    /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs", "contacts",
-    /// "resting", "events", "correction" and "store", and "forces" if there are forces.
+    /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
+    /// "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (times, forces) = {
@@ -1691,7 +1695,7 @@ impl PyWorld {
         Ok(Self::of(world.map_err(|error| in_file(&path, &error))?))
     }
 
-    /// Copies and pickles are snapshots.
+    /// Copies and pickles use snapshots.
     fn __reduce__<'py>(
         &self,
         py: Python<'py>,
@@ -1716,18 +1720,18 @@ impl PyWorld {
 }
 
 impl PyWorld {
-    /// The Python face of a world.
+    /// The Python object for a world.
     pub fn of(world: World) -> Self {
         let state = State { world, profile: Default::default() };
         Self { state: Shared::new(state, "world", "restore a snapshot or make a new one") }
     }
 
-    /// For a glance: other Python threads wait.
+    /// Calls `act` with the world, with the GIL held, for short use.
     fn state(&self, py: Python<'_>) -> PyResult<Guard<'_, State>> {
         self.state.lock_attached(py)
     }
 
-    /// For work that depends on the number of particles: other Python threads run.
+    /// Calls `act` with the world, without the GIL.
     fn long<R: Send>(
         &self,
         py: Python<'_>,
@@ -1781,7 +1785,7 @@ impl PyWorld {
         changed?.map_err(refused)
     }
 
-    /// Writes whole columns, which `read` makes for so many particles.
+    /// Replaces whole columns; `read` makes them for the number of particles.
     fn write_all(
         &self,
         py: Python<'_>,
@@ -1837,7 +1841,7 @@ impl State {
         draft.check()?;
         let expected = self.world.len();
         if found != expected {
-            // Another thread has added or removed particles meanwhile.
+            // Another thread has added or removed particles in the meantime.
             return Err(Error::Length { argument: "the new column", found, expected });
         }
         let defaults = draft.defaults(self.world.defaults());
@@ -1863,7 +1867,7 @@ impl State {
     }
 }
 
-/// A pair for each id, or one pair for a single one.
+/// One pair for each id, or a single pair for one id.
 fn vectors_of(
     ids: &Ids,
     name: &'static str,
@@ -1875,7 +1879,7 @@ fn vectors_of(
     value.map(|value| only_vector(name, value, "id")).transpose()
 }
 
-/// What is wrong with a file of a world.
+/// An error about a file of a world.
 fn in_file(path: &Path, error: &Error) -> PyErr {
     let found = match error {
         Error::Value { value, rule, .. } => format!("{value}; {rule}"),

@@ -1,16 +1,17 @@
-//! Numbers as bytes, the same on every machine: little-endian, without gaps.
+//! Serialization of numbers: little-endian, without padding, so the bytes are the same on every
+//! machine.
 
 use core::ops::RangeInclusive;
 
 use crate::error::{Error, Result};
 
-/// Something with a fixed number of bytes.
+/// A value with a fixed number of bytes.
 pub trait Plain: Copy {
-    /// How many.
+    /// The number of bytes.
     const SIZE: usize;
-    /// Writes them over `to`, which has just so many.
+    /// Writes the value into `to`, which has `SIZE` bytes.
     fn store(self, to: &mut [u8]);
-    /// Reads them again.
+    /// Reads a value from `SIZE` bytes.
     fn load(from: &[u8]) -> Self;
 }
 
@@ -45,15 +46,15 @@ impl<P: Plain + Default, const N: usize> Plain for [P; N] {
     }
 }
 
-/// Bytes of magic, version, length and checksum.
+/// Bytes of the header: magic, version, length and checksum.
 pub const HEAD: usize = 28;
 
-/// Bytes that grow, behind a head that tells what they are and whether they are whole.
+/// Writes values after a header with a magic number, the version, the length and a checksum.
 #[derive(Debug)]
 pub struct Writer(Vec<u8>);
 
 impl Writer {
-    /// With room for about so many bytes.
+    /// A writer with capacity for `bytes` bytes after the header.
     pub fn with_capacity(bytes: usize) -> Self {
         let mut all = Vec::with_capacity(HEAD + bytes);
         all.resize(HEAD, 0);
@@ -65,12 +66,12 @@ impl Writer {
         self.put_all(&[value]);
     }
 
-    /// Appends a number that counts something.
+    /// Appends a count, as a u64.
     pub fn put_count(&mut self, count: usize) {
         self.put(count as u64);
     }
 
-    /// Appends values, without their number.
+    /// Appends values without their count.
     pub fn put_all<P: Plain>(&mut self, values: &[P]) {
         let start = self.0.len();
         self.0.resize(start + values.len() * P::SIZE, 0);
@@ -78,7 +79,7 @@ impl Writer {
         values.iter().zip(to).for_each(|(value, to)| value.store(to));
     }
 
-    /// What has been written.
+    /// Fills in the header and returns all bytes.
     pub fn finish(mut self, magic: [u8; 8], version: u32) -> Vec<u8> {
         let (head, body) = self.0.split_at_mut(HEAD);
         magic.store(&mut head[..8]);
@@ -88,12 +89,12 @@ impl Writer {
     }
 }
 
-/// Bytes that are read from the front.
+/// Reads values in the order in which they were written.
 #[derive(Debug)]
 pub struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    /// Looks at the head that [`Writer::finish`] has written, and returns the version too.
+    /// Checks the header that [`Writer::finish`] has written; returns the version too.
     pub fn open(
         bytes: &'a [u8],
         magic: [u8; 8],
@@ -132,19 +133,19 @@ impl<'a> Reader<'a> {
         Ok(P::load(self.take(P::SIZE)?))
     }
 
-    /// The next number that counts something.
+    /// The next count.
     pub fn get_count(&mut self) -> Result<usize> {
         usize::try_from(self.get::<u64>()?).map_err(|_| damaged("a count is too large"))
     }
 
     /// The next `count` values.
     pub fn get_all<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
-        // No memory is allocated for values that are missing.
+        // The bytes are checked before memory is allocated for the values.
         let bytes = self.take(count.checked_mul(P::SIZE).ok_or_else(cut_off)?)?;
         Ok(bytes.chunks_exact(P::SIZE).map(P::load).collect())
     }
 
-    /// Refuses what is left over.
+    /// Refuses bytes after the last value.
     pub fn close(self) -> Result<()> {
         if self.0.is_empty() { Ok(()) } else { Err(damaged("something is left over")) }
     }
@@ -156,7 +157,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What does not mean anything.
+/// The error for bytes that are not valid.
 pub fn damaged(rule: &str) -> Error {
     Error::of("data", "a damaged snapshot", rule)
 }
@@ -169,8 +170,8 @@ fn cut_off() -> Error {
     damaged("it is cut off")
 }
 
-/// Sums up bytes so that no changed one goes unnoticed: four chains side by side, which is as
-/// fast as memory.
+/// A 64-bit checksum that any change of a single word changes. Four independent chains of
+/// multiplications are as fast as memory.
 pub fn checksum(bytes: &[u8]) -> u64 {
     const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
     let mix = |sum: u64, word: u64| ((sum ^ word).wrapping_mul(FACTOR)).rotate_left(29);

@@ -1,11 +1,12 @@
-//! Loading of memory into the cache of the processor before it is read at random.
+//! Loading of memory into the processor's cache before it is read in random order.
 
 use std::hint::black_box;
 
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Reads one value of each cache line, in order, which the processor does faster than at random.
+/// Reads one value of each cache line, in order. The hardware prefetcher makes this faster than
+/// reads in random order.
 pub fn load<V: Copy>(values: &[V]) {
     for value in values.iter().step_by(LINE / size_of::<V>()) {
         black_box(*value);

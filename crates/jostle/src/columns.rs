@@ -1,5 +1,5 @@
-//! Shapes as columns: one array for each number, so that a leaf's shapes lie
-//! side by side for vector instructions.
+//! Shapes as a structure of arrays, so that vector instructions load the numbers of adjacent
+//! shapes at once.
 
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
@@ -9,15 +9,14 @@ use crate::parallel;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes, corners};
 use crate::simd::LANES;
 
-/// Spare rows behind the last shape.
+/// Spare rows after the last shape.
 pub const SPARE: usize = 2 * LANES;
 
-/// Shapes in columns of equal length, with [`SPARE`] rows behind them, so that a
-/// kernel may read a whole block from any row.
+/// Shapes in columns of equal length, followed by [`SPARE`] rows, so that a kernel may read a
+/// whole block at any row.
 ///
-/// Columns that would say the same for every row are left empty: half sizes
-/// if all are circles or boxes, upper corners if all are given by their
-/// centres, filters if all shapes may pair.
+/// Some columns may be empty: half sizes if all shapes are circles or given as boxes, upper
+/// corners if all are given by their centres, filters if all shapes may pair.
 #[derive(Clone, Debug, Default)]
 pub struct Columns<T> {
     len: usize,
@@ -35,9 +34,9 @@ pub struct Columns<T> {
     pub half_x: Vec<T>,
     /// Half heights; empty if every shape is a circle or a box.
     pub half_y: Vec<T>,
-    /// Categories; empty where everything pairs with everything.
+    /// Categories; empty if all shapes may pair.
     pub category: Vec<u32>,
-    /// Masks; empty where everything pairs with everything.
+    /// Masks; empty if all shapes may pair.
     pub mask: Vec<u32>,
 }
 
@@ -52,7 +51,7 @@ impl<T: Scalar> Columns<T> {
         Ok(columns)
     }
 
-    /// Where the centres of `len` shapes go, x and y. [`Columns::fill_rest`] completes them.
+    /// The columns x and y of `len` shapes, for writing. [`Columns::fill_rest`] fills the others.
     pub fn places(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
         self.len = len;
         memory::resize(&mut self.x, len + SPARE, T::ZERO)?;
@@ -60,7 +59,7 @@ impl<T: Scalar> Columns<T> {
         Ok([&mut self.x[..len], &mut self.y[..len]])
     }
 
-    /// Puts in everything but the centres of the shapes in `rows`, in that order.
+    /// Fills all columns but the centres with the shapes in `rows`, in that order.
     pub fn fill_rest(
         &mut self,
         shapes: &Shapes<T>,
@@ -115,8 +114,8 @@ impl<T: Scalar> Columns<T> {
         Ok(())
     }
 
-    /// Bytes of memory that they keep, used or not.
-    pub fn kept_bytes(&self) -> usize {
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
         let [half_x, half_y, max_x, max_y] = [&self.half_x, &self.half_y, &self.max_x, &self.max_y];
         let numbers = [&self.x, &self.y, &self.radius, half_x, half_y, max_x, max_y];
         let bits = self.category.capacity() + self.mask.capacity();
@@ -138,25 +137,25 @@ impl<T: Scalar> Columns<T> {
         !self.half_x.is_empty()
     }
 
-    /// Whether any shape may be given as a box.
+    /// Whether shapes are given as boxes.
     #[inline(always)]
     pub fn has_boxes(&self) -> bool {
         !self.max_x.is_empty()
     }
 
-    /// `max` of the shapes, x, whether or not there are boxes.
+    /// `max` of the shapes, x; the centres if no shape is given as a box.
     #[inline(always)]
     pub fn max_x(&self) -> &[T] {
         if self.has_boxes() { &self.max_x } else { &self.x }
     }
 
-    /// `max` of the shapes, y, whether or not there are boxes.
+    /// `max` of the shapes, y; the centres if no shape is given as a box.
     #[inline(always)]
     pub fn max_y(&self) -> &[T] {
         if self.has_boxes() { &self.max_y } else { &self.y }
     }
 
-    /// Whether some pairs are filtered out.
+    /// Whether there are categories and masks.
     pub fn has_filters(&self) -> bool {
         !self.category.is_empty()
     }
@@ -167,8 +166,7 @@ impl<T: Scalar> Columns<T> {
         self.shape_if(row, true)
     }
 
-    /// The shape in `row`; its radius is known to be 0 if it is not `round`, and then
-    /// not fetched from memory.
+    /// The shape in `row`. If it is not `round`, its radius is 0 and is not read from memory.
     #[inline(always)]
     pub fn shape_if(&self, row: usize, round: bool) -> Shape<T> {
         let filtered = self.has_filters();
@@ -187,7 +185,7 @@ impl<T: Scalar> Columns<T> {
     }
 }
 
-/// Fills a column of `len` values, and spare rows behind them.
+/// Fills a column of `len` values and its spare rows.
 #[inline(always)]
 fn put_each<V: Copy + Default + Send + Sync>(
     column: &mut Vec<V>,
@@ -209,7 +207,7 @@ fn put_each<V: Copy + Default + Send + Sync>(
     Ok(())
 }
 
-/// Fills two columns of `len` values from pairs, and spare rows behind them.
+/// Fills two columns of `len` values, and their spare rows, from pairs.
 #[inline(always)]
 fn put_pairs<T: Scalar>(
     [x, y]: [&mut Vec<T>; 2],

@@ -174,8 +174,8 @@ impl Container {
         }
     }
 
-    /// The bounds that particles have at the beginning of a step allow for a displacement of this at
-    /// most, unless they merge, so that few images of others are in them.
+    /// The bounds that particles have at the beginning of a step allow for a displacement of this
+    /// at most, unless they merge, so that few images of others are in them.
     pub fn reach(&self) -> f32 {
         match self {
             Self::Torus { size } => size[0].min(size[1]) / 8.0,
@@ -274,14 +274,22 @@ impl Container {
         (rounded, motion::residual(inside, rounded))
     }
 
-    /// The minimum image of an offset: that to the nearest image.
+    /// The minimum image of an offset: the offset to the nearest image. The offset may span several
+    /// periods.
     #[inline]
-    pub fn short_way(&self, offset: [f64; 2]) -> [f64; 2] {
+    pub fn minimum_image(&self, offset: [f64; 2]) -> [f64; 2] {
         let Self::Torus { size } = self else { return offset };
         [0, 1].map(|k| {
             let side = f64::from(size[k]);
             offset[k] - side * (offset[k] / side).round()
         })
+    }
+
+    /// The minimum image of an offset between two positions within the torus, in float32.
+    #[inline(always)]
+    pub fn minimum_image_within(&self, offset: [f32; 2]) -> [f32; 2] {
+        let Self::Torus { size } = self else { return offset };
+        minimum_image_within(*size, offset)
     }
 
     /// Distances from the surface of a disc to the walls, each flat one at its own index.
@@ -302,8 +310,8 @@ impl Container {
         }
     }
 
-    /// Whether a disc that moves by at most `far` along each axis certainly touches no wall. It may be
-    /// false for a disc in a round container.
+    /// Whether a disc that moves by at most `far` along each axis certainly touches no wall. It may
+    /// be false for a disc in a round container.
     #[inline(always)]
     pub fn is_far(&self, position: [f64; 2], radius: f64, far: [f64; 2]) -> bool {
         let Self::Box { min, max } = self else { return !self.has_walls() };
@@ -364,4 +372,19 @@ fn down(value: f64) -> f32 {
 /// The smallest float32 that is not below `value`.
 fn up(value: f64) -> f32 {
     -down(-value)
+}
+
+/// [`Container::minimum_image_within`] for a torus of a size.
+#[inline(always)]
+pub fn minimum_image_within(size: [f32; 2], offset: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| {
+        let (side, offset) = (size[k], offset[k]);
+        if offset > 0.5 * side {
+            offset - side
+        } else if offset < -0.5 * side {
+            offset + side
+        } else {
+            offset
+        }
+    })
 }

@@ -2,13 +2,12 @@
 
 use std::fmt;
 
-/// A wrong argument, an answer that does not fit into memory, or an interrupted call.
+/// A wrong argument, a failed allocation, an exceeded limit, or an interrupted call.
 ///
-/// The sentence names the argument, the index and the value, so that a caller
-/// with a million rows can find the one that is wrong.
+/// The message names the argument, the index and the value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Error {
-    /// The caller asked for a stop; see [`watch`](crate::interrupt::watch).
+    /// The caller stopped the call; see [`watch`](crate::interrupt::watch).
     Interrupted,
     /// An allocation failed.
     NoMemory {
@@ -17,28 +16,28 @@ pub enum Error {
     },
     /// One value breaks the rule of its argument.
     Value {
-        /// Name of the argument, as the caller spells it.
+        /// Name of the argument in the public API.
         argument: &'static str,
-        /// Row of the value, where the argument has rows.
+        /// Row of the value if the argument has rows.
         index: Option<usize>,
-        /// The value, printed.
+        /// The value as text.
         value: String,
-        /// What would have been right.
+        /// The rule for valid values.
         rule: String,
     },
-    /// Two arguments that belong together differ in length.
+    /// An argument has the wrong number of rows.
     Length {
         /// Name of the argument.
         argument: &'static str,
-        /// Rows it has.
+        /// Number of its rows.
         found: usize,
-        /// Rows it should have.
+        /// Number of rows that it must have.
         expected: usize,
     },
-    /// More pairs may touch in one step of a world than it has room for.
+    /// A step of a world has more candidate pairs than it can store.
     TooManyCandidates {
-        /// The limit that was passed.
-        most: usize,
+        /// Maximum number of candidate pairs.
+        limit: usize,
     },
     /// A step would give a particle an infinite number or NaN.
     NotFinite {
@@ -51,25 +50,25 @@ pub enum Error {
         /// The new value as text.
         value: String,
     },
-    /// Questions have more answers than memory is set aside for.
+    /// The queries of a call find more ids than one answer may have.
     TooManyIds {
-        /// The limit that was passed.
-        most: usize,
+        /// Maximum number of ids.
+        limit: usize,
     },
-    /// More pairs overlap than the caller is ready to receive.
+    /// More pairs overlap than the caller allows.
     TooManyPairs {
-        /// The limit that was passed.
+        /// Maximum number of pairs.
         max_pairs: usize,
     },
 }
 
 impl Error {
-    /// Refuses the value at `index` of `argument`.
+    /// An error about the value at `index` of `argument`.
     pub fn at(argument: &'static str, index: usize, value: impl fmt::Display, rule: &str) -> Self {
         Self::Value { argument, index: Some(index), value: printed(value), rule: rule.to_string() }
     }
 
-    /// The same refusal of a value, once it is known in which row it stands.
+    /// The same error about the value in `row`.
     pub fn in_row(self, row: usize) -> Self {
         match self {
             Self::Value { argument, value, rule, .. } => {
@@ -79,13 +78,23 @@ impl Error {
         }
     }
 
-    /// Refuses `argument` as a whole.
+    /// The same error without a row, for an argument that is a single value.
+    pub fn without_row(self) -> Self {
+        match self {
+            Self::Value { argument, value, rule, .. } => {
+                Self::Value { argument, index: None, value, rule }
+            }
+            other => other,
+        }
+    }
+
+    /// An error about `argument` as a whole.
     pub fn of(argument: &'static str, value: impl fmt::Display, rule: &str) -> Self {
         Self::Value { argument, index: None, value: printed(value), rule: rule.to_string() }
     }
 
-    /// The same error, if a part of an answer that needs at least `bytes` in all could not be
-    /// allocated.
+    /// The same error; a failed allocation for a part of an answer reports the size of the
+    /// whole answer, at least `bytes`.
     pub(crate) fn in_all(self, bytes: usize) -> Self {
         match self {
             Self::NoMemory { bytes: part } => Self::NoMemory { bytes: bytes.max(part) },
@@ -118,9 +127,9 @@ impl fmt::Display for Error {
                     "{argument} has {found} rows; it must have {expected}, one for each shape"
                 )
             }
-            Self::TooManyCandidates { most } => write!(
+            Self::TooManyCandidates { limit } => write!(
                 f,
-                "more than {most} pairs of particles may touch in one step; \
+                "more than {limit} pairs of particles may touch in one step; \
                  spread the particles out, or take smaller steps"
             ),
             Self::NotFinite { argument, index, id, value } => write!(
@@ -130,8 +139,8 @@ impl fmt::Display for Error {
                  speeds",
                 if *id == *index as i64 { String::new() } else { format!(" of particle {id}") }
             ),
-            Self::TooManyIds { most } => {
-                write!(f, "the answer has more than {most} ids; query fewer regions in one call")
+            Self::TooManyIds { limit } => {
+                write!(f, "the answer has more than {limit} ids; query fewer regions in one call")
             }
             Self::TooManyPairs { max_pairs } => write!(
                 f,
@@ -144,14 +153,14 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// Longer numbers are printed with an exponent.
-const LONGEST: usize = 20;
+/// Numbers with more characters are printed with an exponent.
+const MAX_CHARACTERS: usize = 20;
 
-/// The text of a value; that of a number is short.
+/// The text of a value, with an exponent if it is a long number.
 fn printed(value: impl fmt::Display) -> String {
     let text = value.to_string();
     match text.parse::<f64>() {
-        Ok(number) if text.len() > LONGEST => format!("{number:e}"),
+        Ok(number) if text.len() > MAX_CHARACTERS => format!("{number:e}"),
         _ => text,
     }
 }

@@ -1,11 +1,14 @@
-//! Shapes and when they overlap.
+//! Shapes, the overlap test, bounds of sets of shapes, and contacts.
 //!
-//! A shape is a rounded box: every point within `radius` of its core, an
-//! axis-aligned box. The core is given as `center ± half_size`, or as `min` and
-//! `max`. One formula says whether two shapes overlap, in the arithmetic of the
-//! caller's type; cores given as `min` and `max` are compared exactly. A [`Cover`]
-//! bounds a set of shapes and is tested with *the same formula*. Rounding is monotone,
-//! so if a cover does not overlap, none of its shapes does; no tolerance is needed.
+//! A shape is a rounded box: every point within `radius` of its core, an axis-aligned box. The
+//! core is given as `center ± half_size`, or as `min` and `max`. [`overlap`] is the only
+//! formula for the overlap of two shapes, in the arithmetic of the caller's type; cores given
+//! as `min` and `max` are compared exactly. [`Bounds`] of a set of shapes are tested with the
+//! same formula. Rounding is monotone, so if bounds do not overlap, none of their shapes
+//! does; no tolerance is needed.
+//!
+//! C. Ericson, *Real-Time Collision Detection* (2005), chapters 4.2 (AABBs) and 4.4.2
+//! (swept spheres).
 
 use std::cmp::Ordering;
 use std::fmt::{Debug, Display, LowerExp};
@@ -19,21 +22,21 @@ pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     const ZERO: Self;
     /// One.
     const ONE: Self;
-    /// Larger than every finite value.
+    /// Infinity.
     const INFINITY: Self;
-    /// The largest half size: sums of four stay finite, so that the formula never subtracts
+    /// The largest half size. Sums of four are finite, so [`overlap`] never subtracts
     /// infinity from infinity.
     const MAX_SIZE: Self;
-    /// The smallest radius above 0, and the largest: the square of a sum of two neither
-    /// overflows nor loses digits.
+    /// The smallest radius above 0, and the largest: the square of the sum of two neither
+    /// overflows nor loses precision.
     const RADII: [Self; 2];
-    /// The distance from 1 to the next larger number.
+    /// The difference between 1 and the next larger number.
     const EPSILON: Self;
-    /// The smallest square with all its digits.
+    /// The smallest positive normal number: smaller squares lose precision.
     const SMALLEST_SQUARE: Self;
-    /// Numbers above the first have squares that may be too large, those below the second
-    /// squares that may be too small; both are good after a division, or a multiplication, by
-    /// the third. It is a power of two, so no digit is lost.
+    /// Squares of numbers above the first may overflow, squares of numbers below the second may
+    /// underflow. A division or a multiplication by the third, a power of two, prevents both
+    /// without rounding.
     const RANGE: [Self; 3];
     /// The absolute value.
     fn abs(self) -> Self;
@@ -47,18 +50,16 @@ pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     fn from_f64(value: f64) -> Self;
     /// One divided by the value.
     fn recip(self) -> Self;
-    /// The value divided by another.
-    fn over(self, other: Self) -> Self;
-    /// Which comes first; tells −0 from 0.
+    /// The total order of IEEE 754, in which −0 precedes 0.
     fn total_order(&self, other: &Self) -> Ordering;
     /// The smaller of two numbers.
     #[inline(always)]
-    fn least(self, other: Self) -> Self {
+    fn min(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
     /// The larger of two numbers.
     #[inline(always)]
-    fn most(self, other: Self) -> Self {
+    fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
 }
@@ -102,10 +103,6 @@ macro_rules! scalar {
             fn recip(self) -> Self {
                 1.0 / self
             }
-            #[inline(always)]
-            fn over(self, other: Self) -> Self {
-                self / other
-            }
         }
     };
 }
@@ -117,8 +114,8 @@ const fn two_to(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// What numbers up to `largest` have to be multiplied by for their squares to be good, and by
-/// what to go back.
+/// The factor for numbers up to `largest` that prevents overflow and underflow of their squares,
+/// and its inverse.
 #[inline(always)]
 pub fn into_range<T: Scalar>(largest: T) -> [T; 2] {
     let [large, small, step] = T::RANGE;
@@ -131,22 +128,22 @@ pub fn into_range<T: Scalar>(largest: T) -> [T; 2] {
     }
 }
 
-/// √(x² + y²) of two numbers that are not negative, however large or small. Grows with both.
+/// √(x² + y²) of two numbers that are at least 0, without overflow or underflow. Monotone in both.
 #[inline(always)]
 pub fn length<T: Scalar>(x: T, y: T) -> T {
-    let [into, back] = into_range(x.most(y));
+    let [into, back] = into_range(x.max(y));
     let (x, y) = (x * into, y * into);
     (x * x + y * y).sqrt() * back
 }
 
-/// Whether √(x² + y²) ≤ radius, for two numbers that are not negative. The squares are compared
-/// if the radius is valid for a shape; with radius 0 both numbers must be 0.
+/// Whether √(x² + y²) ≤ radius, for two numbers that are at least 0 and a radius that is valid
+/// for a shape. With radius 0 both numbers must be 0.
 #[inline(always)]
 pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
-    if radius == T::ZERO { x.most(y) == T::ZERO } else { x * x + y * y <= radius * radius }
+    if radius == T::ZERO { x.max(y) == T::ZERO } else { x * x + y * y <= radius * radius }
 }
 
-/// The middle of `min` and `max`, rounded once, and always between them.
+/// The midpoint of `min` and `max`, rounded once, never outside of them.
 #[inline(always)]
 pub fn middle<T: Scalar>(min: T, max: T) -> T {
     let half = T::from_f64(0.5);
@@ -154,61 +151,63 @@ pub fn middle<T: Scalar>(min: T, max: T) -> T {
     if sum.is_finite() { sum * half } else { min * half + max * half }
 }
 
-/// The gap between two intervals `[min, max]` along one axis; negative if they
-/// overlap.
+/// The gap between two intervals `[min, max]`; negative if they overlap.
 #[inline(always)]
 pub fn gap<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
-    (b[0] - a[1]).most(a[0] - b[1])
+    (b[0] - a[1]).max(a[0] - b[1])
 }
 
-/// Whether two rounded boxes overlap, from the [`gap`] between their `min` and `max`
-/// along each axis (the distance of their centres, where these are the same), the sums of
-/// their half sizes and the sum of their radii. Touching is not overlapping.
+/// The squared distance of two cores from the gaps between them along each axis, of which
+/// negative ones count as 0.
 #[inline(always)]
-pub fn overlap<T: Scalar>(gap: [T; 2], half_sum: [T; 2], radius_sum: T) -> bool {
-    let dx = gap[0] - half_sum[0];
-    let dy = gap[1] - half_sum[1];
-    let ex = dx.most(T::ZERO);
-    let ey = dy.most(T::ZERO);
-    (ex * ex + ey * ey < radius_sum * radius_sum) | ((dx < T::ZERO) & (dy < T::ZERO))
+pub fn square_of_gaps<T: Scalar>([x, y]: [T; 2]) -> T {
+    let (x, y) = (x.max(T::ZERO), y.max(T::ZERO));
+    x * x + y * y
 }
 
-/// One rounded box with its filter. Its core reaches from `min - half_size` to
-/// `max + half_size`.
+/// Whether two rounded boxes overlap, from the gaps between their cores along each axis and the
+/// sum of their radii. The gap of an axis is that between `min` and `max` of both ([`gap`]; the
+/// distance of the centres if these are equal) minus the sum of the half sizes. Touching is
+/// not overlapping.
+#[inline(always)]
+pub fn overlap<T: Scalar>(gaps: [T; 2], radius_sum: T) -> bool {
+    (square_of_gaps(gaps) < radius_sum * radius_sum) | ((gaps[0] < T::ZERO) & (gaps[1] < T::ZERO))
+}
+
+/// A rounded box with its filter. Its core extends from `min - half_size` to `max + half_size`.
 ///
-/// A shape that is given by its centre has that for `min` and for `max`. One that is given
-/// as a box has no `half_size`, so that its sides are compared without any rounding.
+/// If a shape is given by its centre, both `min` and `max` are the centre. If it is given as a
+/// box, its `half_size` is 0, so its sides are compared without rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape<T> {
     /// Lower corner, world units; the centre, unless the shape is given as a box.
     pub min: [T; 2],
     /// Upper corner, world units; the centre, unless the shape is given as a box.
     pub max: [T; 2],
-    /// Half width and half height around these; 0 for a circle and for a shape given as
-    /// a box.
+    /// Half width and half height; 0 for a circle and for a shape given as a box.
     pub half_size: [T; 2],
     /// Distance by which the shape extends beyond its core.
     pub radius: T,
-    /// What it is, a bit set.
+    /// Its categories, a bit set.
     pub category: u32,
-    /// What it may pair with, a bit set.
+    /// The categories that it may pair with, a bit set.
     pub mask: u32,
 }
 
 impl<T: Scalar> Shape<T> {
-    /// The middle of the shape.
+    /// The centre of the shape.
     pub fn center(&self) -> [T; 2] {
         [0, 1].map(|axis| middle(self.min[axis], self.max[axis]))
     }
 
-    /// Half width and half height of the core; rounded, where the shape is given as a box.
+    /// Half width and half height of the core; rounded if the shape is given as a box.
     pub fn core_half_size(&self) -> [T; 2] {
         let half = T::from_f64(0.5);
         let own = |axis: usize| self.max[axis] * half - self.min[axis] * half;
         [0, 1].map(|axis| if self.is_box(axis) { own(axis) } else { self.half_size[axis] })
     }
 
-    /// Lower and upper corner of the core; rounded, where the shape has a `half_size`.
+    /// Lower and upper corner of the core; rounded if the shape has a `half_size`.
     pub fn core(&self) -> [T; 4] {
         let low = |axis: usize| self.min[axis] - self.half_size[axis];
         let high = |axis: usize| self.max[axis] + self.half_size[axis];
@@ -225,17 +224,20 @@ impl<T: Scalar> Shape<T> {
         self.min[axis] < self.max[axis]
     }
 
-    /// How far a point is from `min` and `max` along each axis; negative between them.
+    /// The gaps between a point and the core along each axis; negative inside.
     #[inline(always)]
-    pub fn gap_to(&self, point: [T; 2]) -> [T; 2] {
-        [0, 1].map(|axis| (self.min[axis] - point[axis]).most(point[axis] - self.max[axis]))
+    pub fn gaps_to(&self, point: [T; 2]) -> [T; 2] {
+        let gap_along = |axis: usize| {
+            gap([point[axis]; 2], [self.min[axis], self.max[axis]]) - self.half_size[axis]
+        };
+        [gap_along(0), gap_along(1)]
     }
 }
 
-/// Bounds of a set of shapes: of their centres or boxes, the largest half size and
-/// radius, and every filter bit that any of them has.
+/// Bounds of a set of shapes: the bounding box of their `min` and `max`, the largest half sizes
+/// and radius, and the union of their filter bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cover<T> {
+pub struct Bounds<T> {
     /// Lower corner of the bounding box of every `min`.
     pub min: [T; 2],
     /// Upper corner of the bounding box of every `max`.
@@ -244,14 +246,14 @@ pub struct Cover<T> {
     pub half_size: [T; 2],
     /// Largest radius.
     pub radius: T,
-    /// All categories, OR-ed.
+    /// The union of all categories.
     pub category: u32,
-    /// All masks, OR-ed.
+    /// The union of all masks.
     pub mask: u32,
 }
 
-impl<T: Scalar> Cover<T> {
-    /// The cover of one shape.
+impl<T: Scalar> Bounds<T> {
+    /// The bounds of one shape.
     pub fn of(shape: &Shape<T>) -> Self {
         Self {
             min: shape.min,
@@ -263,71 +265,79 @@ impl<T: Scalar> Cover<T> {
         }
     }
 
-    /// The cover of both sets.
+    /// The bounds of the union of both sets.
     pub fn join(self, other: Self) -> Self {
         let both = |f: fn(T, T) -> T, a: [T; 2], b: [T; 2]| [f(a[0], b[0]), f(a[1], b[1])];
         Self {
-            min: both(T::least, self.min, other.min),
-            max: both(T::most, self.max, other.max),
-            half_size: both(T::most, self.half_size, other.half_size),
-            radius: self.radius.most(other.radius),
+            min: both(T::min, self.min, other.min),
+            max: both(T::max, self.max, other.max),
+            half_size: both(T::max, self.half_size, other.half_size),
+            radius: self.radius.max(other.radius),
             category: self.category | other.category,
             mask: self.mask | other.mask,
         }
     }
 
-    /// The cover of the same shapes moved by `-shift`.
+    /// The bounds of the same shapes moved by `-shift`.
     #[inline(always)]
     pub fn moved(&self, shift: [T; 2]) -> Self {
         let by = |v: [T; 2]| [v[0] - shift[0], v[1] - shift[1]];
         Self { min: by(self.min), max: by(self.max), ..*self }
     }
 
-    /// Whether some shape of this cover, moved by `-shift`, could overlap some
-    /// shape of `other`. `least_gap` is 0 where both hold nothing but shapes given by
-    /// their centres, the [`gap`] between which is never negative, and -infinity
-    /// otherwise.
+    /// Whether a shape within these bounds, moved by `-shift`, could overlap a shape within
+    /// `other`. `min_gap` is 0 if all shapes of both are given by their centres, because the
+    /// [`gap`] between two centres is never negative; otherwise it is -infinity.
     #[inline(always)]
-    pub fn meets(&self, other: &Self, shift: [T; 2], least_gap: T) -> bool {
-        self.reaches(other, shift, least_gap)
+    pub fn overlaps(&self, other: &Self, shift: [T; 2], min_gap: T) -> bool {
+        self.overlaps_unfiltered(other, shift, min_gap)
             && (self.category & other.mask) != 0
             && (other.category & self.mask) != 0
     }
 
-    /// The same, whatever the filters.
+    /// As [`overlaps`](Self::overlaps), without the filters.
     #[inline(always)]
-    pub fn reaches(&self, other: &Self, shift: [T; 2], least_gap: T) -> bool {
-        let gap = |axis: usize| {
+    pub fn overlaps_unfiltered(&self, other: &Self, shift: [T; 2], min_gap: T) -> bool {
+        let gap_along = |axis: usize| {
             let own = [self.min[axis] - shift[axis], self.max[axis] - shift[axis]];
-            gap(own, [other.min[axis], other.max[axis]]).most(least_gap)
+            let gap = gap(own, [other.min[axis], other.max[axis]]).max(min_gap);
+            gap - (self.half_size[axis] + other.half_size[axis])
         };
-        let half_sum =
-            [self.half_size[0] + other.half_size[0], self.half_size[1] + other.half_size[1]];
-        overlap([gap(0), gap(1)], half_sum, self.radius + other.radius)
+        overlap([gap_along(0), gap_along(1)], self.radius + other.radius)
+    }
+
+    /// The gaps along each axis between a box from `min` to `max` and the cores of the shapes, at
+    /// most; negative if they overlap.
+    #[inline(always)]
+    pub fn gaps_to(&self, min: [T; 2], max: [T; 2]) -> [T; 2] {
+        let gap_along = |axis: usize| {
+            gap([self.min[axis], self.max[axis]], [min[axis], max[axis]]) - self.half_size[axis]
+        };
+        [gap_along(0), gap_along(1)]
     }
 }
 
-/// Normal from `a` to `b` and depth of the overlap of two rounded boxes.
+/// The contact of two overlapping rounded boxes: the unit normal from `a` to `b` and the
+/// penetration depth.
 ///
-/// Where the cores are apart, the normal joins their nearest points. Where they
-/// overlap, it is the axis of least penetration. Coincident centres have no
-/// direction of their own and get +x.
+/// If the cores are disjoint, the normal joins their closest points. If they overlap, it is the
+/// axis of least penetration (separating axis test). For coincident centres it is +x.
 pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
     let above = [b.min[0] - a.max[0], b.min[1] - a.max[1]];
     let below = [a.min[0] - b.max[0], a.min[1] - b.max[1]];
     let sign = |axis: usize| if above[axis] < below[axis] { -T::ONE } else { T::ONE };
     let d = [
-        above[0].most(below[0]) - (a.half_size[0] + b.half_size[0]),
-        above[1].most(below[1]) - (a.half_size[1] + b.half_size[1]),
+        above[0].max(below[0]) - (a.half_size[0] + b.half_size[0]),
+        above[1].max(below[1]) - (a.half_size[1] + b.half_size[1]),
     ];
     let radius_sum = a.radius + b.radius;
-    let e = [d[0].most(T::ZERO), d[1].most(T::ZERO)];
+    let e = [d[0].max(T::ZERO), d[1].max(T::ZERO)];
     let length = length(e[0], e[1]);
     if length > T::ZERO {
-        let [into, _] = into_range(e[0].most(e[1]));
+        let [into, _] = into_range(e[0].max(e[1]));
         let normal = [e[0] * into * sign(0), e[1] * into * sign(1)];
-        // Scaled twice, so that tiny and huge offsets keep unit length.
-        let scale = normal[0].abs().most(normal[1].abs()).recip();
+        // Scaled twice, so that the length is 1 for tiny and huge offsets too.
+        let scale = normal[0].abs().max(normal[1].abs()).recip();
         let unit = [normal[0] * scale, normal[1] * scale];
         let norm = (unit[0] * unit[0] + unit[1] * unit[1]).sqrt().recip();
         return ([unit[0] * norm, unit[1] * norm], radius_sum - length);
@@ -347,9 +357,9 @@ mod tests {
         Shape { min: [x, y], max: [x, y], half_size: [0.0; 2], radius, category: 1, mask: 1 }
     }
 
-    /// A cover of one shape answers for the shape.
+    /// The bounds of one shape overlap if the shape does.
     fn overlapping(a: Shape<f32>, b: Shape<f32>) -> bool {
-        Cover::of(&a).meets(&Cover::of(&b), [0.0; 2], f32::NEG_INFINITY)
+        Bounds::of(&a).overlaps(&Bounds::of(&b), [0.0; 2], f32::NEG_INFINITY)
     }
 
     #[test]
@@ -389,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn contact_of_boxes_takes_the_shortest_way_out() {
+    fn contact_of_boxes_has_the_least_depth() {
         let wide = box_of([0.0, 0.0, 10.0, 4.0]);
         assert_eq!(contact(&wide, &box_of([1.0, 1.0, 2.0, 9.0])), ([-1.0, 0.0], 2.0));
         assert_eq!(contact(&wide, &box_of([4.0, 2.5, 6.0, 9.0])), ([0.0, 1.0], 1.5));

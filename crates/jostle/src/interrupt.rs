@@ -1,8 +1,8 @@
 //! Interruption of long calls.
 //!
-//! [`watch`] runs some work and calls the caller's `poll` from time to time, only on the
-//! caller's thread. When `poll` returns true, all tasks of this call, on all threads, end
-//! early with [`Error::Interrupted`]. Without a watch nothing is polled.
+//! [`watch`] runs a function and calls `poll` at intervals, only on the caller's thread. When
+//! `poll` returns true, all tasks of this call, on all threads, return
+//! [`Error::Interrupted`]. Outside of [`watch`] nothing is polled.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 
-/// Returns whether to stop.
+/// A function that returns whether to stop the call.
 pub type Poll = fn() -> bool;
 
-/// The call for which the current thread works.
+/// The call to which the current thread belongs.
 struct Watch {
     stop: Stop,
-    /// Only on the thread that called [`watch`], and none during the poll itself.
+    /// Set only on the thread that called [`watch`]; None while `poll` itself runs.
     poll: Option<Poll>,
 }
 
@@ -24,18 +24,18 @@ thread_local! {
     static CURRENT: RefCell<Option<Watch>> = const { RefCell::new(None) };
 }
 
-/// Runs `work`; `poll` is called from time to time, and interrupts it by returning true.
+/// Runs `work` and calls `poll` at intervals; if `poll` returns true, `work` is interrupted.
 pub fn watch<R>(poll: Poll, work: impl FnOnce() -> R) -> R {
     let stop = Stop(Some(Arc::default()));
     with(Watch { stop, poll: Some(poll) }, work)
 }
 
-/// Runs `work` as a task of the call of `stop`, on another thread than the caller's.
+/// Runs `work` as a task of the call of `stop`, on a thread other than the caller's.
 pub(crate) fn under<R>(stop: Stop, work: impl FnOnce() -> R) -> R {
     with(Watch { stop, poll: None }, work)
 }
 
-/// Runs `work` to its end, even if the current call is interrupted.
+/// Runs `work` to completion, even if the current call is interrupted.
 pub fn unwatched<R>(work: impl FnOnce() -> R) -> R {
     under(Stop::default(), work)
 }
@@ -52,41 +52,41 @@ fn with<R>(watch: Watch, work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Returns an error if the current call is to stop. For loops with few long iterations;
+/// Returns an error if the current call is interrupted. For loops with few long iterations;
 /// other loops use a [`Pulse`].
 pub fn check() -> Result<()> {
     Stop::current().check()
 }
 
-/// A flag for all threads of a call: whether it is to stop.
+/// A flag shared by all threads of a call: whether the call is interrupted.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Option<Arc<AtomicBool>>);
 
 impl Stop {
-    /// The flag of the current thread's call; without a watch it is never set. Tasks on other
-    /// threads need a copy.
+    /// The flag of the current thread's call; outside of [`watch`] it is never set. Tasks on
+    /// other threads use a clone.
     pub fn current() -> Self {
         CURRENT
             .with_borrow(|watch| watch.as_ref().map(|watch| watch.stop.clone()).unwrap_or_default())
     }
 
-    /// Whether there is a watch.
+    /// Whether the call runs within [`watch`].
     pub fn is_watched(&self) -> bool {
         self.0.is_some()
     }
 
     /// Whether a poll has returned true.
-    fn is_known(&self) -> bool {
+    fn was_polled(&self) -> bool {
         self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Whether to stop. Polls if the current thread is the caller's.
+    /// Whether the call is interrupted. Polls if the current thread is the caller's.
     pub fn is_set(&self) -> bool {
         let Some(flag) = &self.0 else { return false };
         if flag.load(Ordering::Relaxed) {
             return true;
         }
-        // Removed during the poll, because `poll` itself may use a watch.
+        // Taken out while it runs, because `poll` itself may call `watch`.
         let poll = CURRENT.with_borrow_mut(|watch| {
             let own = watch.as_mut()?;
             let same = own.stop.0.as_ref().is_some_and(|own| Arc::ptr_eq(own, flag));
@@ -105,15 +105,15 @@ impl Stop {
         stopped
     }
 
-    /// Returns an error if the call is to stop.
+    /// Returns an error if the call is interrupted.
     pub fn check(&self) -> Result<()> {
         if self.is_set() { Err(Error::Interrupted) } else { Ok(()) }
     }
 }
 
-/// Work between two checks of a [`Stop`], in numbers read: tens of microseconds to a few
-/// milliseconds.
-const ENOUGH: usize = 1 << 18;
+/// Work between two checks of a [`Stop`], as the number of values read: tens of microseconds to
+/// a few milliseconds.
+const WORK_PER_CHECK: usize = 1 << 18;
 
 /// Counts the work of one task and checks its [`Stop`] at regular intervals.
 #[derive(Clone, Debug)]
@@ -124,24 +124,24 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// For a task of the call of `stop`.
+    /// A counter for a task of the call of `stop`.
     pub fn of(stop: &Stop) -> Self {
-        Self { stop: stop.clone(), left: ENOUGH, stopped: stop.is_known() }
+        Self { stop: stop.clone(), left: WORK_PER_CHECK, stopped: stop.was_polled() }
     }
 
-    /// For work on the caller's thread.
+    /// A counter for work on the current thread.
     pub fn current() -> Self {
         Self::of(&Stop::current())
     }
 
-    /// Adds `work`, about the numbers that are read; returns whether to stop.
+    /// Adds `work`, the approximate number of values read; returns whether to stop.
     #[inline(always)]
     pub fn stops(&mut self, work: usize) -> bool {
         if self.left > work {
             self.left -= work;
             return self.stopped;
         }
-        self.look()
+        self.check_stop()
     }
 
     /// As [`stops`](Self::stops), as an error.
@@ -151,8 +151,8 @@ impl Pulse {
     }
 
     #[cold]
-    fn look(&mut self) -> bool {
-        self.left = ENOUGH;
+    fn check_stop(&mut self) -> bool {
+        self.left = WORK_PER_CHECK;
         self.stopped = self.stopped || self.stop.is_set();
         self.stopped
     }
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn all_that_works_for_a_call_stops_once_its_caller_says_so() {
+    fn all_tasks_of_a_call_stop_when_poll_returns_true() {
         POLLS.set(0);
         let stop = watch(third_time, || {
             assert_eq!([check(), check()], [Ok(()), Ok(())]);

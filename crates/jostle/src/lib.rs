@@ -1,5 +1,5 @@
-//! jostle finds every pair of overlapping shapes, many times a second, and
-//! moves particles that collide.
+//! jostle: 2D collision detection (broad phase, narrow phase, queries) and the simulation of
+//! discs that collide.
 //!
 //! The modules are in reading order: each uses only those above it.
 
@@ -9,6 +9,7 @@ pub mod cache;
 pub mod interrupt;
 pub mod sorting;
 pub mod settings;
+pub mod morton;
 pub mod simd;
 pub mod geometry;
 pub mod shapes;
@@ -18,7 +19,7 @@ pub mod quadtree;
 pub mod pairs;
 pub mod query;
 pub mod space;
-pub mod groups;
+pub mod disjoint_sets;
 pub mod particles;
 pub mod motion;
 pub mod container;
@@ -39,7 +40,7 @@ pub use columns::Columns;
 pub use container::Container;
 pub use error::{Error, Result};
 pub use forces::Force;
-pub use geometry::{Cover, Scalar, Shape};
+pub use geometry::{Bounds, Scalar, Shape};
 pub use particles::{Particles, Spin};
 pub use quadtree::{Node, Quadtree};
 pub use settings::{Method, Settings};

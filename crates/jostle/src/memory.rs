@@ -5,11 +5,11 @@ use std::collections::TryReserveError;
 
 use crate::error::{Error, Result};
 
-/// Bytes that must be free after each allocation here. A small allocation, for instance of a thread,
-/// ends the process if it fails; the margin is for these.
+/// Bytes that must be free after each allocation here. A small allocation elsewhere, for instance
+/// for a thread, aborts the process if it fails; the margin is for these.
 const MARGIN: usize = 1 << 20;
 
-/// An allocation of fewer bytes does not check the margin.
+/// Allocations of fewer bytes do not check the margin.
 const SMALL: usize = 1 << 10;
 
 /// Whether [`MARGIN`] bytes are free after an allocation for `len` values.
@@ -19,12 +19,12 @@ pub fn check_margin<V>(len: usize) -> core::result::Result<(), TryReserveError> 
     }
     let mut margin = Vec::<u8>::new();
     margin.try_reserve_exact(MARGIN)?;
-    // Without this the compiler may leave out the allocation.
+    // `black_box` keeps the compiler from removing the allocation.
     black_box(margin);
     Ok(())
 }
 
-/// Reserves capacity for `more` values after those of `values`.
+/// Reserves capacity for `more` values in addition to those of `values`.
 #[inline(always)]
 pub fn reserve<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
     if values.capacity() - values.len() >= more { Ok(()) } else { grow(values, more) }
@@ -36,7 +36,7 @@ fn grow<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
     let before = values.capacity();
     let grown = values.try_reserve(more).and_then(|()| check_margin::<V>(values.capacity()));
     grown.map_err(|error| {
-        // Other threads go on until they notice the error.
+        // Other threads continue, and allocate, until they read the error.
         values.shrink_to(before);
         no_memory::<V>(&error, len.saturating_add(more))
     })
@@ -62,10 +62,9 @@ pub fn filled<V: Clone>(len: usize, value: V) -> Result<Vec<V>> {
     Ok(values)
 }
 
-/// `len` default values. If these are zeros, the system provides the pages when a thread first
-/// uses them.
+/// `len` default values. If these are zeros, the system maps each page when it is first used.
 pub fn zeroed<V: Clone + Default>(len: usize) -> Result<Vec<V>> {
-    // `vec!` aborts if there is no memory, so the same amount is allocated and freed before.
+    // `vec!` aborts if the allocation fails, so the same size is allocated and freed first.
     drop(black_box(with_room::<V>(len)?));
     Ok(vec![V::default(); len])
 }

@@ -1,29 +1,28 @@
-//! The knobs, their defaults and their limits.
+//! Settings of trees and pair searches: defaults and limits.
 
 use crate::error::{Error, Result};
 
-/// Shapes a leaf may hold before it splits.
+/// Maximum number of shapes in a leaf, unless the leaf is at the maximum depth.
 pub const DEFAULT_LEAF_CAPACITY: usize = 96;
 
-/// Subdivisions allowed below the root. No set of finite positions needs this
-/// many (a split at least halves the cell, and float64 has 2,098 octaves), so
-/// the default never binds.
+/// Maximum number of subdivisions. A split at least halves the cell, and float64 has 2,098
+/// powers of two, so no set of finite positions reaches the default.
 pub const DEFAULT_MAX_DEPTH: usize = 4096;
 
-/// Pairs returned before a call gives up: one gibibyte of them.
+/// Maximum number of pairs that a call returns: 1 GiB of them.
 pub const DEFAULT_MAX_PAIRS: usize = 1 << 27;
 
-/// More threads than any machine has cores for; a larger number is a slip.
+/// Maximum number of threads; a larger number is treated as a mistake.
 pub const MAX_THREADS: usize = 1024;
 
-/// How a tree is built and how many threads work on it.
+/// The settings of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Shapes a leaf may hold before it splits, at least 1.
+    /// Maximum number of shapes in a leaf, at least 1.
     pub leaf_capacity: usize,
-    /// Subdivisions allowed below the root; 0 keeps everything in the root.
+    /// Maximum number of subdivisions; with 0 the root is the only node.
     pub max_depth: usize,
-    /// Threads to use; `None` is one for each core.
+    /// Number of threads; `None`: one for each core.
     pub threads: Option<usize>,
 }
 
@@ -34,7 +33,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Refuses settings that no tree can follow.
+    /// Refuses settings out of range.
     pub fn validate(&self) -> Result<()> {
         if self.leaf_capacity == 0 {
             return Err(Error::of("leaf_capacity", 0, "it must be at least 1"));
@@ -56,9 +55,9 @@ impl Settings {
 /// How candidate pairs are found. Both give the same pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Only leaves that come near each other are tested.
+    /// A quadtree finds leaves whose bounds overlap; the shapes of these are tested.
     #[default]
     Quadtree,
-    /// Everything is tested against everything.
+    /// Every shape is tested against every other.
     Brute,
 }

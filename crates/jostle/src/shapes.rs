@@ -1,21 +1,21 @@
-//! Shapes as a caller gives them: a row each, checked once.
+//! Shapes as the caller gives them, one row each, and the checks of their values.
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle};
 
-/// What a shape is where nothing is said.
+/// The category of a shape without one.
 pub const DEFAULT_CATEGORY: u32 = 1;
 
-/// What a shape may pair with where nothing is said: everything.
+/// The mask of a shape without one: all categories.
 pub const DEFAULT_MASK: u32 = u32::MAX;
 
-/// Which shapes one may pair with: two of them pair only if the category of each has a bit in the
-/// mask of the other.
+/// Categories and mask of a shape: two shapes may pair only if the categories of each have a bit
+/// in the mask of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Filter {
-    /// Bits of what it is.
+    /// Bit set of the categories of the shape.
     pub category: u32,
-    /// Bits of the categories that it may pair with.
+    /// Bit set of the categories that the shape may pair with.
     pub mask: u32,
 }
 
@@ -25,15 +25,15 @@ impl Default for Filter {
     }
 }
 
-/// Most rows of anything: indices fit into 31 bits.
+/// Maximum number of rows: row numbers fit into 31 bits.
 pub const MOST_ROWS: usize = u32::MAX as usize / 2;
 
-/// A value for every row, or one value for each.
+/// One value for all rows, or one value for each row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Each<V> {
-    /// One for all.
+    /// One value for all rows.
     One(V),
-    /// A row each.
+    /// One value for each row.
     Rows(Vec<V>),
 }
 
@@ -44,8 +44,8 @@ impl<V> Default for Each<V> {
 }
 
 impl<V> Each<V> {
-    /// Number of rows, where there are any.
-    #[allow(clippy::len_without_is_empty, reason = "a value for all is not a number of rows")]
+    /// Number of rows; None for one value for all.
+    #[allow(clippy::len_without_is_empty, reason = "one value for all has no number of rows")]
     pub fn len(&self) -> Option<usize> {
         match self {
             Self::Rows(values) => Some(values.len()),
@@ -55,7 +55,7 @@ impl<V> Each<V> {
 }
 
 impl<V: Copy + PartialEq> Each<V> {
-    /// One for all if all rows are equal.
+    /// One value for all if all rows are equal.
     fn simplified(self) -> Self {
         match &self {
             Self::Rows(values) if values.iter().any(|value| *value != values[0]) => self,
@@ -75,7 +75,7 @@ impl<V: Copy> Each<V> {
         }
     }
 
-    /// The values of all rows, to be filled in; a value for all is forgotten.
+    /// The values of the rows, for writing; one value for all is replaced by no rows.
     pub fn rows_mut(&mut self) -> &mut Vec<V> {
         if let Self::One(_) = self {
             *self = Self::default();
@@ -86,7 +86,7 @@ impl<V: Copy> Each<V> {
         }
     }
 
-    /// A value for each of `len` rows.
+    /// The values of `len` rows.
     pub fn rows(self, len: usize) -> Vec<V> {
         match self {
             Self::One(value) => vec![value; len],
@@ -94,18 +94,15 @@ impl<V: Copy> Each<V> {
         }
     }
 
-    /// Checks every value. A refusal of the one for all names no row.
+    /// Checks every value. An error about the value for all names no row.
     pub fn check(&self, check: impl Fn(&[V]) -> Result<()>) -> Result<()> {
         match self {
             Self::Rows(values) => check(values),
-            Self::One(value) => check(&[*value]).map_err(|error| match error {
-                Error::Value { argument, value, rule, .. } => Error::of(argument, value, &rule),
-                other => other,
-            }),
+            Self::One(value) => check(&[*value]).map_err(Error::without_row),
         }
     }
 
-    /// Refuses another number of rows.
+    /// Refuses a number of rows other than `expected`.
     pub fn check_len(&self, argument: &'static str, expected: usize) -> Result<()> {
         match self {
             Self::Rows(values) if values.len() != expected => {
@@ -116,19 +113,19 @@ impl<V: Copy> Each<V> {
     }
 }
 
-/// Rounded boxes with filters, a row each.
+/// Rounded boxes with filters, one row each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shapes<T> {
     /// Centres.
     pub centers: Vec<[T; 2]>,
     /// Radii.
     pub radii: Each<T>,
-    /// Half widths and half heights; none if every shape is a circle or a box.
+    /// Half widths and half heights; None if every shape is a circle or given as a box.
     pub half_sizes: Option<Each<[T; 2]>>,
-    /// Min x, min y, max x, max y of every shape; none if all are given by their centres.
-    /// The centre of a box is its [`middle`], used only for its place in the tree.
+    /// Min x, min y, max x, max y of every shape; None if all are given by their centres.
+    /// The centre of a box is its [`middle`], used only for the order of the tree.
     pub boxes: Option<Vec<[T; 4]>>,
-    /// Categories and masks; none where everything pairs with everything.
+    /// Categories and masks; None if all shapes may pair.
     pub filters: Option<[Each<u32>; 2]>,
 }
 
@@ -145,12 +142,12 @@ impl<T> Default for Shapes<T> {
 }
 
 impl<T: Scalar> Shapes<T> {
-    /// Circles. Refuses what no tree can hold.
+    /// Circles. Refuses invalid values.
     pub fn circles(centers: Vec<[T; 2]>, radii: Each<T>) -> Result<Self> {
         Self::new(centers, radii, None, None)
     }
 
-    /// Rounded boxes with categories and masks. Refuses what no tree can hold.
+    /// Rounded boxes with categories and masks. Refuses invalid values.
     pub fn new(
         centers: Vec<[T; 2]>,
         radii: Each<T>,
@@ -224,7 +221,7 @@ impl<T: Scalar> Shapes<T> {
     }
 }
 
-/// Writes filters as columns of [`Shapes`], in the memory of those before; none if there are none.
+/// Replaces the filters of [`Shapes`], reusing their memory; no filters become None.
 pub fn fill_filters(
     filters: impl ExactSizeIterator<Item = Filter>,
     columns: &mut Option<[Each<u32>; 2]>,
@@ -274,8 +271,8 @@ pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Resul
     let fits = |min: T, max: T| max * half - min * half <= T::MAX_SIZE;
     let too_large = |row: &[T; 4]| !(fits(row[0], row[2]) && fits(row[1], row[3]));
     let Some(index) = boxes.iter().position(too_large) else { return Ok(()) };
-    let most = 2.0 * T::MAX_SIZE.to_f64();
-    let rule = format!("a box must be at most {most:e} wide and high");
+    let limit = 2.0 * T::MAX_SIZE.to_f64();
+    let rule = format!("a box must be at most {limit:e} wide and high");
     Err(Error::at(argument, index, tuple(&boxes[index]), &rule))
 }
 
@@ -292,7 +289,7 @@ pub(crate) fn tuple<T: Scalar>(values: &[T]) -> String {
 /// Refuses a pair of coordinates that is not finite.
 pub fn check_finite<T: Scalar>(argument: &'static str, centers: &[[T; 2]]) -> Result<()> {
     let finite = |v: &T| v.is_finite();
-    // Without an early end the compiler can vectorise the loop.
+    // Without an early exit the compiler vectorizes the loop.
     if centers.as_flattened().iter().fold(true, |all, v| all & finite(v)) {
         return Ok(());
     }
@@ -306,23 +303,23 @@ pub fn check_finite<T: Scalar>(argument: &'static str, centers: &[[T; 2]]) -> Re
     }
 }
 
-/// Refuses a radius that is negative, not finite or out of [`Scalar::RADII`]; 0 is allowed.
+/// Refuses a radius that is not 0 and not within [`Scalar::RADII`].
 pub fn check_radii<T: Scalar>(argument: &'static str, radii: &[T]) -> Result<()> {
-    let [least, most] = T::RADII;
-    let fits = |r: &T| (*r == T::ZERO) | ((*r >= least) & (*r <= most));
+    let [min, max] = T::RADII;
+    let fits = |r: &T| (*r == T::ZERO) | ((*r >= min) & (*r <= max));
     let dtype = if size_of::<T>() == 4 { "float32" } else { "float64" };
-    let rule = format!("a radius must be 0, or between {least:e} and {most:e} in {dtype}");
+    let rule = format!("a radius must be 0, or between {min:e} and {max:e} in {dtype}");
     check_each(argument, "a radius", radii, fits, &rule)
 }
 
-/// Refuses a half size that is negative, not finite or beyond [`Scalar::MAX_SIZE`].
+/// Refuses a half size that is negative, not finite or above [`Scalar::MAX_SIZE`].
 fn check_half_sizes<T: Scalar>(argument: &'static str, sizes: &[T]) -> Result<()> {
     let fits = |size: &T| (*size >= T::ZERO) & (*size <= T::MAX_SIZE);
     let rule = format!("a half size must be at most {:e}", T::MAX_SIZE.to_f64());
     check_each(argument, "a half size", sizes, fits, &rule)
 }
 
-/// Refuses the first size that is not finite, negative or against the `rule`.
+/// Refuses the first size that does not fit; `rule` describes the limits of valid sizes.
 fn check_each<T: Scalar>(
     argument: &'static str,
     noun: &str,
@@ -330,7 +327,7 @@ fn check_each<T: Scalar>(
     fits: impl Fn(&T) -> bool,
     rule: &str,
 ) -> Result<()> {
-    // Without an early end the compiler can vectorise the loop.
+    // Without an early exit the compiler vectorizes the loop.
     if sizes.iter().fold(true, |all, size| all & fits(size)) {
         return Ok(());
     }
@@ -348,9 +345,6 @@ pub fn check_each_half_size<T: Scalar>(half_sizes: &Each<[T; 2]>) -> Result<()> 
         let fits = |v: T| (v >= T::ZERO) & (v <= T::MAX_SIZE);
         let bad = |size: &[T; 2]| !(fits(size[0]) & fits(size[1]));
         let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
-        check_half_sizes("half_sizes", &sizes[row]).map_err(|error| match error {
-            Error::Value { argument, value, rule, .. } => Error::at(argument, row, value, &rule),
-            other => other,
-        })
+        check_half_sizes("half_sizes", &sizes[row]).map_err(|error| error.in_row(row))
     })
 }

@@ -1,17 +1,20 @@
-//! Sorting in place that can be interrupted: long lists are partitioned byte by byte (radix
-//! sort, most significant byte first) until the parts are short.
+//! Sorting that can be interrupted.
+//!
+//! [`sort`] is an in-place radix sort, most significant byte first (American flag sort: P. M.
+//! McIlroy, K. Bostic and M. D. McIlroy, *Engineering Radix Sort*, Computing Systems 6, 1993);
+//! short lists are sorted by comparison. [`counting_sort`] sorts by small integer keys.
 
 use crate::error::Result;
 use crate::interrupt::Pulse;
 
-/// Up to this many items are sorted by comparison, which takes a few milliseconds.
+/// Lists of at most this length are sorted by comparison, which takes a few milliseconds.
 const SHORT: usize = 1 << 16;
 
-/// Items in the order of their bytes.
+/// Items whose order is that of their bytes.
 pub trait Bytes: Copy + Ord {
     /// Number of bytes.
     const COUNT: usize;
-    /// One of them, the most significant first.
+    /// Byte `at`; byte 0 is the most significant.
     fn byte(&self, at: usize) -> u8;
 }
 
@@ -56,11 +59,11 @@ pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
         if items.len() <= SHORT {
             items.sort_unstable();
         } else if at < V::COUNT {
-            let ends = part(items, at, pulse)?;
+            let ends = partition(items, at, pulse)?;
             let (mut rest, mut start) = (items, 0);
             for end in ends {
-                let (first, behind) = rest.split_at_mut(end - start);
-                (rest, start) = (behind, end);
+                let (first, tail) = rest.split_at_mut(end - start);
+                (rest, start) = (tail, end);
                 if first.len() > 1 {
                     open.push((first, at + 1));
                 }
@@ -70,12 +73,12 @@ pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
     Ok(())
 }
 
-/// Partitions items by one byte, in place; returns the end of each value's items.
-fn part<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<[usize; 256]> {
+/// Partitions items by one byte, in place; returns the end of the items of each byte value.
+fn partition<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<[usize; 256]> {
     let mut counts = [0; 256];
-    for some in items.chunks(SHORT) {
-        pulse.check(some.len())?;
-        some.iter().for_each(|item| counts[usize::from(item.byte(at))] += 1);
+    for chunk in items.chunks(SHORT) {
+        pulse.check(chunk.len())?;
+        chunk.iter().for_each(|item| counts[usize::from(item.byte(at))] += 1);
     }
     let (mut nexts, mut ends, mut sum) = ([0; 256], [0; 256], 0);
     for value in 0..256 {
@@ -89,15 +92,41 @@ fn part<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<[usiz
     for value in 0..256 {
         while nexts[value] < ends[value] {
             pulse.check(4)?;
-            let place = nexts[value];
-            let wanted = usize::from(items[place].byte(at));
-            if wanted != value {
-                items.swap(place, nexts[wanted]);
+            let index = nexts[value];
+            let target = usize::from(items[index].byte(at));
+            if target != value {
+                items.swap(index, nexts[target]);
             }
-            nexts[wanted] += 1;
+            nexts[target] += 1;
         }
     }
     Ok(ends)
+}
+
+/// Replaces each count by the sum of the counts before it (exclusive prefix sum).
+pub fn prefix_sum(counts: &mut [u32]) {
+    let mut sum = 0;
+    for count in counts {
+        sum += std::mem::replace(count, sum);
+    }
+}
+
+/// Writes `items` into `to` in ascending order of their keys, stable. Keys are below
+/// `ends.len()`; the end of the items of each key is written into `ends`.
+pub fn counting_sort<V: Copy>(
+    items: &[V],
+    key: impl Fn(&V) -> usize,
+    ends: &mut [u32],
+    to: &mut [V],
+) {
+    ends.fill(0);
+    items.iter().for_each(|item| ends[key(item)] += 1);
+    prefix_sum(ends);
+    for item in items {
+        let next = &mut ends[key(item)];
+        to[*next as usize] = *item;
+        *next += 1;
+    }
 }
 
 #[cfg(test)]
@@ -131,6 +160,15 @@ mod tests {
         expected.sort_unstable();
         sort(&mut ids, &mut Pulse::current()).unwrap();
         assert!(ids == expected);
+    }
+
+    #[test]
+    fn counting_sort_is_stable() {
+        let items = [[3, 0], [1, 1], [3, 2], [0, 3], [1, 4]];
+        let (mut ends, mut sorted) = ([9; 5], [[0; 2]; 5]);
+        counting_sort(&items, |item| item[0] as usize, &mut ends, &mut sorted);
+        assert_eq!(sorted, [[0, 3], [1, 1], [1, 4], [3, 0], [3, 2]]);
+        assert_eq!(ends, [1, 3, 3, 5, 5]);
     }
 
     #[test]

@@ -80,7 +80,7 @@ fn accelerations(
     let bodies = Bodies { positions, masses, radii: &radii, places: &[], container, threads };
     let mut found = Vec::new();
     let force = Force::Gravitation(gravitation);
-    forces::accelerate(&[force], &bodies, &mut forces::Memory::default(), &mut found);
+    forces::accelerate(&[force], &bodies, &mut forces::Scratch::default(), &mut found);
     found
 }
 

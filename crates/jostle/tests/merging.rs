@@ -150,7 +150,7 @@ fn nothing_is_missed_however_fast() {
 }
 
 #[test]
-fn over_the_seam_of_a_torus_the_short_way_counts() {
+fn on_a_torus_the_minimum_image_is_used() {
     let container = Container::Torus { size: [10.0, 8.0] };
     let all = row(&[[0.25, 4.0], [9.25, 4.0]], &[[0.0; 2]; 2], 0.75);
     let mut world = world(all, WorldSettings { container, ..merging() });

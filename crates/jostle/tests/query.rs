@@ -45,12 +45,12 @@ fn typed<T: Scalar>(pairs: &[[f64; 2]]) -> Vec<[T; 2]> {
     pairs.iter().map(|pair| pair.map(T::from_f64)).collect()
 }
 
-/// Rows that a region touches, each looked at.
+/// Rows of the shapes that overlap a region, by brute force.
 fn touched<T: Scalar>(shapes: &Shapes<T>, region: &impl Region<T>, mask: Option<u32>) -> Vec<u32> {
     let rows = 0..shapes.len();
     let hit = rows.filter(|&row| {
         let shape = shapes.shape(row);
-        mask.is_none_or(|mask| mask & shape.category != 0) && region.touches(&shape)
+        mask.is_none_or(|mask| mask & shape.category != 0) && region.overlaps(&shape)
     });
     hit.map(|row| row as u32).collect()
 }

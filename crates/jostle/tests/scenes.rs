@@ -169,12 +169,12 @@ fn dust_becomes_stars() {
 #[test]
 fn nozzles_fill_the_cap_in_the_life_of_a_drop() {
     for n in [0, 1, 3000, 100_000] {
-        let nozzles = scenes::fountains(Some(n)).unwrap();
-        assert_eq!(nozzles.len(), 3);
-        let rate: f32 = nozzles.iter().map(|nozzle| nozzle.drops_per_second).sum();
+        let emitters = scenes::emitters(Some(n)).unwrap();
+        assert_eq!(emitters.len(), 3);
+        let rate: f32 = emitters.iter().map(|emitter| emitter.drops_per_second).sum();
         assert!(rate * 4.0 <= n as f32, "{rate} drops a second would live for a glance");
         assert!(moving(&create("emitters", Some(n), 0)).len() <= n);
     }
-    assert!(scenes::fountains(Some(usize::MAX)).is_err());
-    assert_eq!(scenes::fountains(None).unwrap(), scenes::fountains(Some(3000)).unwrap());
+    assert!(scenes::emitters(Some(usize::MAX)).is_err());
+    assert_eq!(scenes::emitters(None).unwrap(), scenes::emitters(Some(3000)).unwrap());
 }

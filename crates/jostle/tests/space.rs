@@ -127,11 +127,13 @@ fn pairs<T: Scalar>(shapes: &BTreeMap<Id, Shape<T>>) -> Vec<[Id; 2]> {
     let mut pairs = Vec::new();
     for (&i, a) in shapes {
         for (&j, b) in shapes.range(i + 1..) {
-            let gap = |k: usize| (a.min[k] - b.max[k]).most(b.min[k] - a.max[k]);
+            let gap = |k: usize| (a.min[k] - b.max[k]).max(b.min[k] - a.max[k]);
             let distance = [gap(0), gap(1)];
             let halves = [0, 1].map(|k| a.half_size[k] + b.half_size[k]);
             let agree = a.category & b.mask != 0 && b.category & a.mask != 0;
-            if agree && overlap(distance, halves, a.radius + b.radius) {
+            if agree
+                && overlap([distance[0] - halves[0], distance[1] - halves[1]], a.radius + b.radius)
+            {
                 pairs.push([i, j]);
             }
         }
@@ -304,11 +306,11 @@ impl<T: Scalar> Trial<T> {
         let points = Point::all(&[at, [T::ZERO; 2]]).unwrap();
         let found = self.space.search(&points, mask).unwrap();
         for (question, point) in points.iter().enumerate() {
-            let touched = chosen.iter().filter(|(_, shape)| point.touches(shape));
+            let touched = chosen.iter().filter(|(_, shape)| point.overlaps(shape));
             assert!(touched.map(|(id, _)| **id).eq(found.of(question).iter().copied()));
         }
         let circles = Circle::all(&Each::One(at), &Each::One(size)).unwrap();
-        let touched = chosen.iter().filter(|(_, shape)| circles[0].touches(shape));
+        let touched = chosen.iter().filter(|(_, shape)| circles[0].overlaps(shape));
         let found = self.space.search(&circles, mask).unwrap();
         assert!(touched.map(|(id, _)| **id).eq(found.ids));
 
@@ -473,10 +475,10 @@ fn memory_follows_the_living() {
             }
             space.remove(&ids).unwrap();
             if round == 20 {
-                most = space.kept_bytes();
+                most = space.memory_bytes();
             }
         }
-        assert!(space.kept_bytes() <= 2 * most, "{} after {most}", space.kept_bytes());
+        assert!(space.memory_bytes() <= 2 * most, "{} after {most}", space.memory_bytes());
     }
 }
 
@@ -485,10 +487,10 @@ fn trees_and_pairs_of_the_removed_are_given_back() {
     let mut space = space();
     let ids = space.add(&discs(&lattice(200), 0.6)).unwrap();
     space.update(DEFAULT_MAX_PAIRS).unwrap();
-    let full = space.kept_bytes();
+    let full = space.memory_bytes();
     space.remove(&ids[40..]).unwrap();
     space.update(DEFAULT_MAX_PAIRS).unwrap();
-    assert!(space.kept_bytes() < full / 2, "{} of {full}", space.kept_bytes());
+    assert!(space.memory_bytes() < full / 2, "{} of {full}", space.memory_bytes());
 }
 
 /// One ship over many bullets, or many shapes in one place: nothing is quadratic but the pairs.

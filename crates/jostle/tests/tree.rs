@@ -41,7 +41,7 @@ fn agree<T: Scalar>(shapes: &Raw, settings: Settings) {
         for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
             // Other tests may set another limit meanwhile: then more than one is tested here.
             simd::limit(most);
-            let mut found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+            let mut found = pairs::within(&tree, None, DEFAULT_MAX_PAIRS).unwrap();
             found.sort().unwrap();
             assert_eq!(found.pairs, expected, "the tree, with {most:?}");
         }
@@ -76,11 +76,11 @@ proptest! {
         let (a, b) = (first.typed::<f32>(), second.typed::<f32>());
         let expected = by_the_book(&a, &b, false);
         let tree_b = unordered(&b, Settings::default());
-        let mut found = pairs::between(&unordered(&a, settings), &tree_b, DEFAULT_MAX_PAIRS).unwrap();
+        let mut found = pairs::between(&unordered(&a, settings), &tree_b, None, DEFAULT_MAX_PAIRS).unwrap();
         found.sort().unwrap();
         prop_assert_eq!(&found.pairs, &expected);
         let (tree_a, tree_b) = (built(&a, settings), built(&b, Settings::default()));
-        let mut found = pairs::between(&tree_a, &tree_b, DEFAULT_MAX_PAIRS).unwrap();
+        let mut found = pairs::between(&tree_a, &tree_b, None, DEFAULT_MAX_PAIRS).unwrap();
         found.sort().unwrap();
         prop_assert_eq!(&found.pairs, &expected);
         let mut brute = pairs::brute_between(&Columns::of(&a).unwrap(), &Columns::of(&b).unwrap(), [0.0; 2], Filters::Apply, DEFAULT_MAX_PAIRS).unwrap();
@@ -201,7 +201,7 @@ fn a_box_may_be_as_large_as_its_type_allows() {
         vec![[-largest, -largest, largest, largest], [0.0; 4], [f32::MAX, 0.0, f32::MAX, 1.0]];
     let shapes = Shapes::from_boxes(boxes, Each::One(0.0), None).unwrap();
     let tree = built(&shapes, Settings { leaf_capacity: 1, ..Settings::default() });
-    assert_eq!(pairs::within(&tree, 9).unwrap().pairs, [[0, 1]]);
+    assert_eq!(pairs::within(&tree, None, 9).unwrap().pairs, [[0, 1]]);
 }
 
 #[test]
@@ -239,7 +239,7 @@ fn spread_out(count: usize) -> impl Iterator<Item = [f64; 2]> {
 
 fn tests_made(columns: &Shapes<f64>) -> u64 {
     let tree = built(columns, Settings { threads: Some(1), ..Settings::default() });
-    pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap().tests
+    pairs::within(&tree, None, DEFAULT_MAX_PAIRS).unwrap().tests
 }
 
 #[test]
@@ -258,7 +258,7 @@ fn coincident_points_have_no_pairs_and_cost_nothing() {
     // One disc on top of them meets them all, and only the disc is tested.
     let with_a_disc = with_radius(points, 500, 1.0);
     let tree = built(&with_a_disc, Settings::default());
-    let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    let found = pairs::within(&tree, None, DEFAULT_MAX_PAIRS).unwrap();
     assert_eq!(found.pairs.len(), 99_999);
     assert!(found.tests < 5_000_000, "{} tests", found.tests);
 }
@@ -268,7 +268,7 @@ fn one_huge_disc_among_many_tiny_ones_costs_one_sweep() {
     let tiny = 100_000;
     let all = with_radius(discs(spread_out(tiny).chain([[0.5, 0.5]]), 1e-6), tiny, 10.0);
     let tree = built(&all, Settings { threads: Some(1), ..Settings::default() });
-    let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    let found = pairs::within(&tree, None, DEFAULT_MAX_PAIRS).unwrap();
     assert_eq!(found.pairs.iter().filter(|pair| pair[1] == tiny as u32).count(), tiny);
     assert!(found.tests < 40 * tiny as u64, "{} tests", found.tests);
 }
@@ -303,7 +303,7 @@ fn bullets_that_ignore_each_other_are_not_tested() {
     let places = spread_out(count).collect();
     let all = Shapes::new(places, Each::One(0.01), None, Some(filter)).unwrap();
     let tree = built(&all, Settings::default());
-    let found = pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap();
+    let found = pairs::within(&tree, None, DEFAULT_MAX_PAIRS).unwrap();
     assert!(!found.pairs.is_empty());
     assert!(found.pairs.iter().all(|&[i, j]| is_ship(i as usize) != is_ship(j as usize)));
     assert!(found.tests < 5 * count as u64, "{} tests", found.tests);
@@ -315,10 +315,10 @@ fn too_many_pairs_are_an_error_that_names_the_limit() {
     let exact = 2000 * 1999 / 2;
     for threads in [1, 2] {
         let tree = built(&all, Settings { threads: Some(threads), ..Settings::default() });
-        assert_eq!(pairs::within(&tree, exact).unwrap().pairs.len(), exact);
+        assert_eq!(pairs::within(&tree, None, exact).unwrap().pairs.len(), exact);
         for max_pairs in [exact - 1, 1000, 0] {
             let error = Error::TooManyPairs { max_pairs };
-            assert_eq!(pairs::within(&tree, max_pairs), Err(error.clone()));
+            assert_eq!(pairs::within(&tree, None, max_pairs), Err(error.clone()));
             assert_eq!(
                 pairs::brute(&Columns::of(&all).unwrap(), Some(threads), max_pairs),
                 Err(error)
@@ -332,8 +332,8 @@ fn a_limit_stops_the_search_long_before_the_end() {
     // Five hundred thousand million pairs: only a search that stops returns.
     let all = discs((0..1_000_000).map(|_| [0.0; 2]), 1.0);
     let tree = Quadtree::new(&all, Settings { max_depth: 0, ..Settings::default() }).unwrap();
-    assert!(pairs::within(&tree, 1_000_000).is_err());
-    assert!(pairs::between(&tree, &tree, 1_000_000).is_err());
+    assert!(pairs::within(&tree, None, 1_000_000).is_err());
+    assert!(pairs::between(&tree, &tree, None, 1_000_000).is_err());
     assert!(pairs::brute(&Columns::of(&all).unwrap(), None, 1_000_000).is_err());
 }
 
@@ -413,7 +413,7 @@ fn threads_do_not_show_in_the_order_of_pairs() {
     let many = discs(spread_out(40_000), 0.004);
     let found = [1, 2, 8].map(|threads| {
         let tree = built(&many, Settings { threads: Some(threads), ..Settings::default() });
-        pairs::within(&tree, DEFAULT_MAX_PAIRS).unwrap()
+        pairs::within(&tree, None, DEFAULT_MAX_PAIRS).unwrap()
     });
     assert!(found[0].pairs.len() > 10_000);
     assert_eq!(found[0], found[1]);
@@ -480,7 +480,8 @@ fn agree_on_many<T: Scalar>(shapes: &Shapes<T>, what: &str) {
     assert!(orders.iter().all(|order| *order == orders[0]), "{what}: threads show");
     for leaf_capacity in [1, 20, 96, 3000] {
         let settings = Settings { leaf_capacity, ..Settings::default() };
-        let mut found = pairs::within(&unordered(shapes, settings), DEFAULT_MAX_PAIRS).unwrap();
+        let mut found =
+            pairs::within(&unordered(shapes, settings), None, DEFAULT_MAX_PAIRS).unwrap();
         found.sort().unwrap();
         assert!(found.pairs == expected.pairs, "{what}, {leaf_capacity} in a leaf");
     }

@@ -1,8 +1,9 @@
-//! Behind `jostle.pygame`: which sprites of two lists collide by the rules of pygame-ce.
+//! The implementation of `jostle.pygame`: which sprites of two lists collide by the rules of
+//! pygame-ce.
 //!
-//! `read` takes rectangles and radii out of sprites, `rules` is pygame's arithmetic on
-//! them, `search` finds who meets whom. Nothing here imports pygame: its two types of
-//! rectangle are handed in.
+//! `read` reads rectangles and radii from sprites, `rules` repeats pygame's arithmetic on them, and
+//! `search` finds the colliding pairs. This module does not import pygame: its two types of
+//! rectangles are arguments.
 
 mod read;
 mod rules;
@@ -19,7 +20,7 @@ use crate::interrupt::detached;
 use read::Reader;
 use search::Found;
 
-/// Pairs (m, 2), sorted; and which of them are sure, None where all are.
+/// Sorted pairs (m, 2), and which of them are certain; None if all are.
 type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>>);
 
 /// Find which sprites collide.
@@ -31,7 +32,7 @@ type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>
 /// rule : {"rect", "rects", "circle", "mask", "within"}
 ///     "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
 ///     "rects" is "rect" for lists of rectangles instead of sprites. "mask" and "within" give
-///     candidate pairs, none of them sure: "mask" masks that may overlap, "within" rectangles
+///     candidate pairs, none of them certain: "mask" masks that may overlap, "within" rectangles
 ///     that collide or are at most `scale` apart along each axis.
 /// scale : float
 ///     Factor for rectangles or radii, 1.0 for their own size; for "within" the largest gap.
@@ -43,7 +44,7 @@ type Answer<'py> = (Bound<'py, PyArray2<u32>>, Option<Bound<'py, PyArray1<bool>>
 /// Returns
 /// -------
 /// tuple of ndarray of uint32, shape (m, 2), and ndarray of bool, shape (m,), or None
-///     Rows of `left` and of `right`, sorted, and whether each pair is sure, or None if
+///     Rows of `left` and of `right`, sorted, and whether each pair is certain, or None if
 ///     all are. None alone if only pygame can decide.
 #[pyfunction]
 #[pyo3(signature = (left, right, rule, scale, types, radius_of=None))]
@@ -59,7 +60,7 @@ pub fn sprite_pairs<'py>(
     let mut reader = Reader::new(types, scale, radius_of);
     let found = match rule {
         "rect" | "rects" => {
-            let read = if rule == "rect" { Reader::rect } else { Reader::itself };
+            let read = if rule == "rect" { Reader::rect } else { Reader::rectangle };
             let sides = reader.both(left, right, read);
             let Some((a, b)) = unless_an_exception(py, sides)? else { return Ok(None) };
             detached(py, || search::rects(&a, b.as_deref(), scale))?
@@ -85,7 +86,7 @@ pub fn sprite_pairs<'py>(
         }
     };
     match found {
-        // A size or a position beyond the range of the core is left to pygame.
+        // pygame decides about sizes and positions out of the range of the core.
         Ok(None) | Err(jostle::Error::Value { .. }) => Ok(None),
         Ok(Some(Found { pairs, sure })) => {
             Ok(Some((table(py, pairs)?, sure.map(|sure| column(py, sure)))))
@@ -94,8 +95,9 @@ pub fn sprite_pairs<'py>(
     }
 }
 
-/// What reading gave. None where something in a sprite raised: pygame's own function
-/// then raises it again, when and how it always did. What ends a program ends this.
+/// The result of reading sprites; None if an attribute of a sprite raised an Exception, which
+/// pygame's own function then raises again. Other exceptions (KeyboardInterrupt, SystemExit) are
+/// returned.
 fn unless_an_exception<R>(py: Python<'_>, read: PyResult<Option<R>>) -> PyResult<Option<R>> {
     match read {
         Err(error) if error.is_instance_of::<PyException>(py) => Ok(None),

@@ -1,4 +1,4 @@
-//! Rectangles, radii and the sizes of masks out of Python's sprites, each attribute read once.
+//! Reading of rectangles, radii and mask sizes from sprites; each attribute is read once.
 
 use pyo3::exceptions::PyAttributeError;
 use pyo3::intern;
@@ -7,7 +7,8 @@ use pyo3::types::{PyFloat, PyInt, PyList, PyString, PyType};
 
 use super::rules::{Circle, Kind, Rect};
 
-/// What a subclass of a rectangle must have left alone for its numbers to speak for it.
+/// Attributes that a subclass of a rectangle must not override, so that its numbers determine its
+/// collisions.
 const UNCHANGED: [&str; 18] = [
     "__getattribute__",
     "__getitem__",
@@ -29,20 +30,19 @@ const UNCHANGED: [&str; 18] = [
     "y",
 ];
 
-/// Integers up to here are exact as float64, and so are their sums.
+/// Integers up to this, and their sums, are exact as float64.
 const EXACT_INTEGER: f64 = 1e15;
 
-/// Beyond this a square might overflow.
+/// Maximum radius, so that squares do not overflow.
 const LARGEST_RADIUS: f64 = 1e100;
 
-/// A type of rectangle that was met, and which kind it is; None for neither.
+/// A type of rectangles, and its kind; None if it is neither.
 type Known<'py> = (Bound<'py, PyType>, Option<Kind>);
 
 /// Both groups of a query; None for the second if they are the same.
 type Sides<V> = (Vec<V>, Option<Vec<V>>);
 
-/// Reads one sprite after the other. Every method answers None where a sprite is
-/// something that only pygame understands.
+/// Reads sprites. Every method returns None for objects that only pygame can compare.
 pub struct Reader<'a, 'py> {
     rect: Bound<'py, PyType>,
     frect: Bound<'py, PyType>,
@@ -60,7 +60,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         Self { rect, frect, ratio, radius_of, subclasses: Vec::new() }
     }
 
-    /// Reads both lists, or one that is both.
+    /// Reads both lists, or one list if both are the same.
     pub fn both<V>(
         &mut self,
         left: &Bound<'py, PyList>,
@@ -83,11 +83,11 @@ impl<'a, 'py> Reader<'a, 'py> {
     /// `sprite.rect`.
     pub fn rect(&mut self, sprite: &Bound<'py, PyAny>) -> PyResult<Option<Rect>> {
         let py = sprite.py();
-        self.itself(&sprite.getattr(intern!(py, "rect"))?)
+        self.rectangle(&sprite.getattr(intern!(py, "rect"))?)
     }
 
     /// A rectangle.
-    pub fn itself(&mut self, rect: &Bound<'py, PyAny>) -> PyResult<Option<Rect>> {
+    pub fn rectangle(&mut self, rect: &Bound<'py, PyAny>) -> PyResult<Option<Rect>> {
         let py = rect.py();
         let Some(kind) = self.kind(rect)? else { return Ok(None) };
         let names = [intern!(py, "x"), intern!(py, "y"), intern!(py, "w"), intern!(py, "h")];
@@ -105,8 +105,10 @@ impl<'a, 'py> Reader<'a, 'py> {
         let Some(rect) = self.rect(sprite)? else { return Ok(None) };
         let Some(center) = rect.center() else { return Ok(None) };
         let given = match (sprite.getattr(intern!(sprite.py(), "radius")), self.radius_of) {
-            (Err(error), Some(ask)) if error.is_instance_of::<PyAttributeError>(sprite.py()) => {
-                ask.call1((sprite,))?
+            (Err(error), Some(radius_of))
+                if error.is_instance_of::<PyAttributeError>(sprite.py()) =>
+            {
+                radius_of.call1((sprite,))?
             }
             (given, _) => given?,
         };
@@ -116,8 +118,8 @@ impl<'a, 'py> Reader<'a, 'py> {
         Ok((radius.abs() <= LARGEST_RADIUS).then_some(Circle { center, radius, exact }))
     }
 
-    /// The place of `sprite.rect` with the size of `sprite.mask`, or of the image that
-    /// pygame would make a mask of.
+    /// A rectangle at `sprite.rect` with the size of `sprite.mask`, or of the image from which
+    /// pygame makes a mask.
     pub fn mask(&mut self, sprite: &Bound<'py, PyAny>) -> PyResult<Option<Rect>> {
         let py = sprite.py();
         let Some(rect) = self.rect(sprite)? else { return Ok(None) };
@@ -131,7 +133,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         Ok(rect.resized(w, h))
     }
 
-    /// Which kind of rectangle it is.
+    /// The kind of a rectangle.
     fn kind(&mut self, rect: &Bound<'py, PyAny>) -> PyResult<Option<Kind>> {
         let own = rect.get_type_ptr();
         if own == self.rect.as_type_ptr() {
@@ -153,7 +155,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         Ok(kind)
     }
 
-    /// A subclass counts as its base if it answers as its base does.
+    /// A subclass has the kind of its base if it does not override [`UNCHANGED`].
     fn kind_of_subclass(&self, own: &Bound<'py, PyType>) -> PyResult<Option<Kind>> {
         for (base, kind) in [(&self.rect, Kind::Int), (&self.frect, Kind::Float)] {
             if !own.is_subclass(base)? {
@@ -170,7 +172,7 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 }
 
-/// Whether an instance has put something of its own before a method of its class.
+/// Whether an attribute of the instance hides a method of its class.
 fn hides_a_method(rect: &Bound<'_, PyAny>) -> PyResult<bool> {
     let Some(own) = rect.getattr_opt(intern!(rect.py(), "__dict__"))? else { return Ok(false) };
     Ok(own.contains("colliderect")? || own.contains("inflate")?)

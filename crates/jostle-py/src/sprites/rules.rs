@@ -1,10 +1,10 @@
-//! pygame-ce's arithmetic, to the bit: a Rect computes in C ints, an FRect in C floats,
-//! except `centerx`, `centery`, `right` and `bottom` of an FRect, which are doubles.
+//! pygame-ce's arithmetic with the same bits: a Rect uses C ints, an FRect C floats, except for
+//! `centerx`, `centery`, `right` and `bottom` of an FRect, which are doubles.
 //!
-//! A function returns None where C would overflow or where a number is not finite: then
-//! only pygame can compute the answer.
+//! Functions return None if C would overflow or if a number is not finite; then only pygame can
+//! compute the result.
 
-/// Which of pygame's two rectangles.
+/// The two types of rectangles of pygame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// `pygame.Rect`.
@@ -13,14 +13,14 @@ pub enum Kind {
     Float,
 }
 
-/// x, y, width and height as they stand in a rectangle.
+/// x, y, width and height of a rectangle.
 #[derive(Clone, Copy, Debug)]
 pub enum Rect {
     Int([i32; 4]),
     Float([f32; 4]),
 }
 
-/// The sides of a rectangle in order, whatever the signs of its sizes.
+/// The sides of a rectangle, sorted, for sizes of either sign.
 #[derive(Clone, Copy, Debug)]
 pub struct Edges {
     pub min: [f64; 2],
@@ -32,7 +32,7 @@ impl Edges {
         Self { min: [x.min(right), y.min(bottom)], max: [x.max(right), y.max(bottom)] }
     }
 
-    /// Touching is not overlapping.
+    /// Whether two rectangles overlap. Touching is not overlapping.
     pub fn overlap(&self, other: &Self) -> bool {
         let along = |k: usize| self.min[k] < other.max[k] && self.max[k] > other.min[k];
         along(0) && along(1)
@@ -45,20 +45,20 @@ impl Edges {
     }
 }
 
-/// A circle as pygame makes one of a sprite.
+/// The circle of a sprite, as pygame computes it.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     pub center: [f64; 2],
-    /// May be negative: pygame squares the sum of two.
+    /// May be negative, because pygame squares the sum of two.
     pub radius: f64,
-    /// Whether Python computes with this radius as with a float64.
+    /// Whether Python's arithmetic with this radius is that of float64.
     pub exact: bool,
 }
 
-/// Differences of places up to here fit into an `int` of C.
+/// Differences of coordinates up to this fit into a C `int`.
 const FARTHEST: f64 = 1e9;
 
-/// What C makes an `int` of.
+/// A number converted to a C `int`.
 fn int(value: f64) -> Option<i32> {
     let value = value.trunc();
     (value >= f64::from(i32::MIN) && value <= f64::from(i32::MAX)).then_some(value as i32)
@@ -88,8 +88,8 @@ impl Rect {
         }
     }
 
-    /// A rectangle of another size in its place; None where the difference of two places
-    /// might not fit into an `int` of C.
+    /// A rectangle of another size at the same position; None if the difference of two positions
+    /// may not fit into a C `int`.
     pub fn resized(self, w: u16, h: u16) -> Option<Self> {
         let near = self.sides()[..2].iter().all(|side| side.abs() <= FARTHEST);
         near.then_some(match self {
@@ -98,7 +98,7 @@ impl Rect {
         })
     }
 
-    /// The rectangle as `Rect(this)` or `FRect(this)` would hold it.
+    /// The rectangle converted by `Rect(rect)` or `FRect(rect)`.
     pub fn as_kind(&self, kind: Kind) -> Option<Self> {
         match (self, kind) {
             (Self::Float(sides), Kind::Int) => {
@@ -110,7 +110,7 @@ impl Rect {
         }
     }
 
-    /// Its edges; the inner None stands for a rectangle without area, which meets nothing.
+    /// Its edges; the inner None is a rectangle without area, which collides with nothing.
     pub fn edges(&self) -> Option<Option<Edges>> {
         let [x, y, w, h] = self.sides();
         let end = match self {
@@ -120,7 +120,8 @@ impl Rect {
         Some((w != 0.0 && h != 0.0).then(|| Edges::new([x, y], end)))
     }
 
-    /// As `collide_rect_ratio` scales it: by `inflate`, with what Python computes.
+    /// The rectangle scaled as in `collide_rect_ratio`: by `inflate`, with sizes computed by
+    /// Python.
     pub fn scaled(&self, ratio: f64) -> Option<Self> {
         let more = |side: f64| side * ratio - side;
         match *self {
@@ -151,8 +152,8 @@ impl Rect {
         }
     }
 
-    /// From the smaller of `left` and `right` to the larger, and likewise along y. Unlike
-    /// [`Rect::edges`], the far edge of an FRect is a double.
+    /// From the smaller of `left` and `right` to the larger one, and likewise along y. Unlike in
+    /// [`Rect::edges`], `right` and `bottom` of an FRect are doubles.
     pub fn bounds(&self) -> Option<Edges> {
         let [x, y, w, h] = self.sides();
         let end = match self {
@@ -162,28 +163,28 @@ impl Rect {
         Some(Edges::new([x, y], end))
     }
 
-    /// `colliderect`: the kind of the left rectangle decides how both are compared.
+    /// `colliderect`: both are compared in the type of the left rectangle.
     fn collides(&self, other: &Self) -> Option<bool> {
         let pair = (self.edges()?, other.as_kind(self.kind())?.edges()?);
         Some(matches!(pair, (Some(a), Some(b)) if a.overlap(&b)))
     }
 
-    /// Whether two rectangles collide or are at most `reach` apart along each axis; the
+    /// Whether two rectangles collide or are at most `distance` apart along each axis; the
     /// same as `Prefilter.__call__` of `jostle.sprites`.
-    pub fn within(&self, other: &Self, reach: f64) -> Option<bool> {
-        Some(self.bounds()?.gap(&other.bounds()?) <= reach || self.collides(other)?)
+    pub fn within(&self, other: &Self, distance: f64) -> Option<bool> {
+        Some(self.bounds()?.gap(&other.bounds()?) <= distance || self.collides(other)?)
     }
 }
 
-/// Whether two circles meet; None where rounding decides.
+/// Whether two circles collide; None if it depends on rounding.
 ///
-/// pygame asks Python for `distance_squared <= (radius + radius) ** 2`, and a power may be
-/// rounded otherwise than a product.
-pub fn circles_meet(a: &Circle, b: &Circle) -> Option<bool> {
+/// pygame computes `distance_squared <= (radius + radius) ** 2` in Python, and a power may be
+/// rounded differently from a product.
+pub fn circles_collide(a: &Circle, b: &Circle) -> Option<bool> {
     let (dx, dy) = (a.center[0] - b.center[0], a.center[1] - b.center[1]);
     let distance = dx * dx + dy * dy;
-    let reach = (a.radius + b.radius) * (a.radius + b.radius);
-    let slack = 1e-12 * distance.max(reach);
-    let clear = a.exact && b.exact && (distance - reach).abs() > slack && slack > 1e-250;
-    clear.then_some(distance < reach)
+    let limit = (a.radius + b.radius) * (a.radius + b.radius);
+    let slack = 1e-12 * distance.max(limit);
+    let clear = a.exact && b.exact && (distance - limit).abs() > slack && slack > 1e-250;
+    clear.then_some(distance < limit)
 }

@@ -1,5 +1,5 @@
-//! Who meets whom. The core finds candidates from covers a hair too large; pygame's own
-//! comparison, repeated here on exact numbers, has the last word.
+//! Search of colliding pairs. The core finds candidate pairs of slightly enlarged shapes; pygame's
+//! comparison, repeated here on exact numbers, decides.
 
 use jostle::interrupt::{self, Pulse};
 use jostle::pairs::Filters;
@@ -7,43 +7,42 @@ use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::sorting;
 use jostle::{Columns, Each, Quadtree, Result, Scalar, Settings, Shapes, pairs};
 
-use super::rules::{Circle, Edges, Kind, Rect, circles_meet};
+use super::rules::{Circle, Edges, Kind, Rect, circles_collide};
 
-/// Pairs of rows, sorted, and which of them are sure; None where all are.
+/// Sorted pairs of rows, and which of them are certain; None if all are.
 pub struct Found {
     pub pairs: Vec<[u32; 2]>,
     pub sure: Option<Vec<bool>>,
 }
 
 impl Found {
-    /// Pairs none of which is sure.
-    fn to_be_asked(pairs: Vec<[u32; 2]>) -> Self {
+    /// Pairs none of which is certain.
+    fn candidates(pairs: Vec<[u32; 2]>) -> Self {
         let sure = vec![false; pairs.len()];
         Self { pairs, sure: Some(sure) }
     }
 }
 
-/// By how much a cover is larger than what it stands for: far more than all the rounding
-/// on the way, and too little to matter.
-const HAIR: f64 = 1e-9;
+/// Relative enlargement of shapes, much larger than all rounding errors.
+const MARGIN: f64 = 1e-9;
 
-/// Whole numbers up to here, their halves and what the core makes of them are exact as
-/// float32, which is the quicker arithmetic.
+/// Integers up to this, their halves and the results of the core are exact as float32, which is
+/// faster.
 const SMALL: f64 = 1e6;
 
 /// More than the gap between any two rectangles of float32 numbers.
 const LARGEST_GAP: f64 = 2e39;
 
-/// How large an inexact radius may be beside its float64, as a part of it.
-const INEXACT: f64 = 1e-3;
+/// Relative enlargement of radii that are not exact as float64.
+const INEXACT_MARGIN: f64 = 1e-3;
 
 /// Approximate number of values read when two sprites are compared.
 const PAIR_WORK: usize = 16;
 
-/// Comparisons by brute force that take as long as putting one shape into a tree.
+/// Number of brute force tests that take as long as inserting one shape into a tree.
 const TESTS_FOR_A_SHAPE: usize = 64;
 
-/// Rectangles, scaled by `ratio`. The left one's kind says how both are compared.
+/// Colliding rectangles, scaled by `ratio`. Both are compared in the type of the left one.
 pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>> {
     let edges = |rect: &Rect, kind: Kind| {
         let rect = if ratio == 1.0 { *rect } else { rect.scaled(ratio)? };
@@ -56,11 +55,11 @@ pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>
             continue;
         }
         let own = |rect: &Rect| if rect.kind() == kind { edges(rect, kind) } else { Some(None) };
-        let taken = |rect: &Rect| edges(rect, kind);
+        let all = |rect: &Rect| edges(rect, kind);
         let left = Side { rects: a, edges: &own };
-        let right = Side { rects: b.unwrap_or(a), edges: &taken };
-        let itself = b.is_none() && count == a.len();
-        let Some(mut pairs) = boxes(&left, (!itself).then_some(&right))? else { return Ok(None) };
+        let right = Side { rects: b.unwrap_or(a), edges: &all };
+        let is_same = b.is_none() && count == a.len();
+        let Some(mut pairs) = boxes(&left, (!is_same).then_some(&right))? else { return Ok(None) };
         if b.is_none() {
             pairs.retain(|[i, j]| i < j);
         }
@@ -70,13 +69,13 @@ pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>
     Ok(Some(Found { pairs: found, sure: None }))
 }
 
-/// Rectangles that collide or are at most `reach` apart along each axis.
-pub fn within(a: &[Rect], b: Option<&[Rect]>, reach: f64) -> Result<Option<Found>> {
-    // No gap between two rectangles is larger, and the core computes with squares.
-    let reach = reach.min(LARGEST_GAP);
-    // A pixel, and a millionth, are more than pygame's rounding and truncation can add.
+/// Rectangles that collide or are at most `distance` apart along each axis.
+pub fn within(a: &[Rect], b: Option<&[Rect]>, distance: f64) -> Result<Option<Found>> {
+    // No gap between two rectangles is larger; the limit prevents overflow of squares.
+    let distance = distance.min(LARGEST_GAP);
+    // A pixel and a millionth are more than the rounding and truncation of pygame.
     let slack = |k: usize, edges: &Edges| {
-        1.0 + 1e-6 * (reach + edges.min[k].abs() + edges.max[k].abs()) + reach / 2.0
+        1.0 + 1e-6 * (distance + edges.min[k].abs() + edges.max[k].abs()) + distance / 2.0
     };
     let grown = |rect: &Rect| {
         let edges = rect.bounds()?;
@@ -91,14 +90,14 @@ pub fn within(a: &[Rect], b: Option<&[Rect]>, reach: f64) -> Result<Option<Found
     let mut pulse = Pulse::current();
     for [i, j] in near {
         pulse.check(PAIR_WORK)?;
-        match a[i as usize].within(&b.unwrap_or(a)[j as usize], reach) {
+        match a[i as usize].within(&b.unwrap_or(a)[j as usize], distance) {
             Some(true) => pairs.push([i, j]),
             Some(false) => {}
             None => return Ok(None),
         }
     }
     sorting::sort(&mut pairs, &mut Pulse::current())?;
-    Ok(Some(Found::to_be_asked(pairs)))
+    Ok(Some(Found::candidates(pairs)))
 }
 
 /// Candidate pairs of masks: pygame truncates the distance of two to whole pixels, so they
@@ -111,52 +110,52 @@ pub fn masks(a: &[Rect], b: Option<&[Rect]>) -> Result<Option<Found>> {
     let side = |rects| Side { rects, edges: &grown };
     let Some(mut pairs) = boxes(&side(a), b.map(side).as_ref())? else { return Ok(None) };
     sorting::sort(&mut pairs, &mut Pulse::current())?;
-    Ok(Some(Found::to_be_asked(pairs)))
+    Ok(Some(Found::candidates(pairs)))
 }
 
-/// Circles; circles that touch collide. None if only pygame can decide.
+/// Colliding circles; circles that touch collide. None if only pygame can decide.
 pub fn circles(a: &[Circle], b: Option<&[Circle]>) -> Result<Option<Found>> {
-    let covers = |circles: &[Circle]| {
+    let enlarged = |circles: &[Circle]| {
         let centers = circles.iter().map(|circle| circle.center).collect();
-        Shapes::circles(centers, Each::Rows(circles.iter().map(reach).collect()))
+        Shapes::circles(centers, Each::Rows(circles.iter().map(enlarged_radius).collect()))
     };
-    let too_large = |circle: &Circle| reach(circle) > f64::RADII[1];
+    let too_large = |circle: &Circle| enlarged_radius(circle) > f64::RADII[1];
     if a.iter().chain(b.unwrap_or_default()).any(too_large) {
         return Ok(None);
     }
-    let b_covers = b.map(covers).transpose()?;
-    let mut near = candidates(&covers(a)?, b_covers.as_ref())?;
+    let enlarged_b = b.map(enlarged).transpose()?;
+    let mut near = candidates(&enlarged(a)?, enlarged_b.as_ref())?;
     let mut pulse = Pulse::current();
     sorting::sort(&mut near, &mut pulse)?;
-    let mut judged = Vec::new();
+    let mut tested = Vec::new();
     for pair in near {
         pulse.check(PAIR_WORK)?;
         let [i, j] = pair.map(|row| row as usize);
-        match circles_meet(&a[i], &b.unwrap_or(a)[j]) {
+        match circles_collide(&a[i], &b.unwrap_or(a)[j]) {
             Some(false) => {}
-            meet => judged.push((pair, meet.is_some())),
+            result => tested.push((pair, result.is_some())),
         }
     }
-    let (pairs, sure): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
-    let doubts = sure.contains(&false);
-    Ok(Some(Found { pairs, sure: doubts.then_some(sure) }))
+    let (pairs, sure): (Vec<_>, Vec<_>) = tested.into_iter().unzip();
+    let uncertain = sure.contains(&false);
+    Ok(Some(Found { pairs, sure: uncertain.then_some(sure) }))
 }
 
-/// How far a circle may reach, whatever rounding does.
-fn reach(circle: &Circle) -> f64 {
-    let slack = if circle.exact { HAIR } else { INEXACT };
-    circle.radius.abs() * (1.0 + slack) + 1e-3
+/// The radius of a circle with a margin for rounding.
+fn enlarged_radius(circle: &Circle) -> f64 {
+    let margin = if circle.exact { MARGIN } else { INEXACT_MARGIN };
+    circle.radius.abs() * (1.0 + margin) + 1e-3
 }
 
-/// Rectangles and what they are compared by: None where only pygame can tell, and
-/// None within for what meets nothing.
+/// Rectangles and the function that computes their edges: None if only pygame can compute them,
+/// Some(None) for a rectangle that collides with nothing.
 struct Side<'a> {
     rects: &'a [Rect],
     edges: &'a (dyn Fn(&Rect) -> Option<Option<Edges>> + Sync),
 }
 
 impl Side<'_> {
-    /// Whether all are small whole numbers; None where only pygame can tell.
+    /// Whether all edges are small integers; None if only pygame can compute them.
     fn are_small(&self) -> Option<bool> {
         let small = |side: f64| side.abs() <= SMALL && side == side.trunc();
         let mut all = true;
@@ -168,15 +167,15 @@ impl Side<'_> {
         Some(all)
     }
 
-    /// The rows that may meet something, and shapes that cover them.
-    fn cover<T: Scalar>(&self, hair: f64) -> Result<(Vec<u32>, Shapes<T>)> {
+    /// The rows of rectangles with area, and enlarged shapes for them.
+    fn enlarged<T: Scalar>(&self, margin: f64) -> Result<(Vec<u32>, Shapes<T>)> {
         let len = self.rects.len();
         let mut rows = Vec::with_capacity(len);
         let mut centers = Vec::with_capacity(len);
         let mut half_sizes = Vec::with_capacity(len);
         for (row, rect) in self.rects.iter().enumerate() {
             let Some(Some(Edges { min, max })) = (self.edges)(rect) else { continue };
-            let slack = |k: usize| hair * (min[k].abs() + max[k].abs() + f64::MIN_POSITIVE);
+            let slack = |k: usize| margin * (min[k].abs() + max[k].abs() + f64::MIN_POSITIVE);
             rows.push(row as u32);
             centers.push([0, 1].map(|k| T::from_f64((min[k] + max[k]) / 2.0)));
             half_sizes.push([0, 1].map(|k| T::from_f64((max[k] - min[k]) / 2.0 + slack(k))));
@@ -185,26 +184,26 @@ impl Side<'_> {
         Ok((rows, Shapes::new(centers, Each::One(T::ZERO), half_sizes, None)?))
     }
 
-    fn meet(&self, own: u32, other: &Self, row: u32) -> bool {
+    fn collides(&self, own: u32, other: &Self, row: u32) -> bool {
         let own = (self.edges)(&self.rects[own as usize]);
         let edges = (other.edges)(&other.rects[row as usize]);
         matches!((own, edges), (Some(Some(a)), Some(Some(b))) if a.overlap(&b))
     }
 }
 
-/// Pairs of rectangles that overlap, in any order; None where only pygame can tell.
+/// Pairs of rectangles that overlap, in any order; None if only pygame can decide.
 fn boxes(a: &Side<'_>, b: Option<&Side<'_>>) -> Result<Option<Vec<[u32; 2]>>> {
     let Some(small_a) = a.are_small() else { return Ok(None) };
     let Some(small_b) = b.map_or(Some(true), Side::are_small) else { return Ok(None) };
     let found =
-        if small_a && small_b { boxes_in::<f32>(a, b, 0.0) } else { boxes_in::<f64>(a, b, HAIR) };
+        if small_a && small_b { boxes_in::<f32>(a, b, 0.0) } else { boxes_in::<f64>(a, b, MARGIN) };
     Ok(Some(found?))
 }
 
-fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, hair: f64) -> Result<Vec<[u32; 2]>> {
-    let (rows, covers) = a.cover::<T>(hair)?;
-    let other = b.map(|b| b.cover::<T>(hair)).transpose()?;
-    let mut found = candidates(&covers, other.as_ref().map(|(_, covers)| covers))?;
+fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, margin: f64) -> Result<Vec<[u32; 2]>> {
+    let (rows, shapes) = a.enlarged::<T>(margin)?;
+    let other = b.map(|b| b.enlarged::<T>(margin)).transpose()?;
+    let mut found = candidates(&shapes, other.as_ref().map(|(_, shapes)| shapes))?;
     let other_rows = other.as_ref().map_or(&rows, |(rows, _)| rows);
     let mut pulse = Pulse::current();
     found.retain_mut(|pair| {
@@ -212,14 +211,14 @@ fn boxes_in<T: Scalar>(a: &Side<'_>, b: Option<&Side<'_>>, hair: f64) -> Result<
             return false;
         }
         *pair = [rows[pair[0] as usize], other_rows[pair[1] as usize]];
-        a.meet(pair[0], b.unwrap_or(a), pair[1])
+        a.collides(pair[0], b.unwrap_or(a), pair[1])
     });
     interrupt::check()?;
     Ok(found)
 }
 
-/// Reading the sprites takes longer than the search, and a frame cannot wait for a second
-/// thread to wake.
+/// One thread: reading the sprites takes longer than the search, and waking another thread takes
+/// too long for a frame.
 const THREADS: Option<usize> = Some(1);
 
 /// Pairs of shapes that overlap, i < j within one set, in any order.
@@ -235,5 +234,5 @@ fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u3
     }
     let settings = Settings { threads: THREADS, ..Settings::default() };
     let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
-    Ok(pairs::between(&a, &b, DEFAULT_MAX_PAIRS)?.pairs)
+    Ok(pairs::between(&a, &b, None, DEFAULT_MAX_PAIRS)?.pairs)
 }

@@ -122,10 +122,10 @@ impl Block {
         });
         let [nx, ny] = [simd.load(&normal[0]), simd.load(&normal[1])];
         let excess = simd.sub(simd.load(&self.targets), length);
-        let softened = simd.mul(simd.splat(SOFTNESS), simd.most(excess, simd.splat(0.0)));
+        let softened = simd.mul(simd.splat(SOFTNESS), simd.max(excess, simd.splat(0.0)));
         let most = simd.load(&self.most);
-        let a = simd.least(simd.mul(softened, simd.load(&self.shares[0])), most);
-        let b = simd.least(simd.mul(softened, simd.load(&self.shares[1])), most);
+        let a = simd.min(simd.mul(softened, simd.load(&self.shares[0])), most);
+        let b = simd.min(simd.mul(softened, simd.load(&self.shares[1])), most);
         let mut lengths = [[0.0; LANES]; 2];
         simd.store(a, &mut lengths[0]);
         simd.store(b, &mut lengths[1]);

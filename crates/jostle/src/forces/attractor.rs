@@ -1,9 +1,9 @@
-//! Attraction to a point or to a particle.
+//! Attractors: a central force towards a point or a particle.
 
-use super::{Bodies, check_number, nearest};
-use crate::error::{Error, Result};
+use super::{Bodies, check_number, check_pair};
+use crate::error::Result;
 use crate::parallel;
-use crate::particles::{FARTHEST, check_vectors};
+use crate::particles::FARTHEST;
 use crate::space::Id;
 
 /// The centre of an attraction.
@@ -15,43 +15,41 @@ pub enum Pole {
     Particle(Id),
 }
 
-/// The acceleration a as a function of the distance d.
+/// Force laws: the acceleration a as a function of the distance d.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Law {
     /// a = strength · d, as in the article.
     #[default]
     Harmonic,
-    /// a = strength / d². At a distance r below its own radius R, a particle has the
-    /// acceleration strength · r / R³, as inside a homogeneous ball, so that it stays finite.
+    /// a = strength / d². At a distance r below the radius R of the particle, a = strength · r /
+    /// R³, as inside a homogeneous ball, so that a is finite.
     InverseSquare,
 }
 
-/// Attracts all particles to its pole, without a reaction. A negative strength repels.
+/// A force on all particles towards the pole, without a reaction force. With a negative strength it
+/// is repulsive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attractor {
-    /// The centre.
+    /// The centre of the force.
     pub pole: Pole,
-    /// Acceleration for each unit of distance (harmonic), or G · M (inverse square).
+    /// Acceleration per unit of distance (harmonic), or G · M (inverse square).
     pub strength: f32,
-    /// Harmonic or inverse square.
+    /// The force law.
     pub law: Law,
 }
 
 impl Attractor {
     /// Refuses numbers out of range.
     pub fn validate(&self) -> Result<()> {
-        if let Pole::Point([x, y]) = self.pole {
-            check_vectors("point", &[[x, y]]).map_err(|_| {
-                let rule = format!("both coordinates must be finite and within ±{FARTHEST:e}");
-                Error::of("point", format!("({x}, {y})"), &rule)
-            })?;
+        if let Pole::Point(point) = self.pole {
+            check_pair("point", point)?;
         }
         check_number("strength", self.strength, -FARTHEST)
     }
 }
 
-/// Energy of a body of mass 1 at `offset` from the pole. It is 0 at the pole for the harmonic law,
-/// and at infinity for the other.
+/// Potential energy of a body of mass 1 at `offset` from the pole: 0 at the pole for the harmonic
+/// law, 0 at infinity for the inverse square law.
 pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
     let strength = f64::from(attractor.strength);
     let [x, y] = offset.map(f64::from);
@@ -68,7 +66,7 @@ pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
     }
 }
 
-/// Adds the acceleration of every body.
+/// Adds the acceleration by the attractor to that of every body.
 pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32; 2]]) {
     let pole = match attractor.pole {
         Pole::Point(point) => point,
@@ -78,7 +76,8 @@ pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32
     parallel::for_chunks(threads, accelerations, |first, chunk| {
         let rows = bodies.positions[first..].iter().zip(&bodies.radii[first..]);
         for (acceleration, (position, &radius)) in chunk.iter_mut().zip(rows) {
-            let offset = nearest(&bodies.container, [0, 1].map(|k| pole[k] - position[k]));
+            let offset =
+                bodies.container.minimum_image_within([0, 1].map(|k| pole[k] - position[k]));
             let pull = pull(attractor, offset, radius);
             *acceleration = [0, 1].map(|k| acceleration[k] + pull[k]);
         }

@@ -1,10 +1,10 @@
-//! Random numbers that follow from numbers of the state, the same on every platform.
+//! Counter-based random numbers: functions of a seed and of the state, the same on every platform.
 //!
-//! The distributions need comparisons, products, quotients and square roots only, which are exact
-//! to the last bit everywhere; a logarithm or a sine of a library is not.
+//! The distributions use only comparisons, products, quotients and square roots, which are
+//! correctly rounded on every platform. Library functions such as logarithm and sine are not.
 
-/// Random numbers that follow from a seed and some words: SplitMix64 (G. Steele et al., *Fast
-/// Splittable Pseudorandom Number Generators*, 2014), from a hash of the words.
+/// A generator whose state is a hash of a seed and some numbers: SplitMix64 (G. Steele et al.,
+/// *Fast Splittable Pseudorandom Number Generators*, 2014).
 #[derive(Clone, Debug)]
 pub struct Chance(u64);
 
@@ -16,7 +16,7 @@ pub fn mixed(word: u64) -> u64 {
 }
 
 impl Chance {
-    /// The numbers that follow from a seed and these numbers.
+    /// The generator for a seed and some numbers of the state.
     pub fn of(seed: u32, numbers: &[f64]) -> Self {
         let hash = |sum: u64, number: &f64| mixed(sum.rotate_left(23) ^ number.to_bits());
         Self(numbers.iter().fold(mixed(u64::from(seed) + 1), hash))
@@ -27,7 +27,7 @@ impl Chance {
         mixed(self.0)
     }
 
-    /// Uniform between 0 and 1, without both.
+    /// Uniform in the open interval (0, 1).
     fn unit(&mut self) -> f64 {
         ((self.next() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }
@@ -35,8 +35,8 @@ impl Chance {
     /// Exponentially distributed with the mean 1, by comparisons of uniform numbers (J. von
     /// Neumann, *Various techniques used in connection with random digits*, 1951).
     pub fn exponential(&mut self) -> f64 {
-        // The first number of a sequence that falls an odd number of times is distributed as
-        // the fraction of the result, and the attempts before as its whole part.
+        // The first number of a descending run of odd length has the distribution of the fraction
+        // of the result; the number of attempts before has that of its integer part.
         let mut whole = 0.0;
         loop {
             let first = self.unit();
@@ -55,13 +55,14 @@ impl Chance {
         }
     }
 
-    /// Distributed as the length of a vector of two normally distributed numbers: p(v) = v e^(−v²/2).
+    /// Rayleigh distribution, that of the length of a vector of two normally distributed numbers:
+    /// p(v) = v e^(−v²/2).
     pub fn flux(&mut self) -> f64 {
         (2.0 * self.exponential()).sqrt()
     }
 
-    /// Two normally distributed numbers with the mean 0 and the variance 1: a vector of a random
-    /// length in a random direction.
+    /// Two independent normally distributed numbers with mean 0 and variance 1 (polar method: G.
+    /// Marsaglia and T. A. Bray, 1964).
     pub fn normal(&mut self) -> [f64; 2] {
         let length = self.flux();
         loop {

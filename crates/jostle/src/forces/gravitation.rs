@@ -1,21 +1,25 @@
-//! Gravitation between all bodies, by Barnes and Hut's method on the quadtree.
+//! Gravitation between all bodies by the Barnes-Hut method.
 //!
-//! The bodies are sorted by a tree of their own, so the order of every sum comes
-//! from their positions. A *group* is a node of few bodies. For each group the tree is
-//! traversed once. A node counts as one body at its centre of mass if its diagonal over its
-//! distance from the group's box is below `theta`; otherwise it is opened. The bodies and
-//! nodes found attract every body of the group.
+//! The bodies are sorted by a quadtree of their own, so the order of every sum depends only on
+//! their positions. A *group* is a node of few bodies. The tree is traversed once for each group.
+//! A node counts as one body at its centre of mass if its diagonal divided by its distance from
+//! the bounding box of the group is below `theta`; otherwise it is opened. The resulting list of
+//! bodies and nodes acts on every body of the group.
 //!
-//! The approximation breaks Newton's third law slightly. Therefore the mean acceleration,
-//! which should be 0, is subtracted from all, so that momentum is conserved to rounding.
+//! The approximation violates Newton's third law slightly. Therefore the mean acceleration, whose
+//! exact value is 0, is subtracted from all, so that momentum is conserved up to rounding.
+//!
+//! J. Barnes and P. Hut, *A hierarchical O(N log N) force-calculation algorithm*, Nature 324
+//! (1986); J. Barnes, *A modified tree code: don't laugh, it runs*, J. Comput. Phys. 87 (1990),
+//! for the groups.
 
 use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Mutex;
 
-use super::{Bodies, check_number, nearest, nearest_on};
+use super::{Bodies, check_number};
 use crate::columns::Columns;
-use crate::container::Container;
+use crate::container::{Container, minimum_image_within};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::parallel::{self, locked};
@@ -25,23 +29,23 @@ use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
 use crate::shapes::{Each, Shapes};
 use crate::simd::{LANES, Number, Simd, Work};
 
-/// Up to this number of bodies all pairs are summed, which is faster.
+/// Up to this number of bodies direct summation is faster.
 const DIRECT: usize = 512;
 
-/// Bodies of a group, at most.
-const GROUP: usize = 64;
+/// Maximum number of bodies in a group.
+const MAX_GROUP: usize = 64;
 
-/// Groups of one task of a thread.
-const SHARE: usize = 16;
+/// Number of groups in a task.
+const TASK_GROUPS: usize = 16;
 
-/// Bodies in a leaf of the tree.
+/// Maximum number of bodies in a leaf of the tree.
 const LEAF: usize = 16;
 
-/// Sources whose accelerations are summed in float32; the sums are added in float64.
+/// Number of sources whose accelerations are summed in float32; these sums are added in float64.
 const RUN: usize = 16 * LANES;
 
-/// Lower limit of squared distances, so that nothing overflows.
-const LEAST_SQUARE: f32 = 1e-24;
+/// Lower limit of squared distances, which prevents overflow.
+const MIN_SQUARE: f32 = 1e-24;
 
 /// The default of [`Gravitation::theta`].
 pub const DEFAULT_THETA: f32 = 0.5;
@@ -49,12 +53,12 @@ pub const DEFAULT_THETA: f32 = 0.5;
 /// a = Σ G m d / (d² + softening²)^³⁄₂ over all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravitation {
-    /// The constant of gravitation.
+    /// The gravitational constant.
     pub g: f32,
     /// Softening length.
     pub softening: f32,
-    /// Opening parameter θ: a node whose diagonal over its distance is below θ counts as one
-    /// body; 0 is exact summation.
+    /// Opening parameter θ: a node counts as one body if its diagonal divided by its distance is
+    /// below θ; 0 is direct summation.
     pub theta: f32,
 }
 
@@ -72,7 +76,7 @@ impl Gravitation {
 
 /// Scratch of [`add`].
 #[derive(Debug, Default)]
-pub struct Memory {
+pub struct Scratch {
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     all: Sources,
@@ -83,12 +87,12 @@ pub struct Memory {
     lists: Mutex<Vec<List>>,
 }
 
-/// A node as one body.
+/// The monopole of a node: its mass and centre of mass.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moment {
     center: [f32; 2],
     mass: f32,
-    /// Diagonal of its box.
+    /// Diagonal of its bounding box.
     width: f32,
 }
 
@@ -96,17 +100,17 @@ struct Moment {
 pub fn add(
     gravitation: &Gravitation,
     bodies: &Bodies<'_>,
-    memory: &mut Memory,
+    scratch: &mut Scratch,
     accelerations: &mut [[f32; 2]],
 ) {
-    let direct = prepare(gravitation, bodies, memory);
-    let Memory { tree, all, moments, groups, pulls, lists, .. } = memory;
+    let direct = prepare(gravitation, bodies, scratch);
+    let Scratch { tree, all, moments, groups, pulls, lists, .. } = scratch;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     pulls.clear();
     pulls.resize(tree.len(), [0.0; 2]);
-    // Groups follow each other in the order of the bodies.
+    // The groups are in the order of the bodies.
     let mut left = pulls.as_mut_slice();
-    let tasks = groups.chunks(SHARE).map(|share| {
+    let tasks = groups.chunks(TASK_GROUPS).map(|share| {
         let len = share.iter().map(|&group| tree.nodes()[group as usize].len()).sum::<usize>();
         (share, left.split_off_mut(..len).expect("the sizes add up"))
     });
@@ -120,7 +124,7 @@ pub fn add(
         }
         locked(lists).push(list);
     });
-    balance(pulls, &all.mass);
+    subtract_mean(pulls, &all.mass);
     let g = f64::from(gravitation.g);
     for (pull, &row) in pulls.iter().zip(tree.rows()) {
         let to = &mut accelerations[row as usize];
@@ -128,12 +132,12 @@ pub fn add(
     }
 }
 
-/// Energy of gravitation, 0 at infinity: summed over pairs where [`add`] does so, else over the
-/// same bodies and nodes.
+/// Potential energy of gravitation, 0 at infinity: summed over the same pairs of bodies, or over
+/// the same bodies and nodes, as in [`add`].
 pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
-    let mut memory = Memory::default();
-    let direct = prepare(gravitation, bodies, &mut memory);
-    let Memory { tree, all, moments, groups, .. } = &memory;
+    let mut scratch = Scratch::default();
+    let direct = prepare(gravitation, bodies, &mut scratch);
+    let Scratch { tree, all, moments, groups, .. } = &scratch;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
     let parts = parallel::map(threads, groups.len(), |index| walk.energy(groups[index], direct));
@@ -141,29 +145,30 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     -0.5 * f64::from(gravitation.g) * parts.iter().sum::<f64>()
 }
 
-/// Sorts the bodies and sums their moments. Returns whether all pairs are to be summed.
-fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, memory: &mut Memory) -> bool {
-    sort(bodies, memory);
-    let direct = memory.tree.len() <= DIRECT || gravitation.theta == 0.0;
-    find_groups(memory);
+/// Sorts the bodies and computes the moments of the nodes. Returns whether direct summation is
+/// used.
+fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, scratch: &mut Scratch) -> bool {
+    sort(bodies, scratch);
+    let direct = scratch.tree.len() <= DIRECT || gravitation.theta == 0.0;
+    find_groups(scratch);
     if !direct {
-        weigh(&memory.tree, &memory.all.mass, &mut memory.moments);
+        compute_moments(&scratch.tree, &scratch.all.mass, &mut scratch.moments);
     }
     direct
 }
 
 /// Sorts the bodies into the order of their tree.
-fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
-    let Memory { shapes, tree, all, .. } = memory;
+fn sort(bodies: &Bodies<'_>, scratch: &mut Scratch) {
+    let Scratch { shapes, tree, all, .. } = scratch;
     shapes.centers.clear();
     shapes.centers.extend_from_slice(bodies.positions);
     shapes.radii = Each::One(0.0);
     let settings =
         Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
     let tie = |a: usize, b: usize| -> Ordering { bodies.masses[a].total_cmp(&bodies.masses[b]) };
-    // The caller is in the middle of a step, which cannot be undone.
+    // Not interrupted: the caller cannot undo a part of a step.
     let built = interrupt::unwatched(|| tree.rebuild(shapes, settings, &tie));
-    built.expect("there is memory for the tree of gravitation");
+    built.expect("there is scratch for the tree of gravitation");
     all.clear();
     let Columns { x, y, .. } = tree.columns();
     for (place, &row) in tree.rows().iter().enumerate() {
@@ -172,9 +177,9 @@ fn sort(bodies: &Bodies<'_>, memory: &mut Memory) {
     all.pad();
 }
 
-/// The largest nodes of at most [`GROUP`] bodies, and leaves, in order.
-fn find_groups(memory: &mut Memory) {
-    let Memory { tree, groups, stack, .. } = memory;
+/// Lists the largest nodes of at most [`MAX_GROUP`] bodies, and leaves, in order.
+fn find_groups(scratch: &mut Scratch) {
+    let Scratch { tree, groups, stack, .. } = scratch;
     groups.clear();
     if tree.is_empty() {
         return;
@@ -182,7 +187,7 @@ fn find_groups(memory: &mut Memory) {
     stack.push(0);
     while let Some(index) = stack.pop() {
         let node = &tree.nodes()[index as usize];
-        if node.is_leaf() || node.len() <= GROUP {
+        if node.is_leaf() || node.len() <= MAX_GROUP {
             groups.push(index);
         } else {
             stack.extend(node.children().rev().map(|child| child as u32));
@@ -190,12 +195,12 @@ fn find_groups(memory: &mut Memory) {
     }
 }
 
-/// Mass and centre of mass of every node, from the leaves up.
-fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
+/// Computes mass and centre of mass of every node, bottom-up.
+fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
     let Columns { x, y, .. } = tree.columns();
     moments.clear();
     moments.resize(tree.nodes().len(), Moment::default());
-    for (index, (node, cover)) in tree.nodes().iter().zip(tree.covers()).enumerate().rev() {
+    for (index, (node, bounds)) in tree.nodes().iter().zip(tree.bounds()).enumerate().rev() {
         let mut sum = [0.0f64; 3];
         let mut add = |[px, py]: [f32; 2], mass: f32| {
             let mass = f64::from(mass);
@@ -209,7 +214,7 @@ fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
             children.iter().for_each(|child| add(child.center, child.mass));
         }
         let [mass, mx, my] = sum;
-        let sides = [0, 1].map(|k| cover.max[k] - cover.min[k]);
+        let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
         moments[index] = Moment {
             center: [(mx / mass) as f32, (my / mass) as f32],
             mass: mass as f32,
@@ -219,7 +224,7 @@ fn weigh(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
 }
 
 /// Subtracts the mean acceleration from all.
-fn balance(pulls: &mut [[f64; 2]], masses: &[f32]) {
+fn subtract_mean(pulls: &mut [[f64; 2]], masses: &[f32]) {
     let mut sum = [0.0f64; 3];
     for (pull, &mass) in pulls.iter().zip(masses) {
         let mass = f64::from(mass);
@@ -232,7 +237,7 @@ fn balance(pulls: &mut [[f64; 2]], masses: &[f32]) {
     }
 }
 
-/// Bodies that attract, in columns whose length is a multiple of [`LANES`] once padded.
+/// Bodies that attract others, as columns padded to a multiple of [`LANES`].
 #[derive(Debug, Default)]
 struct Sources {
     x: Vec<f32>,
@@ -258,14 +263,14 @@ impl Sources {
         self.mass.extend_from_slice(&other.mass[range]);
     }
 
-    /// Adds bodies without mass until blocks are full.
+    /// Appends bodies without mass until the last block is full.
     fn pad(&mut self) {
         while !self.x.len().is_multiple_of(LANES) {
             self.push([0.0; 2], 0.0);
         }
     }
 
-    /// Their acceleration at `position` for G = 1; `wrap` returns the minimum image of an offset.
+    /// The acceleration at `position` for G = 1; `wrap` returns the minimum image of an offset.
     #[inline(always)]
     fn pull(
         &self,
@@ -282,7 +287,7 @@ impl Sources {
             for ((x, y), mass) in x.iter().zip(y).zip(mass) {
                 for lane in 0..LANES {
                     let [dx, dy] = wrap([x[lane] - px, y[lane] - py]);
-                    let square = (dx * dx + dy * dy + soft_square).max(LEAST_SQUARE);
+                    let square = (dx * dx + dy * dy + soft_square).max(MIN_SQUARE);
                     let inverse = 1.0 / square.sqrt();
                     let strength = mass[lane] * (inverse * inverse);
                     sums[0][lane] += strength * (dx * inverse);
@@ -298,11 +303,11 @@ impl Sources {
 }
 
 impl Sources {
-    /// Sum of their masses over their distances from `position`.
+    /// Sum of mass divided by distance from `position`.
     fn potential(&self, [px, py]: [f32; 2], soft: f64, container: &Container) -> f64 {
         let mut sum = 0.0;
         for ((x, y), &mass) in self.x.iter().zip(&self.y).zip(&self.mass) {
-            let [dx, dy] = nearest(container, [x - px, y - py]).map(f64::from);
+            let [dx, dy] = container.minimum_image_within([x - px, y - py]).map(f64::from);
             let square = dx * dx + dy * dy + soft * soft;
             if square > 0.0 {
                 sum += f64::from(mass) / square.sqrt();
@@ -312,7 +317,7 @@ impl Sources {
     }
 }
 
-/// The sources of one group, and the nodes still to be visited.
+/// The interaction list of one group, and the stack of the traversal.
 #[derive(Debug, Default)]
 struct List {
     found: Sources,
@@ -336,7 +341,7 @@ impl Walk<'_> {
         f32::with_widest(Pull { walk: self, sources, bodies, pulls });
     }
 
-    /// Sum over a group's bodies of mass times the mass of each source over its distance.
+    /// Sum of m · M / d over the bodies of a group and their sources.
     fn energy(&self, group: u32, direct: bool) -> f64 {
         let mut list = List::default();
         let sources = if direct { self.all } else { self.collect(group, &mut list) };
@@ -351,11 +356,11 @@ impl Walk<'_> {
         self.tree.nodes()[group as usize].range().map(energy).sum()
     }
 
-    /// Lists the sources of a group: bodies that are near, nodes that are far.
+    /// Makes the interaction list of a group: near bodies and far nodes.
     fn collect<'a>(&self, group: u32, list: &'a mut List) -> &'a Sources {
         let List { found, stack } = list;
         found.clear();
-        let target = &self.tree.covers()[group as usize];
+        let target = &self.tree.bounds()[group as usize];
         let middle = [0, 1].map(|k| 0.5 * target.min[k] + 0.5 * target.max[k]);
         let half = [0, 1].map(|k| 0.5 * target.max[k] - 0.5 * target.min[k]);
         stack.push(0);
@@ -381,9 +386,9 @@ impl Walk<'_> {
         if width == 0.0 {
             return true;
         }
-        let offset = nearest(&self.container, [0, 1].map(|k| center[k] - middle[k]));
+        let offset = self.container.minimum_image_within([0, 1].map(|k| center[k] - middle[k]));
         if let Container::Torus { size } = self.container {
-            // The nearest image must be the same for all bodies of the group.
+            // The minimum image must be the same for all bodies of the group.
             let same = |k: usize| offset[k].abs() + half[k] + width < 0.5 * size[k];
             if !same(0) || !same(1) {
                 return false;
@@ -395,8 +400,7 @@ impl Walk<'_> {
     }
 }
 
-/// The accelerations of a group, with the widest instructions of the machine, into which the
-/// compiler translates plain loops.
+/// [`Sources::pull`] for the bodies of a group, auto-vectorized with the widest instructions.
 struct Pull<'a> {
     walk: &'a Walk<'a>,
     sources: &'a Sources,
@@ -417,7 +421,7 @@ impl Work<f32> for Pull<'_> {
             *pull = match walk.container {
                 Container::Torus { size: [w, h] } => {
                     sources
-                        .pull(position, soft_square, |[x, y]| [nearest_on(x, w), nearest_on(y, h)])
+                        .pull(position, soft_square, |offset| minimum_image_within([w, h], offset))
                 }
                 _ => sources.pull(position, soft_square, |offset| offset),
             };

@@ -1,10 +1,9 @@
-//! Forces that accelerate particles, apart from gravity and contacts.
+//! Forces, apart from gravity and contacts.
 //!
-//! [`accelerate`] sums the accelerations of attractors and gravitation at some
-//! positions. Springs act in parts of a sub-step that are short enough for them
-//! ([`springs::Sprung`]), the thermostat and thermal walls act when particles bounce off walls,
-//! and Andersen's bath at the end of a step. Motors drive what nothing else moves.
-//! Every sum runs in an order that comes from the state.
+//! [`accelerate`] sums the accelerations by attractors and gravitation. Springs are integrated in
+//! parts of a sub-step ([`springs::SpringSolver`]). The thermostat and thermal walls act when
+//! particles bounce off walls, Andersen's thermostat at the end of a step. Motors move immovable
+//! particles and walls. The order of every sum depends only on the state.
 
 pub mod attractor;
 pub mod chance;
@@ -24,10 +23,10 @@ pub use thermostat::Thermostat;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::particles::FARTHEST;
+use crate::particles::{FARTHEST, check_vectors};
 use crate::space::Id;
 
-/// A force. It names particles by ids; inside of a world by rows.
+/// A force. It refers to particles by id; within a world, by row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Force {
     /// Attraction to a point or to a particle.
@@ -40,7 +39,7 @@ pub enum Force {
     Thermostat(Thermostat),
     /// Sides of the container at a temperature.
     ThermalWalls(ThermalWalls),
-    /// New velocities at random times.
+    /// New velocities at random times (Andersen's thermostat).
     Andersen(Andersen),
     /// A given motion of immovable particles and walls.
     Motor(Motor),
@@ -60,7 +59,7 @@ impl Force {
         }
     }
 
-    /// The particles that it names.
+    /// The particles to which it refers.
     fn named(&self) -> Vec<Id> {
         match self {
             Self::Attractor(Attractor { pole: Pole::Particle(id), .. }) => vec![*id],
@@ -70,7 +69,7 @@ impl Force {
         }
     }
 
-    /// Whether it names particles.
+    /// Whether it refers to particles.
     fn names_any(&self) -> bool {
         match self {
             Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
@@ -81,7 +80,7 @@ impl Force {
     }
 }
 
-/// Refuses forces that a world cannot have; `exists` tells which particles are in it.
+/// Refuses invalid forces; `exists` returns whether the world has a particle.
 pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
     let (mut thermostats, mut baths, mut hot) = (0, 0, [false; MAX_WALLS]);
     for (index, force) in forces.iter().enumerate() {
@@ -111,8 +110,8 @@ pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
     Ok(())
 }
 
-/// Renames particles: `renamed` returns the new name of an old one, None if the particle was
-/// removed. Attractors and springs of a removed particle are removed; motors drive it no more.
+/// Renumbers particles: `renamed` returns the new id of a particle, None if it was removed.
+/// Attractors and springs of a removed particle are removed; motors no longer drive it.
 pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
     forces.retain_mut(|force| match force {
         Force::Attractor(Attractor { pole: Pole::Particle(name), .. }) => {
@@ -132,12 +131,12 @@ pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
     });
 }
 
-/// Whether any of them names particles.
+/// Whether any of them refers to particles.
 pub fn name_any(forces: &[Force]) -> bool {
     forces.iter().any(Force::names_any)
 }
 
-/// Whether any of them is summed by [`accelerate`].
+/// Whether [`accelerate`] sums any of them.
 pub fn pull(forces: &[Force]) -> bool {
     forces.iter().any(|force| matches!(force, Force::Attractor(_) | Force::Gravitation(_)))
 }
@@ -158,7 +157,7 @@ pub fn thermostat(forces: &[Force]) -> Option<Thermostat> {
     })
 }
 
-/// The sides of the container at temperatures, in a step that begins after `time` seconds.
+/// The sides of the container that have a temperature, in a step that begins at `time`.
 pub fn thermal_sides(forces: &[Force], time: f64) -> Option<ThermalSides> {
     let walls = forces.iter().filter_map(|force| match force {
         Force::ThermalWalls(walls) => Some(*walls),
@@ -167,7 +166,7 @@ pub fn thermal_sides(forces: &[Force], time: f64) -> Option<ThermalSides> {
     ThermalSides::of(walls, time)
 }
 
-/// The bath among them.
+/// Andersen's thermostat among them.
 pub fn bath(forces: &[Force]) -> Option<Andersen> {
     forces.iter().find_map(|force| match force {
         Force::Andersen(bath) => Some(*bath),
@@ -175,7 +174,7 @@ pub fn bath(forces: &[Force]) -> Option<Andersen> {
     })
 }
 
-/// Particles in any order, as arguments of the forces.
+/// The particles as arguments of the forces, in any order.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a> {
     /// Centres.
@@ -184,27 +183,27 @@ pub struct Bodies<'a> {
     pub masses: &'a [f32],
     /// Radii.
     pub radii: &'a [f32],
-    /// `places[row]` is the place of the particle in `row`; may be empty if no force
-    /// names particles.
+    /// `places[row]` is the place of the particle in `row`; may be empty if no force refers to
+    /// particles.
     pub places: &'a [u32],
-    /// The container; on a torus forces act between nearest images.
+    /// The container; on a torus, offsets are minimum images.
     pub container: Container,
-    /// Threads to use.
+    /// Number of threads.
     pub threads: Option<usize>,
 }
 
 /// Scratch of [`accelerate`].
 #[derive(Debug, Default)]
-pub struct Memory {
-    gravitation: gravitation::Memory,
+pub struct Scratch {
+    gravitation: gravitation::Scratch,
 }
 
-/// Writes the sum of all accelerations of each body. They are finite, and do not depend on the
+/// Writes the sum of all accelerations of each body. The sums are finite and do not depend on the
 /// order of the bodies.
 pub fn accelerate(
     forces: &[Force],
     bodies: &Bodies<'_>,
-    memory: &mut Memory,
+    scratch: &mut Scratch,
     accelerations: &mut Vec<[f32; 2]>,
 ) {
     accelerations.clear();
@@ -213,7 +212,7 @@ pub fn accelerate(
         match force {
             Force::Attractor(attractor) => attractor::add(attractor, bodies, accelerations),
             Force::Gravitation(gravitation) => {
-                gravitation::add(gravitation, bodies, &mut memory.gravitation, accelerations);
+                gravitation::add(gravitation, bodies, &mut scratch.gravitation, accelerations);
             }
             _ => {}
         }
@@ -229,30 +228,20 @@ fn bounded(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
 }
 
-/// The minimum image of an offset.
-#[inline(always)]
-pub fn nearest(container: &Container, offset: [f32; 2]) -> [f32; 2] {
-    let Container::Torus { size } = container else { return offset };
-    [0, 1].map(|k| nearest_on(offset[k], size[k]))
-}
-
-#[inline(always)]
-fn nearest_on(offset: f32, side: f32) -> f32 {
-    if offset > 0.5 * side {
-        offset - side
-    } else if offset < -0.5 * side {
-        offset + side
-    } else {
-        offset
-    }
+/// Refuses a point or a vector that is not finite or out of range.
+pub fn check_pair(argument: &'static str, [x, y]: [f32; 2]) -> Result<()> {
+    check_vectors(argument, &[[x, y]]).map_err(|_| {
+        let rule = format!("both coordinates must be finite and within ±{FARTHEST:e}");
+        Error::of(argument, format!("({x}, {y})"), &rule)
+    })
 }
 
 /// Refuses a number that is not finite or out of range.
-fn check_number(argument: &'static str, value: f32, least: f32) -> Result<()> {
-    if (least..=FARTHEST).contains(&value) {
+fn check_number(argument: &'static str, value: f32, min: f32) -> Result<()> {
+    if (min..=FARTHEST).contains(&value) {
         return Ok(());
     }
-    let rule = if least == 0.0 {
+    let rule = if min == 0.0 {
         format!("it must be finite and between 0 and {FARTHEST:e}")
     } else {
         format!("it must be finite and within ±{FARTHEST:e}")

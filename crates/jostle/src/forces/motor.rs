@@ -1,22 +1,22 @@
-//! Motors: immovable particles and walls that follow a given motion.
+//! Motors: prescribed motion of immovable (kinematic) particles and walls.
 //!
-//! The motion is a function of time, so a step gets the velocities that lead from the place at its
-//! beginning to that at its end: displacements add up to the motion for steps of any length.
+//! The motion is a function of time. A step uses the velocities that lead from the position at its
+//! beginning to that at its end, so that the displacements sum to the motion for every step length.
 
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
-use super::check_number;
+use super::{check_number, check_pair};
 use crate::error::{Error, Result};
-use crate::particles::{FARTHEST, check_vectors};
+use crate::particles::FARTHEST;
 use crate::space::Id;
 
-/// A rotation about a centre and a translation, which goes back in the second half of a period.
+/// A rotation about a centre and a translation, both reversed in the second half of each period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motor {
     /// The immovable particles that it drives.
     pub ids: Vec<Id>,
-    /// The indices of the walls that it drives. They do not turn.
+    /// The indices of the walls that it drives. Walls do not rotate.
     pub walls: Vec<u32>,
     /// The centre of the rotation at time 0. It moves with the translation.
     pub center: [f32; 2],
@@ -24,20 +24,13 @@ pub struct Motor {
     pub angular_velocity: f32,
     /// Units of length per second.
     pub velocity: [f32; 2],
-    /// Seconds of the motion there and back; infinite for one that never goes back.
+    /// Period in seconds; infinite if the motion is never reversed.
     pub period: f32,
 }
 
 impl Motor {
     /// Refuses numbers out of range, and a particle or a wall that is named twice.
     pub fn validate(&self) -> Result<()> {
-        let check_pair = |argument, pair: [f32; 2]| {
-            let [x, y] = pair;
-            check_vectors(argument, &[pair]).map_err(|_| {
-                let rule = format!("both coordinates must be finite and within ±{FARTHEST:e}");
-                Error::of(argument, format!("({x}, {y})"), &rule)
-            })
-        };
         check_pair("center", self.center)?;
         check_pair("velocity", self.velocity)?;
         check_number("angular_velocity", self.angular_velocity, -FARTHEST)?;
@@ -52,15 +45,15 @@ impl Motor {
         check_distinct("walls", &self.walls)
     }
 
-    /// Renames particles, see [`follow`](super::follow). It drives removed ones no more, and those
-    /// that merged once.
+    /// Renumbers particles, see [`follow`](super::follow). Removed particles are no longer driven;
+    /// merged ones are listed once.
     pub fn follow(&mut self, renamed: impl Fn(Id) -> Option<Id>) {
         let mut known = HashSet::new();
         let new = self.ids.iter().filter_map(|&id| renamed(id));
         self.ids = new.filter(|&id| known.insert(id)).collect();
     }
 
-    /// Seconds of motion forward minus seconds of motion back since time 0.
+    /// Seconds of forward motion minus seconds of backward motion since time 0.
     fn progress(&self, time: f64) -> f64 {
         let period = f64::from(self.period);
         if period == f64::INFINITY {
@@ -70,7 +63,7 @@ impl Motor {
         phase.min(period - phase)
     }
 
-    /// What it does from `time` on in a step of `dt` seconds.
+    /// Its motion in a step of `dt` seconds that begins at `time`.
     pub fn drive(&self, time: f64, dt: f64) -> Drive {
         let (start, end) = (self.progress(time), self.progress(time + dt));
         let along = [0, 1].map(|k| f64::from(self.velocity[k]) * start);
@@ -103,20 +96,21 @@ impl Drive {
         self.velocity.map(|v| v as f32)
     }
 
-    /// The velocity that takes a particle at `offset` from the centre to its new place.
+    /// The velocity of a particle at `offset` from the centre of the rotation.
     pub fn velocity_at(&self, offset: [f64; 2]) -> [f32; 2] {
         let ([less, sine], [x, y]) = (self.turn, offset);
         let by = [less * x - sine * y, sine * x + less * y];
         [0, 1].map(|k| (by[k] / self.seconds + self.velocity[k]) as f32)
     }
 
-    /// The offset of a place from the centre of the rotation.
+    /// The offset of a position from the centre of the rotation.
     pub fn offset(&self, position: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| position[k] - self.center[k])
     }
 }
 
-/// Cosine minus 1 and sine of an angle, with nothing but sums and products: the same on every machine.
+/// Cosine minus 1 and sine of an angle, by sums and products only, so that the bits are the same on
+/// every machine: a Taylor series after four halvings of the angle.
 pub fn turn(angle: f64) -> [f64; 2] {
     const HALVINGS: i32 = 4;
     // At most π/16.

@@ -1,4 +1,4 @@
-//! Walls and a bath at a temperature, both right in equilibrium.
+//! Thermal walls and Andersen's thermostat, which both sample the canonical ensemble.
 
 use super::chance::Chance;
 use super::check_number;
@@ -6,21 +6,20 @@ use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 
-/// Largest standard deviation of a velocity, so that velocities stay within the limits of a world.
+/// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;
 
-/// Sides of the container at a temperature. A disc leaves such a side with the velocity of a
-/// particle that comes through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along the normal, and
-/// normally distributed along the wall (R. Tehver et al., *Thermal walls in computer simulations*,
+/// Sides of the container with a temperature. A disc leaves such a side with the velocity of a
+/// particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along the normal, and
+/// a normal distribution along the wall (R. Tehver et al., *Thermal walls in computer simulations*,
 /// Phys. Rev. E 57, R17, 1998).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThermalWalls {
-    /// The temperature times Boltzmann's constant: the mean energy of a disc in two degrees of
-    /// freedom.
+    /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
     pub temperature: f32,
-    /// Whether each side has it, at min x, max x, min y and max y; a circle has the first.
+    /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
     pub sides: [bool; MAX_WALLS],
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u32,
 }
 
@@ -35,16 +34,16 @@ impl ThermalWalls {
     }
 }
 
-/// A bath that gives each disc a new, normally distributed velocity at random times (H. C. Andersen,
-/// *Molecular dynamics simulations at constant pressure and/or temperature*, J. Chem. Phys. 72,
-/// 2384, 1980).
+/// A heat bath that gives each disc a new, normally distributed velocity at random times (H. C.
+/// Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, J. Chem.
+/// Phys. 72, 2384, 1980).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Andersen {
-    /// As that of [`ThermalWalls`].
+    /// Boltzmann's constant times the temperature.
     pub temperature: f32,
-    /// New velocities of a disc in a second, in the mean.
+    /// Mean number of new velocities of a disc per second.
     pub rate: f32,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u32,
 }
 
@@ -55,8 +54,8 @@ impl Andersen {
         check_number("rate", self.rate, 0.0)
     }
 
-    /// The velocity that a disc of a mass gets in a step of `dt` seconds, if it gets one. The random
-    /// numbers follow from `state`.
+    /// The new velocity of a disc in a step of `dt` seconds, or None. The random numbers depend on
+    /// the seed and `state`.
     pub fn velocity(&self, mass: f32, dt: f32, state: &[f64]) -> Option<[f32; 2]> {
         let mut chance = Chance::of(self.seed, state);
         // The time until the next one is exponentially distributed.
@@ -68,17 +67,17 @@ impl Andersen {
     }
 }
 
-/// The sides of the container at temperatures, in a step that begins at a time.
+/// The sides of the container that have a temperature, in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct ThermalSides {
-    /// Temperature and seed of each side that has them.
+    /// Temperature and seed of each side; None if it has no temperature.
     sides: [Option<(f32, u32)>; MAX_WALLS],
-    /// The simulated seconds before.
+    /// Time at the beginning of the step.
     time: f64,
 }
 
 impl ThermalSides {
-    /// The sides that have a temperature; none if no side has.
+    /// The sides that have a temperature; None if no side has one.
     pub fn of(all: impl Iterator<Item = ThermalWalls>, time: f64) -> Option<Self> {
         let mut sides = [None; MAX_WALLS];
         for walls in all {
@@ -91,9 +90,9 @@ impl ThermalSides {
         sides.iter().any(Option::is_some).then_some(Self { sides, time })
     }
 
-    /// The speeds with which a disc leaves a wall at `time`, along the normal and along the wall;
-    /// none if the wall has no temperature. The random numbers follow from its position and
-    /// velocity before, and from the time.
+    /// The velocity of a disc after an impact on a wall at `time`: the components along the normal
+    /// and along the wall; None if the wall has no temperature. The random numbers depend on the
+    /// seed, the position and velocity at the impact, and the time.
     pub fn speeds(
         &self,
         wall: u32,
@@ -109,7 +108,7 @@ impl ThermalSides {
     }
 }
 
-/// The standard deviation of the velocity in each direction.
+/// The standard deviation of each component of the velocity, √(kT/m).
 fn thermal_speed(temperature: f32, inverse_mass: f64) -> f64 {
     (f64::from(temperature) * inverse_mass).sqrt().min(LARGEST)
 }

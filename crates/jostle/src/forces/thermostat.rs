@@ -1,4 +1,4 @@
-//! Walls that heat or cool the particles that bounce off them.
+//! The article's thermostat: walls change the speed of particles that bounce off them.
 
 use super::check_number;
 use crate::error::{Error, Result};
@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 /// article.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermostat {
-    /// The speed to which the walls heat or cool.
+    /// The target speed.
     pub speed: f32,
-    /// Relative change in one bounce, 0 to 1.
+    /// Relative change by one bounce, 0 to 1.
     pub rate: f32,
 }
 
@@ -23,7 +23,7 @@ impl Thermostat {
         Err(Error::of("rate", self.rate, "it must lie between 0 and 1"))
     }
 
-    /// The velocity after a bounce off a wall, from that without a thermostat.
+    /// The velocity after a bounce off a wall, from the velocity without the thermostat.
     pub fn drive(&self, velocity: [f64; 2]) -> [f64; 2] {
         let [x, y] = velocity;
         let speed = (x * x + y * y).sqrt();

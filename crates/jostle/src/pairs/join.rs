@@ -1,29 +1,31 @@
-//! Two trees walked together, down to leaf against leaf.
+//! The broad phase: simultaneous traversal of two trees (tree join) down to pairs of leaves.
+//!
+//! T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using
+//! R-trees*, SIGMOD (1993).
 
 use super::kernel::{Kernel, Scratch, Side};
-use super::output::{Budget, Finish, Memory, Output};
+use super::output::{Budget, MapPairs, Output, PairScratch};
 use super::{Filters, Found};
 use crate::error::Result;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Bounds, Scalar};
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::simd::{Simd, Work};
 
-/// Work is cut into about this many tasks when several threads share it.
+/// Approximate number of tasks for several threads.
 const TASKS: usize = 256;
 
-/// Approximate number of values read for a task, in addition to its shapes.
+/// Approximate number of values read for a pair of nodes, without its shapes.
 const TASK_WORK: usize = 16;
 
-/// Two trees to be walked together; `itself` where they are the same tree and
-/// each unordered pair is wanted once.
+/// The join of two trees, or of a tree with itself.
 pub(super) struct Join<'a, T> {
     pub(super) a: &'a Quadtree<T>,
     pub(super) b: &'a Quadtree<T>,
     pub(super) shift: [T; 2],
-    pub(super) itself: bool,
-    /// Only what has a category in it is of interest, if it is there; what else is in the
-    /// same leaf comes along.
+    /// Whether both are the same tree, of which each unordered pair is found once.
+    pub(super) is_same: bool,
+    /// If given, nodes without a category in it are skipped. Pairs are not tested with it.
     pub(super) mask: Option<u32>,
     pub(super) filters: Filters,
 }
@@ -32,50 +34,50 @@ pub(super) struct Join<'a, T> {
 type Task = [u32; 2];
 
 impl<'a, T: Scalar> Join<'a, T> {
-    /// A tree with itself.
+    /// The join of a tree with itself.
     pub(super) fn within(tree: &'a Quadtree<T>, mask: Option<u32>) -> Self {
-        Self { itself: true, ..Self::between(tree, tree, mask) }
+        Self { is_same: true, ..Self::between(tree, tree, mask) }
     }
 
-    /// Two trees.
+    /// The join of two trees.
     pub(super) fn between(a: &'a Quadtree<T>, b: &'a Quadtree<T>, mask: Option<u32>) -> Self {
-        Self { a, b, shift: [T::ZERO; 2], itself: false, mask, filters: Filters::Apply }
+        Self { a, b, shift: [T::ZERO; 2], is_same: false, mask, filters: Filters::Apply }
     }
 
-    /// All pairs, each turned from places into what `finish` makes of it.
-    pub(super) fn run(&self, max_pairs: usize, finish: &Finish<'_>) -> Result<Found> {
-        self.run_in(max_pairs, finish, &mut JoinScratch::default())
+    /// Finds all pairs of places and converts them by `map`.
+    pub(super) fn run(&self, max_pairs: usize, map: &MapPairs<'_>) -> Result<Found> {
+        self.run_in(max_pairs, map, &mut JoinScratch::default())
     }
 
-    /// As [`Join::run`], in the memory of earlier calls. With one thread it allocates only if the
-    /// result needs more.
+    /// As [`Join::run`], with the scratch of earlier calls. With one thread it allocates only if
+    /// the result needs more memory.
     pub(super) fn run_in(
         &self,
         max_pairs: usize,
-        finish: &Finish<'_>,
-        memory: &mut JoinScratch,
+        map: &MapPairs<'_>,
+        scratch: &mut JoinScratch,
     ) -> Result<Found> {
-        let JoinScratch { memory, tasks } = memory;
+        let JoinScratch { pairs, tasks } = scratch;
         tasks.clear();
         if !self.a.is_empty() && !self.b.is_empty() {
             self.push([0, 0], &mut |task| tasks.push(task));
         }
-        let shapes = if self.itself { self.a.len() } else { self.a.len() + self.b.len() };
+        let shapes = if self.is_same { self.a.len() } else { self.a.len() + self.b.len() };
         let threads = parallel::worthwhile(self.a.settings().threads, shapes);
         if parallel::is_parallel(threads) {
-            self.cut(tasks);
+            self.split(tasks);
         }
-        Budget::new(max_pairs).find(threads, tasks.len(), finish, memory, |task, output| {
+        Budget::new(max_pairs).find(threads, tasks.len(), map, pairs, |task, output| {
             let mut stack = std::mem::take(output.stack());
             stack.push(tasks[task]);
-            T::with_widest(Walk { join: self, stack: &mut stack, output });
+            T::with_widest(Traversal { join: self, stack: &mut stack, output });
             stack.clear();
             *output.stack() = stack;
         })
     }
 
-    /// Replaces tasks by their parts, in place, until there are enough.
-    fn cut(&self, tasks: &mut Vec<Task>) {
+    /// Replaces tasks by their parts, in order, until there are [`TASKS`].
+    fn split(&self, tasks: &mut Vec<Task>) {
         while tasks.len() < TASKS {
             let mut parts = Vec::with_capacity(4 * tasks.len());
             for &task in &*tasks {
@@ -100,7 +102,7 @@ impl<'a, T: Scalar> Join<'a, T> {
     #[inline(always)]
     fn expand(&self, [a, b]: Task, push: &mut impl FnMut(Task)) {
         let (node_a, node_b) = (&self.a.nodes()[a as usize], &self.b.nodes()[b as usize]);
-        if self.itself && a == b {
+        if self.is_same && a == b {
             for first in node_a.children() {
                 for second in first..node_a.children().end {
                     self.push([first as u32, second as u32], push);
@@ -117,67 +119,68 @@ impl<'a, T: Scalar> Join<'a, T> {
         }
     }
 
-    /// Which of two nodes to look into: within one tree the one with more shapes, between two
-    /// the wider one, or a few shapes would meet every node of many in between.
+    /// Whether to expand the first of two nodes: within one tree the node with more shapes, between
+    /// two trees the wider one, because the nodes of a tree of few shapes overlap many of the
+    /// other.
     #[inline(always)]
     fn first_is_larger(&self, a: u32, b: u32) -> bool {
         let (a, b) = (a as usize, b as usize);
-        if self.itself {
+        if self.is_same {
             return self.a.nodes()[a].len() >= self.b.nodes()[b].len();
         }
         let width =
-            |cover: &Cover<T>| (cover.max[0] - cover.min[0]).most(cover.max[1] - cover.min[1]);
-        width(&self.a.covers()[a]) >= width(&self.b.covers()[b])
+            |bounds: &Bounds<T>| (bounds.max[0] - bounds.min[0]).max(bounds.max[1] - bounds.min[1]);
+        width(&self.a.bounds()[a]) >= width(&self.b.bounds()[b])
     }
 
-    /// Passes a task on if any two of its shapes could overlap.
+    /// Calls `push` with a task if any two of its shapes could overlap.
     #[inline(always)]
     fn push(&self, task: Task, push: &mut impl FnMut(Task)) {
-        let (a, b) = (&self.a.covers()[task[0] as usize], &self.b.covers()[task[1] as usize]);
+        let (a, b) = (&self.a.bounds()[task[0] as usize], &self.b.bounds()[task[1] as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
-        let meets = match self.filters {
-            Filters::Apply => a.meets(b, self.shift, self.least_gap()),
-            Filters::Ignore => a.reaches(b, self.shift, self.least_gap()),
+        let overlaps = match self.filters {
+            Filters::Apply => a.overlaps(b, self.shift, self.min_gap()),
+            Filters::Ignore => a.overlaps_unfiltered(b, self.shift, self.min_gap()),
         };
-        if selected && meets {
+        if selected && overlaps {
             push(task);
         }
     }
 
-    /// The least gap that there can be between two shapes, for [`Cover::meets`].
+    /// The argument `min_gap` of [`Bounds::overlaps`].
     #[inline(always)]
-    fn least_gap(&self) -> T {
+    fn min_gap(&self) -> T {
         let boxes = self.a.columns().has_boxes() || self.b.columns().has_boxes();
         if boxes { -T::INFINITY } else { T::ZERO }
     }
 }
 
-/// Memory that [`Join::run_in`] keeps between calls.
+/// Scratch of [`Join::run_in`], kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct JoinScratch {
-    memory: Memory,
+    pairs: PairScratch,
     tasks: Vec<Task>,
 }
 
 impl JoinScratch {
-    /// Keeps the memory of some pairs for the result of the next call.
+    /// Keeps the memory of a list of pairs for the result of the next call.
     pub fn keep(&mut self, pairs: Vec<[u32; 2]>) {
-        self.memory.result = pairs;
+        self.pairs.result = pairs;
     }
 }
 
-/// Some tasks with all their parts.
-struct Walk<'a, 'b, T> {
+/// The traversal of the tasks on a stack, to their leaves.
+struct Traversal<'a, 'b, T> {
     join: &'a Join<'a, T>,
     stack: &'a mut Vec<Task>,
     output: &'a mut Output<'b>,
 }
 
-impl<T: Scalar> Work<T> for Walk<'_, '_, T> {
+impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
     type Out = ();
 
-    /// Goes through the parts in order.
+    /// Depth first, in the order of the nodes.
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
         let Self { join, stack, output } = self;
@@ -193,20 +196,20 @@ impl<T: Scalar> Work<T> for Walk<'_, '_, T> {
                 let from = stack.len();
                 join.expand(task, &mut |part| stack.push(part));
                 stack[from..].reverse();
-            } else if join.itself && first == second {
+            } else if join.is_same && first == second {
                 let leaf = &a.nodes()[first];
                 kernel.within_leaf(leaf.range(), a.strips(leaf), output);
             } else {
-                let covers = [&a.covers()[first], &b.covers()[second]];
+                let bounds = [&a.bounds()[first], &b.bounds()[second]];
                 let ranges = if shift == [T::ZERO; 2] {
-                    [a.places_near(first, covers[1]), b.places_near(second, covers[0])]
+                    [a.places_near(first, bounds[1]), b.places_near(second, bounds[0])]
                 } else {
                     [a.nodes()[first].range(), b.nodes()[second].range()]
                 };
                 let [range, other] = ranges;
-                let first = Side { range, cover: covers[0] };
-                let second = Side { range: other, cover: covers[1] };
-                kernel.leaves(&first, &second, &mut scratch, output);
+                let first = Side { range, bounds: bounds[0] };
+                let second = Side { range: other, bounds: bounds[1] };
+                kernel.leaf_pair(&first, &second, &mut scratch, output);
             }
         }
     }

@@ -1,27 +1,27 @@
-//! Some shapes against some others, a block at a time.
+//! The narrow phase: SIMD tests of shapes against blocks of shapes.
 //!
-//! A block's results are bits of a mask, and what they name is packed side by side
-//! instead of being visited one by one: no branch depends on which shapes overlap.
+//! The results for a block are bits of a mask, and the pairs are written by stream compaction. So
+//! no branch depends on which shapes overlap.
 
 use std::ops::Range;
 
 use super::Filters;
 use super::output::Output;
 use crate::columns::{Columns, SPARE};
-use crate::geometry::{Cover, Scalar, Shape};
+use crate::geometry::{Bounds, Scalar, Shape};
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use crate::simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
 
-/// Shapes that are packed at a time.
-const CHUNK: usize = NOTES;
+/// Number of shapes that are packed at a time.
+const CHUNK: usize = MAX_ROW_HITS;
 
-/// Rows tested against a block at a time.
-const NOTES: usize = 64;
+/// Maximum number of rows that are tested against a block at a time.
+const MAX_ROW_HITS: usize = 64;
 
-/// Strips that reach farther are tested block by block instead of row by row.
-const NEAR: usize = 2 * LANES;
+/// Rows with more candidates than this are tested block by block instead of row by row.
+const MAX_STRIP_ROWS: usize = 2 * LANES;
 
-/// Two sets of shapes to be tested against each other, those of `a` moved by `-shift`.
+/// Tests shapes of `a`, moved by `-shift`, against shapes of `b`.
 pub(super) struct Kernel<'a, T, S> {
     pub(super) simd: S,
     pub(super) a: &'a Columns<T>,
@@ -30,22 +30,22 @@ pub(super) struct Kernel<'a, T, S> {
     pub(super) filters: Filters,
 }
 
-/// One side of a test of leaf against leaf.
+/// One leaf of a pair of leaves.
 pub(super) struct Side<'a, T> {
     pub(super) range: Range<usize>,
-    pub(super) cover: &'a Cover<T>,
+    pub(super) bounds: &'a Bounds<T>,
 }
 
-/// Memory for the shapes of two leaves that reach each other.
+/// Scratch for a pair of leaves.
 pub(super) struct Scratch<T> {
     packed: [Packed<T>; 2],
-    notes: Notes,
+    row_hits: RowHits,
 }
 
-/// Which of some rows overlaps which lanes of a block.
-type Notes = [(u32, u32); NOTES];
+/// Rows that overlap shapes of a block, and the lanes of these.
+type RowHits = [(u32, u32); MAX_ROW_HITS];
 
-/// A few shapes side by side.
+/// Shapes packed by stream compaction.
 struct Packed<T> {
     len: usize,
     x: [T; CHUNK + LANES],
@@ -60,7 +60,7 @@ struct Packed<T> {
 
 impl<T: Scalar> Default for Scratch<T> {
     fn default() -> Self {
-        Self { packed: Default::default(), notes: [(0, 0); NOTES] }
+        Self { packed: Default::default(), row_hits: [(0, 0); MAX_ROW_HITS] }
     }
 }
 
@@ -97,7 +97,7 @@ impl<T> Packed<T> {
         }
     }
 
-    /// The same with room for a block behind them.
+    /// The packed shapes with padding, so that a block can be loaded at each.
     #[inline(always)]
     fn padded(&self) -> Rows<'_, T> {
         Rows {
@@ -112,7 +112,7 @@ impl<T> Packed<T> {
     }
 }
 
-/// Numbers of some shapes, as in [`Columns`]; half sizes may be empty.
+/// Columns of some shapes, as in [`Columns`]; half sizes may be empty.
 struct Rows<'a, T> {
     x: &'a [T],
     y: &'a [T],
@@ -124,7 +124,7 @@ struct Rows<'a, T> {
 }
 
 impl<'a, T: Scalar> Rows<'a, T> {
-    /// All rows of `columns`, spare ones too.
+    /// All rows of `columns`, including spare rows.
     #[inline(always)]
     fn all(columns: &'a Columns<T>) -> Self {
         Self {
@@ -138,7 +138,7 @@ impl<'a, T: Scalar> Rows<'a, T> {
         }
     }
 
-    /// Some of them.
+    /// A range of the rows of `columns`.
     #[inline(always)]
     fn of(columns: &'a Columns<T>, rows: Range<usize>) -> Self {
         let half = |column: &'a [T]| if column.is_empty() { column } else { &column[rows.clone()] };
@@ -165,17 +165,17 @@ struct Loaded<B> {
     half: [B; 2],
 }
 
-/// Kinds of cores, as a parameter of the functions below, so that each kind is computed only
-/// as far as necessary. Here: all cores are points.
+/// Kinds of cores, a const parameter of the functions below, which compute only what the kind
+/// requires. This kind: all cores are points.
 const POINTS: u8 = 0;
 
-/// All are given by their centres, some with half sizes.
+/// All shapes are given by their centres; some have half sizes.
 const HALF_SIZES: u8 = 1;
 
-/// Some are given as boxes.
+/// Some shapes are given as boxes.
 const BOXES: u8 = 2;
 
-/// Calls a method with the kind of the kernel's shapes as parameters.
+/// Calls a method with the kind of the cores as its const parameter.
 macro_rules! of_kind {
     ($self:ident.$method:ident($($argument:expr),*)) => {
         match $self.core() {
@@ -187,32 +187,32 @@ macro_rules! of_kind {
 }
 
 impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
-    /// Passes on every overlapping pair of one row each of two ranges.
+    /// Finds the overlapping pairs of one shape each of two leaves.
     #[inline(always)]
-    pub(super) fn leaves(
+    pub(super) fn leaf_pair(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
         scratch: &mut Scratch<T>,
         output: &mut Output<'_>,
     ) {
-        of_kind!(self.near(first, second, scratch, output))
+        of_kind!(self.leaf_pair_of(first, second, scratch, output))
     }
 
-    /// Passes on every overlapping pair of one of `rows` and a row of the same columns
-    /// behind it, up to `last`.
+    /// Finds the overlapping pairs of one of `rows` and a later row of the same columns, up to
+    /// `last`.
     #[inline(always)]
-    pub(super) fn itself(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
-        of_kind!(self.behind(rows, last, output))
+    pub(super) fn self_block(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
+        of_kind!(self.self_block_of(rows, last, output))
     }
 
-    /// Passes on the pairs of one row with rows of `others`, in their order.
+    /// Finds the overlapping pairs of one row with rows of `others`, in their order.
     #[inline(always)]
-    pub(super) fn row(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
-        of_kind!(self.along(row, others, output))
+    pub(super) fn row_block(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
+        of_kind!(self.row_block_of(row, others, output))
     }
 
-    /// What the cores of the shapes are.
+    /// The kind of the cores.
     #[inline(always)]
     fn core(&self) -> u8 {
         if self.a.has_boxes() || self.b.has_boxes() {
@@ -224,74 +224,74 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    /// Leaf against leaf: only what reaches the other's cover is tested.
+    /// [`Kernel::leaf_pair`]: only shapes that overlap the bounds of the other leaf are tested.
     #[inline(always)]
-    fn near<const CORE: u8>(
+    fn leaf_pair_of<const CORE: u8>(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
         scratch: &mut Scratch<T>,
         output: &mut Output<'_>,
     ) {
-        let Scratch { packed: [near_a, near_b], notes } = scratch;
+        let Scratch { packed: [packed_a, packed_b], row_hits } = scratch;
         let shift = self.shift;
-        let cover_a = first.cover.moved(shift);
+        let bounds_a = first.bounds.moved(shift);
         for start in first.range.clone().step_by(CHUNK) {
             let rows = start..first.range.end.min(start + CHUNK);
-            self.pack::<CORE>(self.a, rows, shift, second.cover, near_a);
-            if near_a.len == 0 {
+            self.pack::<CORE>(self.a, rows, shift, second.bounds, packed_a);
+            if packed_a.len == 0 {
                 continue;
             }
             for start in second.range.clone().step_by(CHUNK) {
                 let rows = start..second.range.end.min(start + CHUNK);
-                self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &cover_a, near_b);
-                if near_b.len > 0 {
-                    self.packed::<CORE>(near_a, near_b, notes, output);
+                self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &bounds_a, packed_b);
+                if packed_b.len > 0 {
+                    self.packed::<CORE>(packed_a, packed_b, row_hits, output);
                 }
-                if output.is_over(near_a.len * (1 + near_b.len)) {
+                if output.is_over(packed_a.len * (1 + packed_b.len)) {
                     return;
                 }
             }
         }
     }
 
-    /// Everything packed in `near_a` against everything packed in `near_b`.
+    /// Tests all shapes in `packed_a` against all shapes in `packed_b`.
     #[inline(always)]
     fn packed<const CORE: u8>(
         &self,
-        near_a: &Packed<T>,
-        near_b: &Packed<T>,
-        notes: &mut Notes,
+        packed_a: &Packed<T>,
+        packed_b: &Packed<T>,
+        row_hits: &mut RowHits,
         output: &mut Output<'_>,
     ) {
-        output.tests += (near_a.len * near_b.len) as u64;
-        let rows = near_a.rows();
-        for start in (0..near_b.len.min(CHUNK)).step_by(LANES) {
-            let others = self.load::<CORE>(&near_b.padded(), start);
-            let lanes = first_lanes(near_b.len - start);
-            let places = block(&near_b.place, start);
+        output.tests += (packed_a.len * packed_b.len) as u64;
+        let rows = packed_a.rows();
+        for start in (0..packed_b.len.min(CHUNK)).step_by(LANES) {
+            let others = self.load::<CORE>(&packed_b.padded(), start);
+            let lanes = first_lanes(packed_b.len - start);
+            let places = block(&packed_b.place, start);
             let allowed = |row: usize, bits: u32| {
-                let shape = self.a.shape(near_a.place[row] as usize);
+                let shape = self.a.shape(packed_a.place[row] as usize);
                 allowed(&shape, self.b, |lane| places[lane] as usize, bits)
             };
             let wanted = |_: usize| lanes;
-            let found = self.test::<CORE>(&rows, &others, wanted, allowed, notes);
+            let found = self.test::<CORE>(&rows, &others, wanted, allowed, row_hits);
             let simd = self.simd;
-            settle(found, output, |row, bits, to| {
-                simd.pair_with(near_a.place[row], places, bits, to);
+            emit_pairs(found, output, |row, bits, to| {
+                simd.pair_with(packed_a.place[row], places, bits, to);
             });
         }
     }
 
-    /// Packs the `rows` (at most [`CHUNK`]) that, moved by `-shift`, could overlap
-    /// something under `cover`. Filters are left to the pairs themselves.
+    /// Packs those of `rows` (at most [`CHUNK`]) that, moved by `-shift`, could overlap a shape
+    /// within `bounds`. Filters are tested for pairs only.
     #[inline(always)]
     fn pack<const CORE: u8>(
         &self,
         columns: &Columns<T>,
         rows: Range<usize>,
         shift: [T; 2],
-        cover: &Cover<T>,
+        bounds: &Bounds<T>,
         to: &mut Packed<T>,
     ) {
         let simd = self.simd;
@@ -306,7 +306,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             } else {
                 [shapes.max_x, shapes.max_y] = [shapes.x, shapes.y];
             }
-            let bits = self.reaching::<CORE>(&shapes, cover) & first_lanes(rows.end - start);
+            let bits = self.lanes_near::<CORE>(&shapes, bounds) & first_lanes(rows.end - start);
             let end = to.len.min(CHUNK);
             simd.pack(shapes.x, bits, block_mut(&mut to.x, end));
             simd.pack(shapes.y, bits, block_mut(&mut to.y, end));
@@ -324,39 +324,40 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    /// A bit for each shape of a block that could overlap something under `cover`.
+    /// A bit for each shape of a block that could overlap a shape within `bounds`.
     #[inline(always)]
-    fn reaching<const CORE: u8>(&self, shapes: &Loaded<S::Block>, cover: &Cover<T>) -> u32 {
-        let dx = self.beyond::<CORE>([shapes.x, shapes.max_x], shapes.half[0], cover, 0);
-        let dy = self.beyond::<CORE>([shapes.y, shapes.max_y], shapes.half[1], cover, 1);
-        let reach = self.simd.add(shapes.radius, self.simd.splat(cover.radius));
-        self.overlap::<CORE>(dx, dy, reach)
+    fn lanes_near<const CORE: u8>(&self, shapes: &Loaded<S::Block>, bounds: &Bounds<T>) -> u32 {
+        let dx = self.gap_to_bounds::<CORE>([shapes.x, shapes.max_x], shapes.half[0], bounds, 0);
+        let dy = self.gap_to_bounds::<CORE>([shapes.y, shapes.max_y], shapes.half[1], bounds, 1);
+        let radius_sum = self.simd.add(shapes.radius, self.simd.splat(bounds.radius));
+        self.overlap::<CORE>(dx, dy, radius_sum)
     }
 
-    /// How far each shape of a block lies beyond a cover along an axis, at least.
+    /// A lower bound of the gap between the core of each shape of a block and the cores within
+    /// `bounds` along an axis.
     #[inline(always)]
-    fn beyond<const CORE: u8>(
+    fn gap_to_bounds<const CORE: u8>(
         &self,
         [min, max]: [S::Block; 2],
         half: S::Block,
-        cover: &Cover<T>,
+        bounds: &Bounds<T>,
         axis: usize,
     ) -> S::Block {
         let simd = self.simd;
-        let below = simd.sub(simd.splat(cover.min[axis]), max);
-        let above = simd.sub(min, simd.splat(cover.max[axis]));
-        let mut gap = simd.most(below, above);
+        let below = simd.sub(simd.splat(bounds.min[axis]), max);
+        let above = simd.sub(min, simd.splat(bounds.max[axis]));
+        let mut gap = simd.max(below, above);
         if CORE != BOXES {
             // The distance of two centres is never negative.
-            gap = simd.most(gap, simd.splat(T::ZERO));
+            gap = simd.max(gap, simd.splat(T::ZERO));
         }
         if CORE == POINTS {
             return gap;
         }
-        simd.sub(gap, simd.add(half, simd.splat(cover.half_size[axis])))
+        simd.sub(gap, simd.add(half, simd.splat(bounds.half_size[axis])))
     }
 
-    /// A bit for each of the block's shapes that overlaps the one given.
+    /// A bit for each shape of a block that overlaps a given shape.
     #[inline(always)]
     fn hits<const CORE: u8>(
         &self,
@@ -366,16 +367,16 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         others: &Loaded<S::Block>,
     ) -> u32 {
         let (x, y) = ([others.x, others.max_x], [others.y, others.max_y]);
-        let dx = self.apart::<CORE>([min[0], max[0]], x, half[0], others.half[0]);
-        let dy = self.apart::<CORE>([min[1], max[1]], y, half[1], others.half[1]);
-        let reach = self.simd.add(self.simd.splat(radius), others.radius);
-        self.overlap::<CORE>(dx, dy, reach)
+        let dx = self.gap::<CORE>([min[0], max[0]], x, half[0], others.half[0]);
+        let dy = self.gap::<CORE>([min[1], max[1]], y, half[1], others.half[1]);
+        let radius_sum = self.simd.add(self.simd.splat(radius), others.radius);
+        self.overlap::<CORE>(dx, dy, radius_sum)
     }
 
-    /// Gap between the cores along an axis; for points only its square is
-    /// meaningful.
+    /// The gap between the cores along an axis; for points, the signed difference of the centres,
+    /// of which only the square is used.
     #[inline(always)]
-    fn apart<const CORE: u8>(
+    fn gap<const CORE: u8>(
         &self,
         [min, max]: [T; 2],
         [min_others, max_others]: [S::Block; 2],
@@ -387,25 +388,25 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let gap = match CORE {
             POINTS => return simd.sub(min, min_others),
             HALF_SIZES => simd.distance(min, min_others),
-            _ => simd.most(simd.sub(min_others, simd.splat(max)), simd.sub(min, max_others)),
+            _ => simd.max(simd.sub(min_others, simd.splat(max)), simd.sub(min, max_others)),
         };
         simd.sub(gap, simd.add(simd.splat(half), half_others))
     }
 
-    /// The overlap formula ([`overlap`](crate::geometry::overlap)) in every lane. For points
-    /// the signs of the distances have no effect.
+    /// [`overlap`](crate::geometry::overlap) in every lane. For points the signs of the gaps have
+    /// no effect.
     #[inline(always)]
-    fn overlap<const CORE: u8>(&self, dx: S::Block, dy: S::Block, reach: S::Block) -> u32 {
+    fn overlap<const CORE: u8>(&self, dx: S::Block, dy: S::Block, radius_sum: S::Block) -> u32 {
         let simd = self.simd;
         let zero = simd.splat(T::ZERO);
-        let reach = simd.mul(reach, reach);
+        let radius_sum = simd.mul(radius_sum, radius_sum);
         if CORE == POINTS {
-            return simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), reach);
+            return simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), radius_sum);
         }
-        let (ex, ey) = (simd.most(dx, zero), simd.most(dy, zero));
-        let round = simd.less(simd.add(simd.mul(ex, ex), simd.mul(ey, ey)), reach);
+        let (ex, ey) = (simd.max(dx, zero), simd.max(dy, zero));
+        let round = simd.less(simd.add(simd.mul(ex, ex), simd.mul(ey, ey)), radius_sum);
         if CORE == BOXES {
-            // Sides at −0 and 0 touch, and may be −0 apart.
+            // The gap between sides at −0 and 0 may be −0, which is touching.
             return round | (simd.less(dx, zero) & simd.less(dy, zero));
         }
         round | simd.both_negative(dx, dy)
@@ -429,8 +430,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         loaded
     }
 
-    /// Tests at most [`NOTES`] rows against a block and notes what overlaps, as far as
-    /// `wanted` has the lane; returns the notes. Nothing branches on them.
+    /// Tests at most [`MAX_ROW_HITS`] rows against those lanes of a block that `wanted` returns;
+    /// returns the rows with overlaps. No branch depends on the results.
     #[inline(always)]
     fn test<'n, const CORE: u8>(
         &self,
@@ -438,7 +439,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         others: &Loaded<S::Block>,
         wanted: impl Fn(usize) -> u32,
         allowed: impl Fn(usize, u32) -> u32,
-        notes: &'n mut Notes,
+        row_hits: &'n mut RowHits,
     ) -> &'n [(u32, u32)] {
         let mut count = 0;
         let centers = rows.x.iter().zip(rows.y).zip(rows.radius);
@@ -450,29 +451,34 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 [T::ZERO; 2]
             };
             let bits = self.hits::<CORE>([[x, y], max], half, radius, others) & wanted(row);
-            notes[count % NOTES] = (row as u32, bits);
+            row_hits[count % MAX_ROW_HITS] = (row as u32, bits);
             count += usize::from(bits != 0);
         }
         let has_filters = self.a.has_filters() || self.b.has_filters();
-        let found = count.min(NOTES);
+        let found = count.min(MAX_ROW_HITS);
         if !has_filters || self.filters == Filters::Ignore {
-            return &notes[..found];
+            return &row_hits[..found];
         }
         count = 0;
-        for note in 0..found {
-            let (row, bits) = notes[note];
+        for entry in 0..found {
+            let (row, bits) = row_hits[entry];
             let bits = allowed(row as usize, bits);
-            notes[count] = (row, bits);
+            row_hits[count] = (row, bits);
             count += usize::from(bits != 0);
         }
-        &notes[..count]
+        &row_hits[..count]
     }
 
-    /// Every one of `rows` with all behind it up to `last`. Blocks are counted from the
-    /// end, so that only the foremost is not full, and that one meets the fewest rows.
+    /// [`Kernel::self_block`]. Blocks are aligned to the end, so only the first one is not full,
+    /// and that one is tested against the fewest rows.
     #[inline(always)]
-    fn behind<const CORE: u8>(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
-        let mut notes = [(0, 0); NOTES];
+    fn self_block_of<const CORE: u8>(
+        &self,
+        rows: Range<usize>,
+        last: usize,
+        output: &mut Output<'_>,
+    ) {
+        let mut row_hits = [(0, 0); MAX_ROW_HITS];
         let mut end = last;
         while end > rows.start + 1 {
             let start = rows.start.max(end.saturating_sub(LANES));
@@ -480,11 +486,19 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             let others = self.load::<CORE>(&Rows::all(self.b), start);
             let before = rows.end.min(end - 1);
             for first in (rows.start..before).step_by(CHUNK) {
-                let some = Rows::of(self.a, first..before.min(first + CHUNK));
+                let chunk = Rows::of(self.a, first..before.min(first + CHUNK));
                 let wanted = |row: usize| {
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
-                self.against::<CORE>(first, &some, start, &others, wanted, &mut notes, output);
+                self.rows_with_block::<CORE>(
+                    first,
+                    &chunk,
+                    start,
+                    &others,
+                    wanted,
+                    &mut row_hits,
+                    output,
+                );
                 if output.is_over(CHUNK * LANES) {
                     return;
                 }
@@ -495,11 +509,16 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    /// One row against some others in their order.
+    /// [`Kernel::row_block`].
     #[inline(always)]
-    fn along<const CORE: u8>(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
+    fn row_block_of<const CORE: u8>(
+        &self,
+        row: usize,
+        others: Range<usize>,
+        output: &mut Output<'_>,
+    ) {
         output.tests += others.len() as u64;
-        let mut notes = [(0, 0); NOTES];
+        let mut row_hits = [(0, 0); MAX_ROW_HITS];
         let shape = self.a.shape(row);
         let [x, y] = [0, 1].map(|axis| [shape.min[axis] - self.shift[axis]]);
         let [max_x, max_y] = [0, 1].map(|axis| [shape.max[axis] - self.shift[axis]]);
@@ -517,35 +536,43 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         for start in others.clone().step_by(LANES) {
             let loaded = self.load::<CORE>(&Rows::all(self.b), start);
             let lanes = first_lanes(others.end - start);
-            self.against::<CORE>(row, &alone, start, &loaded, |_| lanes, &mut notes, output);
+            self.rows_with_block::<CORE>(
+                row,
+                &alone,
+                start,
+                &loaded,
+                |_| lanes,
+                &mut row_hits,
+                output,
+            );
         }
     }
 
-    /// The rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
+    /// Tests rows of `a` from `first` (at most [`CHUNK`]) against the block of `b` at `start`.
     #[allow(clippy::too_many_arguments, reason = "a part of two loops, inlined")]
     #[inline(always)]
-    fn against<const CORE: u8>(
+    fn rows_with_block<const CORE: u8>(
         &self,
         first: usize,
         rows: &Rows<'_, T>,
         start: usize,
         others: &Loaded<S::Block>,
         wanted: impl Fn(usize) -> u32,
-        notes: &mut Notes,
+        row_hits: &mut RowHits,
         output: &mut Output<'_>,
     ) {
         let allowed = |row: usize, bits: u32| {
             allowed(&self.a.shape(first + row), self.b, |lane| start + lane, bits)
         };
-        let found = self.test::<CORE>(rows, others, wanted, allowed, notes);
+        let found = self.test::<CORE>(rows, others, wanted, allowed, row_hits);
         let simd = self.simd;
-        settle(found, output, |row, bits, to| {
+        emit_pairs(found, output, |row, bits, to| {
             simd.pair_with_places((first + row) as u32, start as u32, bits, to);
         });
     }
 
-    /// Passes on every overlapping pair of a leaf's rows. Those of each of its `strips` are tested
-    /// against those behind them up to the end of the last strip that they can reach.
+    /// Finds the overlapping pairs within a leaf. The rows of each of its `strips` are tested
+    /// against later rows up to the end of the last strip that they could overlap.
     #[inline(always)]
     pub(super) fn within_leaf(
         &self,
@@ -556,6 +583,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         of_kind!(self.strips(leaf, strips, output))
     }
 
+    /// [`Kernel::within_leaf`].
     #[inline(always)]
     fn strips<const CORE: u8>(
         &self,
@@ -567,11 +595,11 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let has_filters = self.a.has_filters() && self.filters == Filters::Apply;
         let window = Rows::of(self.a, leaf.start..leaf.end + SPARE);
         for (rows, last) in strips {
-            if last - rows.start > NEAR {
-                self.behind::<CORE>(rows, last, output);
+            if last - rows.start > MAX_STRIP_ROWS {
+                self.self_block_of::<CORE>(rows, last, output);
                 continue;
             }
-            // As many for each row, which the processor can predict.
+            // The same number of blocks for each row: the branch is predictable.
             let blocks = (last - rows.start).saturating_sub(1).div_ceil(LANES);
             let Some(room) = output.room(rows.len() * blocks * LANES) else { return };
             let mut count = 0;
@@ -606,16 +634,16 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     }
 }
 
-/// Makes pairs of the notes by `pairs`, from the row and the bits.
+/// Writes the pairs of `row_hits` to the output; `pairs` writes those of one row.
 #[inline(always)]
-fn settle(
-    notes: &[(u32, u32)],
+fn emit_pairs(
+    row_hits: &[(u32, u32)],
     output: &mut Output<'_>,
     pairs: impl Fn(usize, u32, &mut [[u32; 2]; LANES]),
 ) {
-    let Some(room) = output.room(notes.len() * LANES) else { return };
+    let Some(room) = output.room(row_hits.len() * LANES) else { return };
     let mut found = 0;
-    for &(row, bits) in notes {
+    for &(row, bits) in row_hits {
         let to = room[found..].first_chunk_mut().expect("there is room");
         pairs(row as usize, bits, to);
         found += bits.count_ones() as usize;
@@ -623,7 +651,7 @@ fn settle(
     output.accept(found);
 }
 
-/// Those of the `bits` whose row has a filter that agrees with the shape's.
+/// Those of the `bits` whose shapes may pair with `shape`.
 #[inline(always)]
 fn allowed<T: Scalar>(
     shape: &Shape<T>,

@@ -1,4 +1,4 @@
-//! Collecting pairs from many tasks, within one limit.
+//! Collection of the pairs of all tasks, with a common limit.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -11,27 +11,31 @@ use crate::memory;
 use crate::parallel::{self, locked};
 use crate::simd::LANES;
 
-/// New pairs are reported to the common count in portions of this size.
-const PORTION: usize = 1 << 16;
+/// A thread adds its new pairs to the common count in portions of this size.
+const REPORTED: usize = 1 << 16;
 
-/// Two places or two rows.
+/// Two places, or two rows.
 pub(super) type Pair = [u32; 2];
 
-/// Pairs per copy.
+/// Number of pairs of a task that copies pairs to the result.
 const COPIED: usize = 1 << 18;
 
 /// Pairs are converted in portions of this size, which fit into the first-level cache.
-const UNFINISHED: usize = 1 << 10;
+const CONVERTED: usize = 1 << 10;
 
-/// Converts pairs of places into results, which come to stand at the beginning; returns how many
-/// there are, as [`keep`] does.
+/// Converts pairs of places in place; the results are at the beginning. Returns their number.
 ///
-/// It is called for many pairs at a time, so the kernels do not depend on its type and are
-/// compiled once.
-pub(super) type Finish<'a> = dyn Fn(&mut [Pair]) -> usize + Sync + 'a;
+/// A trait object that is called for many pairs at a time, so that the kernels are compiled once.
+pub(super) type MapPairs<'a> = dyn Fn(&mut [Pair]) -> usize + Sync + 'a;
 
-/// Replaces pairs by the results of `map`; returns how many there are.
-pub(super) fn keep(pairs: &mut [Pair], map: impl Fn(Pair) -> Option<Pair>) -> usize {
+/// Replaces each pair by the result of `map`; returns the number of pairs.
+pub(super) fn map_each(pairs: &mut [Pair], map: impl Fn(Pair) -> Pair) -> usize {
+    pairs.iter_mut().for_each(|pair| *pair = map(*pair));
+    pairs.len()
+}
+
+/// Replaces pairs by the results of `map`, without those that are None; returns their number.
+pub(super) fn filter_map(pairs: &mut [Pair], map: impl Fn(Pair) -> Option<Pair>) -> usize {
     let mut kept = 0;
     for index in 0..pairs.len() {
         if let Some(pair) = map(pairs[index]) {
@@ -42,11 +46,11 @@ pub(super) fn keep(pairs: &mut [Pair], map: impl Fn(Pair) -> Option<Pair>) -> us
     kept
 }
 
-/// The number of pairs that all tasks together may still find, and whether to stop.
+/// The common limit of all tasks of a search, and whether to stop.
 pub(super) struct Budget {
     max_pairs: usize,
     count: AtomicUsize,
-    /// A task has failed, so the others stop.
+    /// Whether a task has failed; then the others stop.
     failed: AtomicBool,
     stop: Stop,
 }
@@ -57,8 +61,8 @@ impl Budget {
         Self { max_pairs, count, failed, stop: Stop::current() }
     }
 
-    /// Returns an error if there are more than the allowed number of pairs; `count` is the number
-    /// of those that are in memory.
+    /// Returns an error if there are more than `max_pairs` pairs; `count` is the number of those in
+    /// memory.
     fn check(&self, count: usize) -> Result<()> {
         if self.count.load(Ordering::Relaxed).max(count) > self.max_pairs {
             return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
@@ -66,26 +70,26 @@ impl Budget {
         Ok(())
     }
 
-    /// Runs `work` for each of so many tasks. Each thread collects the pairs of its tasks in one
-    /// vector; in the end all are put together in the order of the tasks.
+    /// Runs `work` for each of `tasks`. Each thread collects the pairs of its tasks in one vector;
+    /// finally all are combined in the order of the tasks.
     pub(super) fn find<'a>(
         &'a self,
         threads: Option<usize>,
         tasks: usize,
-        finish: &'a Finish<'a>,
-        memory: &mut Memory,
+        map: &'a MapPairs<'a>,
+        scratch: &mut PairScratch,
         work: impl Fn(usize, &mut Output<'a>) + Sync + Send,
     ) -> Result<Found> {
-        let Memory { result, parts } = memory;
+        let PairScratch { result, parts } = scratch;
         if !parallel::is_parallel(threads) {
             let part = Part { pairs: std::mem::take(result), ..parts.pop().unwrap_or_default() };
-            let mut output = Output::new(self, finish, part);
+            let mut output = Output::new(self, map, part);
             (0..tasks).for_each(|task| work(task, &mut output));
-            output.finish();
+            output.convert();
             return self.accept(output, parts);
         }
         let unused = Mutex::new(std::mem::take(parts));
-        let make = || Output::new(self, finish, locked(&unused).pop().unwrap_or_default());
+        let make = || Output::new(self, map, locked(&unused).pop().unwrap_or_default());
         let mut outputs = parallel::for_tasks_with(threads, tasks, make, |task, output| {
             if !self.failed.load(Ordering::Relaxed) {
                 work(task, output);
@@ -106,7 +110,7 @@ impl Budget {
         Ok(Found { pairs, tests })
     }
 
-    /// The pairs of the only thread.
+    /// The result if one thread has found all pairs.
     fn accept(&self, output: Output<'_>, parts: &mut Vec<Part>) -> Result<Found> {
         self.check(output.count)?;
         let tests = output.tests;
@@ -144,56 +148,56 @@ impl Budget {
     }
 }
 
-/// Memory that is kept between calls.
+/// Scratch of [`Budget::find`], kept between calls.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Memory {
-    /// For the pairs of all threads.
+pub(super) struct PairScratch {
+    /// Memory for the result.
     pub(super) result: Vec<Pair>,
-    /// One for each thread.
+    /// Memory for each thread.
     parts: Vec<Part>,
 }
 
-/// What one thread has found, and its memory.
+/// The pairs of one thread.
 #[derive(Clone, Debug, Default)]
 struct Part {
     pairs: Vec<Pair>,
-    /// The tasks that it did, as ranges, and which of its pairs are theirs.
+    /// Ranges of the tasks of this thread, and the range of the pairs of each.
     tasks: Vec<(Range<usize>, Range<usize>)>,
     stack: Vec<Pair>,
 }
 
-/// What one thread has found so far.
+/// The output of one thread.
 pub(super) struct Output<'a> {
     part: Part,
-    /// Pairs found; the vector is longer.
+    /// Number of pairs; the vector is longer.
     count: usize,
     pub(super) tests: u64,
-    finish: &'a Finish<'a>,
-    finished: usize,
+    map: &'a MapPairs<'a>,
+    converted: usize,
     budget: &'a Budget,
     reported: usize,
     pulse: Pulse,
-    /// The reason to stop.
+    /// The reason to stop, if any.
     over: Option<Over>,
 }
 
 /// Why a task ends early.
 enum Over {
-    /// There are more pairs than allowed, or another task has failed.
-    Enough,
+    /// There are more pairs than allowed.
+    TooMany,
     Failed(Error),
 }
 
 impl<'a> Output<'a> {
-    /// Collects pairs in the memory of `part`.
-    fn new(budget: &'a Budget, finish: &'a Finish<'a>, mut part: Part) -> Self {
+    /// An output that uses the memory of `part`.
+    fn new(budget: &'a Budget, map: &'a MapPairs<'a>, mut part: Part) -> Self {
         part.tasks.clear();
         Self {
             part,
             count: 0,
             tests: 0,
-            finish,
-            finished: 0,
+            map,
+            converted: 0,
             budget,
             reported: 0,
             pulse: Pulse::of(&budget.stop),
@@ -201,13 +205,12 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Memory for the pairs of nodes that a task has not visited yet; empty between tasks.
+    /// Memory for the stack of a task; empty between tasks.
     pub(super) fn stack(&mut self) -> &mut Vec<Pair> {
         &mut self.part.stack
     }
 
-    /// Memory for `more` pairs behind those there are, and [`LANES`] spare ones; none if there is
-    /// no memory.
+    /// Memory for `more` pairs and a spare block of [`LANES`]; None if the allocation fails.
     #[inline(always)]
     pub(super) fn room(&mut self, more: usize) -> Option<&mut [Pair]> {
         let end = self.count + more + LANES;
@@ -217,47 +220,48 @@ impl<'a> Output<'a> {
         Some(&mut self.part.pairs[self.count..])
     }
 
-    /// Adds the first `count` pairs of the room, and converts the new pairs if there are enough.
+    /// Appends the first `count` pairs in [`room`](Self::room); converts new pairs if there are
+    /// enough.
     #[inline(always)]
     pub(super) fn accept(&mut self, count: usize) {
         self.count += count;
-        if self.count - self.finished >= UNFINISHED.min(self.budget.max_pairs) {
-            self.finish();
+        if self.count - self.converted >= CONVERTED.min(self.budget.max_pairs) {
+            self.convert();
         }
     }
 
-    /// Converts the new pairs, and counts them if there are many.
+    /// Converts the new pairs, and adds them to the common count if there are many.
     #[cold]
-    fn finish(&mut self) {
-        let kept = (self.finish)(&mut self.part.pairs[self.finished..self.count]);
-        self.count = self.finished + kept;
-        self.finished = self.count;
-        if self.finished - self.reported >= PORTION.min(self.budget.max_pairs) {
+    fn convert(&mut self) {
+        let kept = (self.map)(&mut self.part.pairs[self.converted..self.count]);
+        self.count = self.converted + kept;
+        self.converted = self.count;
+        if self.converted - self.reported >= REPORTED.min(self.budget.max_pairs) {
             self.report();
         }
     }
 
-    /// Makes room for at least `end` pairs; returns whether that succeeded.
+    /// Makes room for at least `end` pairs; returns whether the allocation succeeded.
     #[cold]
     fn grow(&mut self, end: usize) -> bool {
         let pairs = &mut self.part.pairs;
-        let len = end.max(pairs.capacity()).max(2 * pairs.len()).max(UNFINISHED);
+        let len = end.max(pairs.capacity()).max(2 * pairs.len()).max(CONVERTED);
         let grown = memory::resize(pairs, len, [0; 2]);
         grown.map_err(|error| self.fail(error.in_all(self.bytes_of_all()))).is_ok()
     }
 
-    /// Bytes of the pairs that all tasks have found so far, with room for more here.
+    /// Bytes of the pairs of all tasks so far, with twice the pairs of this thread.
     fn bytes_of_all(&self) -> usize {
         let new = 2 * self.count - self.reported;
         (self.budget.count.load(Ordering::Relaxed) + new) * size_of::<Pair>()
     }
 
     fn report(&mut self) {
-        let new = self.finished - self.reported;
+        let new = self.converted - self.reported;
         let before = self.budget.count.fetch_add(new, Ordering::Relaxed);
-        self.reported = self.finished;
+        self.reported = self.converted;
         if before + new > self.budget.max_pairs {
-            self.over = Some(Over::Enough);
+            self.over = Some(Over::TooMany);
         }
     }
 
@@ -267,7 +271,7 @@ impl<'a> Output<'a> {
         self.over = Some(Over::Failed(error));
     }
 
-    /// Whether to stop, after about `work` more numbers have been read.
+    /// Whether to stop; `work` is the approximate number of values read since the last call.
     #[inline(always)]
     pub(super) fn is_over(&mut self, work: usize) -> bool {
         if self.pulse.stops(work) && self.over.is_none() {
@@ -276,9 +280,9 @@ impl<'a> Output<'a> {
         self.over.is_some()
     }
 
-    /// Marks the new pairs as those of a task that has ended.
+    /// Records that the new pairs are those of a task that has ended.
     fn end_task(&mut self, task: usize) {
-        self.finish();
+        self.convert();
         let end = self.count;
         match self.part.tasks.last_mut() {
             Some((tasks, range)) if tasks.end == task => (tasks.end, range.end) = (task + 1, end),
@@ -289,7 +293,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// What was found, unless it failed.
+    /// The pairs, or the error of this thread.
     fn into_part(mut self) -> Result<Part> {
         self.part.pairs.truncate(self.count);
         match self.over {

@@ -1,15 +1,15 @@
 //! How many worker threads are idle, as a count that callers and workers share.
 //!
-//! An idle worker looks for work in a loop. A caller reserves workers before it gives them work,
-//! and a worker leaves the loop only after it has reserved itself. So work never waits for a
-//! thread that has left.
+//! An idle worker polls for work in a loop. A caller reserves workers before it spawns work, and a
+//! worker leaves the loop only after it has reserved itself. So work is never spawned for a
+//! thread that has left the loop.
 
 use super::sync::{AtomicUsize, Ordering};
 
 /// The idle workers of one pool of threads.
 #[derive(Debug, Default)]
 pub struct Idle {
-    /// Workers that look for work and that nobody has reserved.
+    /// Workers in their loop that are not reserved.
     count: AtomicUsize,
 }
 
@@ -19,12 +19,12 @@ impl Idle {
         self.count.fetch_add(1, Ordering::Release);
     }
 
-    /// Reserves workers, at most `most`; returns how many. Each of them will come to work.
-    pub fn reserve(&self, most: usize) -> usize {
+    /// Reserves at most `max` workers; returns how many. Each of them will take work.
+    pub fn reserve(&self, max: usize) -> usize {
         let reserved =
-            |ready: usize| ready.checked_sub(ready.min(most)).filter(|&left| left < ready);
+            |ready: usize| ready.checked_sub(ready.min(max)).filter(|&left| left < ready);
         let before = self.count.fetch_update(Ordering::Acquire, Ordering::Relaxed, reserved);
-        before.map_or(0, |ready| ready.min(most))
+        before.map_or(0, |ready| ready.min(max))
     }
 
     /// Whether `count` workers are idle.

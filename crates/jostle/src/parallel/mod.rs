@@ -1,7 +1,7 @@
-//! Threads: how many work on a call, and nothing else.
+//! Threads.
 //!
-//! Work is cut into tasks by the data alone and results are put together in
-//! the order of the tasks, so the number of threads never shows in an answer.
+//! The division of work into tasks depends only on the data, and results are combined in the
+//! order of the tasks. So results do not depend on the number of threads.
 
 #[cfg(feature = "parallel")]
 mod idle;
@@ -34,8 +34,8 @@ pub fn for_tasks(threads: Option<usize>, count: usize, task: impl Fn(usize) + Sy
     (0..count).for_each(task);
 }
 
-/// As [`for_tasks`], with a state for each thread that works, made by `make`; returns the states,
-/// in no particular order.
+/// As [`for_tasks`], with a state for each thread, made by `make`; returns the states in any
+/// order.
 pub fn for_tasks_with<S: Send>(
     threads: Option<usize>,
     count: usize,
@@ -67,7 +67,7 @@ pub fn map<R: Send>(
     results.into_iter().map(|slot| result(slot).expect("every task has run")).collect()
 }
 
-/// Calls `act` with every item, on `threads` threads. One thread needs no memory for it.
+/// Calls `act` with every item, on `threads` threads. With one thread nothing is allocated.
 pub fn for_each<T: Send>(
     threads: Option<usize>,
     items: impl Iterator<Item = T>,
@@ -85,8 +85,8 @@ pub fn for_each<T: Send>(
     items.for_each(act);
 }
 
-/// As [`for_each`], with a state for each thread that works, made by `make` and given to `end`. One
-/// thread needs no memory for it.
+/// As [`for_each`], with a state for each thread, made by `make` and finally passed to `end`. With
+/// one thread nothing is allocated.
 pub fn for_each_with<T: Send, S: Send>(
     threads: Option<usize>,
     items: impl Iterator<Item = T>,
@@ -106,36 +106,36 @@ pub fn for_each_with<T: Send, S: Send>(
     for_tasks_with(threads, items.len(), make, act).into_iter().for_each(end);
 }
 
-/// Rows that one thread takes at a time in [`for_chunks`].
+/// Number of items of a task in [`for_chunks`].
 pub const CHUNK: usize = 1024;
 
-/// Fewer items than this are not worth a word to other threads, even if they are awake.
+/// Lists of at most this length are processed by one thread, even if others are awake.
 #[cfg(feature = "parallel")]
-const WORTHWHILE: usize = 4 * CHUNK;
+const MAX_SERIAL: usize = 4 * CHUNK;
 
-/// Fewer shapes than this are not worth sharing with other threads.
+/// Minimum number of shapes for which threads that are awake are used.
 const WORTH_SHARING: usize = 4 * CHUNK;
 
-/// Fewer shapes than this are not worth waking other threads for.
+/// Minimum number of shapes for which threads are woken.
 const WORTH_WAKING: usize = 64 * CHUNK;
 
-/// Whether small calls wake threads, too. In builds with debug assertions they do, so that tests do
+/// Whether small calls wake threads too. They do in builds with debug assertions, so that tests do
 /// not need large calls.
 static ALWAYS: AtomicBool = AtomicBool::new(cfg!(debug_assertions));
 
-/// Lets small calls wake other threads from now on, or no longer, in the whole process. For tests:
-/// the answers are the same.
+/// Sets whether small calls of the process wake threads too. For tests; results do not depend on
+/// it.
 pub fn wake_always(always: bool) {
     ALWAYS.store(always, Ordering::Relaxed);
 }
 
-/// The threads to use on `len` shapes: one where another would cost more than it saves.
+/// The number of threads for `len` shapes: one if more would be slower.
 pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
-/// The threads to use for some work: one if it is less than `sharing`; those that are awake if it
-/// is less than `waking`; or all, which this wakes.
+/// The number of threads for some work: one if it is less than `sharing`; those that are awake if
+/// it is less than `waking`; otherwise all, which are woken.
 pub fn threads_for(
     threads: Option<usize>,
     work: usize,
@@ -157,15 +157,15 @@ pub fn threads_for(
     threads
 }
 
-/// Calls `act` with the index of the first item and the items of each chunk of
-/// [`CHUNK`] items, on `threads` threads. What one call writes no other may read.
+/// Calls `act` with the index of the first item and the items of each chunk of [`CHUNK`] items, on
+/// `threads` threads.
 pub fn for_chunks<T: Send>(
     threads: Option<usize>,
     items: &mut [T],
     act: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if items.len() > WORTHWHILE
+    if items.len() > MAX_SERIAL
         && let Some(team) = Team::of(threads)
     {
         let chunks: Vec<_> = items.chunks_mut(CHUNK).map(Mutex::new).collect();
@@ -176,10 +176,10 @@ pub fn for_chunks<T: Send>(
     act(0, items);
 }
 
-/// As [`for_chunks`] with items that are only read.
+/// As [`for_chunks`], read-only.
 pub fn for_slices<T: Sync>(threads: Option<usize>, items: &[T], act: impl Fn(&[T]) + Sync + Send) {
     #[cfg(feature = "parallel")]
-    if items.len() > WORTHWHILE
+    if items.len() > MAX_SERIAL
         && let Some(team) = Team::of(threads)
     {
         let chunk = |index: usize| index * CHUNK..items.len().min((index + 1) * CHUNK);
@@ -199,7 +199,7 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
 ) {
     debug_assert_eq!(a.len(), b.len());
     #[cfg(feature = "parallel")]
-    if a.len() > WORTHWHILE
+    if a.len() > MAX_SERIAL
         && let Some(team) = Team::of(threads)
     {
         let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
@@ -231,7 +231,7 @@ pub fn gather<V: Copy + Default + Send + Sync>(
 /// Calls `act` with every number below `len`.
 pub fn for_rows(threads: Option<usize>, len: usize, act: impl Fn(usize) + Sync + Send) {
     #[cfg(feature = "parallel")]
-    if len > WORTHWHILE
+    if len > MAX_SERIAL
         && let Some(team) = Team::of(threads)
     {
         let chunk = |index: usize| index * CHUNK..len.min((index + 1) * CHUNK);
@@ -260,8 +260,8 @@ pub fn forks() -> usize {
     FORKS.load(Ordering::Relaxed)
 }
 
-/// Forgets all threads. To be called in a process that was forked from one in which
-/// they ran, before it starts any: they do not exist in it.
+/// Abandons all threads. To be called in a forked process before it uses threads: those of its
+/// parent do not exist in it.
 pub fn abandon_threads() {
     FORKS.fetch_add(1, Ordering::Relaxed);
     #[cfg(feature = "parallel")]

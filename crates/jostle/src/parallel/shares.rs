@@ -1,7 +1,7 @@
-//! Tasks divided among threads.
+//! Division of tasks among threads, with work stealing.
 //!
-//! Each thread has a share, a range of tasks, and does these first: the same share in each stage,
-//! so that it finds the memory that it used before in its own cache. Then it takes tasks of others.
+//! Each thread has a share, a range of tasks, which it runs first. The share is the same in each
+//! stage, so its data is in the cache of the core. Then the thread takes tasks of other shares.
 
 use super::sync::{AtomicUsize, Ordering};
 
@@ -19,17 +19,17 @@ impl Shares {
         Self { count, next: next.collect() }
     }
 
-    /// A task for `thread`, which nobody else gets; none if no task is left.
+    /// A task for `thread` alone; None if no task is left.
     pub fn take(&self, thread: usize) -> Option<usize> {
         let threads = self.next.len();
         (0..threads).find_map(|other| self.take_from((thread + other) % threads))
     }
 
-    /// A task of one share, the first that is left.
+    /// The first remaining task of one share.
     fn take_from(&self, share: usize) -> Option<usize> {
         let end = self.count * (share + 1) / self.next.len();
         let is_left = |&task: &usize| task < end;
-        // Without this, counters of finished shares would grow at each attempt.
+        // Otherwise the counters of finished shares would grow with each attempt.
         is_left(&self.next[share].load(Ordering::Relaxed)).then_some(())?;
         Some(self.next[share].fetch_add(1, Ordering::Relaxed)).filter(is_left)
     }

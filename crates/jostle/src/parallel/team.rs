@@ -1,9 +1,9 @@
-//! Threads that work on a call together: the caller, and workers that look for work in a loop.
+//! The threads of a call: the caller, and workers that poll for work in a loop.
 //!
-//! To wake a sleeping thread takes between a few microseconds and a millisecond, longer than most
-//! stages of a call. So the caller begins alone, workers join when they are awake, and after the
-//! last work they look for more for about a millisecond before they sleep. Only large calls wake
-//! them; small ones use those that are awake.
+//! Waking a sleeping thread takes between a few microseconds and a millisecond, longer than most
+//! stages of a call. So the caller starts alone, workers that are awake join it, and after the
+//! last task they poll for about a millisecond before they sleep. Only large calls wake workers;
+//! small calls use those that are awake.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -15,11 +15,11 @@ use super::idle::Idle;
 use super::shares::Shares;
 use crate::interrupt::Stop;
 
-/// Attempts of a worker to find work before it sleeps: about a millisecond, which is what it can take
-/// to wake it. A caller that waits polls as often.
-const MOST_ATTEMPTS: usize = 1 << 14;
+/// Attempts of a worker to find work before it sleeps: about a millisecond, the time that waking it
+/// can take. A waiting caller polls for interruption at the same interval.
+const MAX_ATTEMPTS: usize = 1 << 14;
 
-/// Attempts between two offers of the core to other programs.
+/// Attempts between two calls of `yield_now`, which gives the core to other processes.
 const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 
 /// The workers that may take part in a call.
@@ -29,7 +29,7 @@ pub struct Team(Arc<Workers>);
 struct Workers {
     pool: rayon::ThreadPool,
     idle: Idle,
-    /// They have been called and have not come yet.
+    /// Whether they were woken and have not started their loop yet.
     called: AtomicBool,
 }
 
@@ -38,9 +38,9 @@ thread_local! {
 }
 
 impl Team {
-    /// `threads` threads with the current one, at most one for each core. None if the current
-    /// thread works alone: because one is enough, because it is a worker itself, or because the
-    /// system cannot start others.
+    /// `threads` threads, including the current one, at most one for each core. None if the current
+    /// thread works alone: one was requested, it is a worker itself, or the system cannot start
+    /// threads.
     pub fn of(threads: Option<usize>) -> Option<Self> {
         if threads == Some(1) || IS_WORKER.get() {
             return None;
@@ -60,10 +60,10 @@ impl Team {
             return;
         }
         let workers = self.0.clone();
-        pool.spawn_broadcast(move |_| workers.look_for_work());
+        pool.spawn_broadcast(move |_| workers.poll_for_work());
     }
 
-    /// Runs `task(0)`, …, `task(count - 1)`. The caller begins, and workers join while tasks are left.
+    /// Runs `task(0)`, …, `task(count - 1)`. The caller starts; workers join while tasks are left.
     pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
         let mut absent = pool.current_num_threads();
@@ -91,21 +91,21 @@ impl Team {
     }
 }
 
-/// Waits until no worker works, and polls at the same time. The wait is shorter than a task
-/// unless another program has the worker's core.
+/// Waits until all workers have finished, and polls for interruption. The wait is shorter than a
+/// task unless another process uses the core of a worker.
 fn wait_for(working: &AtomicUsize) {
     let stop = Stop::current();
     let mut attempts = 0;
     while working.load(Ordering::Acquire) > 0 {
         pause(&mut attempts);
-        if attempts == MOST_ATTEMPTS {
+        if attempts == MAX_ATTEMPTS {
             attempts = 0;
             stop.is_set();
         }
     }
 }
 
-/// Waits for a moment, and now and then as long as other programs want the core.
+/// Pauses for a moment; at intervals gives the core to other processes.
 fn pause(attempts: &mut usize) {
     *attempts += 1;
     if attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
@@ -129,15 +129,15 @@ impl Drop for AtEnd<'_> {
 }
 
 impl Workers {
-    /// Lets the current thread look for work until there has been none for a while.
-    fn look_for_work(&self) {
+    /// Polls for work on the current thread until there has been none for [`MAX_ATTEMPTS`].
+    fn poll_for_work(&self) {
         self.called.store(false, Ordering::Relaxed);
         if IS_WORKER.replace(true) {
             return;
         }
         self.idle.enter();
         let mut attempts = 0;
-        while attempts < MOST_ATTEMPTS || !self.idle.leave() {
+        while attempts < MAX_ATTEMPTS || !self.idle.leave() {
             match rayon::yield_now() {
                 Some(rayon::Yield::Executed) => attempts = 0,
                 _ => pause(&mut attempts),
@@ -148,9 +148,9 @@ impl Workers {
 }
 
 /// Maximum number of pools that are kept, for different numbers of threads.
-const MOST_POOLS: usize = 3;
+const MAX_POOLS: usize = 3;
 
-/// Number of calls on one thread after the system failed to start others.
+/// Number of calls on one thread after the system failed to start threads.
 const CALLS_ALONE: usize = 1000;
 
 /// The most recently used pools, the latest first. They are kept because starting threads costs
@@ -186,14 +186,14 @@ impl Pools {
             return None;
         };
         let workers = Workers { pool, idle: Idle::default(), called: AtomicBool::new(false) };
-        self.kept.truncate(MOST_POOLS - 1);
+        self.kept.truncate(MAX_POOLS - 1);
         self.kept.insert(0, Arc::new(workers));
         Some(self.kept[0].clone())
     }
 }
 
-/// The pools of one process. A forked process begins with new pools: the threads of its parent
-/// do not exist in it, and one of them may have held the lock.
+/// The pools of one process. A forked process starts with new pools: the threads of its parent do
+/// not exist in it, and one of them may hold the lock.
 pub struct Era {
     pools: Mutex<Pools>,
     next: OnceLock<Box<Era>>,

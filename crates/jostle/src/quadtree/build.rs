@@ -1,7 +1,8 @@
-//! From the order of the shapes to the nodes of the tree, their strips and their covers.
+//! Construction of the nodes from sorted shapes, and of their strips and bounds.
 //!
-//! The upper nodes are made one after the other; what hangs below them is made by all
-//! threads. Which nodes are upper ones follows from the number of shapes alone.
+//! One thread makes the upper nodes; all threads make the subtrees below them. Which nodes are
+//! upper nodes depends only on the number of shapes, so the tree is the same for every number
+//! of threads.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -12,7 +13,7 @@ use super::order::{Keyed, Order};
 use super::strips::{self, Places, Strips};
 use crate::columns::Columns;
 use crate::error::Result;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Bounds, Scalar};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel::{self, locked};
@@ -20,50 +21,50 @@ use crate::settings::Settings;
 use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work, block};
 
-/// A tree of more shapes than this has upper nodes.
+/// Trees of more shapes than this have upper nodes.
 const LARGE: usize = 4096;
 
-/// Quarters of so few shapes are told apart by looking at all.
+/// Nodes of at most this number of shapes are split by counting, larger ones by binary search.
 const FEW: usize = 256;
 
-/// Upper nodes hold at least this share of all shapes.
-const SHARE: usize = 64;
+/// Upper nodes have at least 1 / `MAX_SUBTREES` of all shapes.
+const MAX_SUBTREES: usize = 64;
 
-/// What a tree consists of, besides the order of its shapes.
+/// The nodes of a tree with their bounds and strips.
 #[derive(Clone, Debug, Default)]
 pub struct Nodes<T> {
-    /// Parents before children, siblings adjacent.
+    /// Parents precede their children; siblings are adjacent.
     pub nodes: Vec<Node>,
-    /// One for each node.
-    pub covers: Vec<Cover<T>>,
-    /// One for each leaf.
+    /// The bounds of each node.
+    pub bounds: Vec<Bounds<T>>,
+    /// The strips of each leaf.
     pub strips: Vec<Strips<T>>,
-    /// Where each strip ends.
+    /// The end of each strip, as a place.
     pub ends: Vec<u32>,
     scratch: strips::Scratch,
 }
 
 impl<T: Scalar> Nodes<T> {
-    /// Forgets everything and keeps the memory.
+    /// Removes all nodes and keeps their memory.
     pub fn clear(&mut self) {
         self.nodes.clear();
-        self.covers.clear();
+        self.bounds.clear();
         self.strips.clear();
         self.ends.clear();
     }
 
-    /// Bytes of memory that they keep, used or not.
-    pub fn kept_bytes(&self) -> usize {
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
-            + self.covers.capacity() * size_of::<Cover<T>>()
+            + self.bounds.capacity() * size_of::<Bounds<T>>()
             + self.strips.capacity() * size_of::<Strips<T>>()
             + self.ends.capacity() * size_of::<u32>()
     }
 
-    /// Makes the nodes and the strips of their leaves, which sorts the `rows` of each leaf. Not
-    /// inlined, so that a profile can name it.
+    /// Makes the nodes and the strips of the leaves, and writes the shapes to their `places`. Not
+    /// inlined, so that profiles show it.
     #[inline(never)]
-    pub fn grow(
+    pub fn build(
         &mut self,
         order: &Order<T>,
         shapes: &Shapes<T>,
@@ -82,10 +83,10 @@ impl<T: Scalar> Nodes<T> {
             let Self { nodes, strips, ends, scratch, .. } = self;
             nodes.push(root);
             builder.split_all(nodes, 0)?;
-            return builder.put(nodes, places, strips, ends, scratch);
+            return builder.fill_leaves(nodes, places, strips, ends, scratch);
         }
         self.nodes.push(root);
-        builder.split_all(&mut self.nodes, len / SHARE)?;
+        builder.split_all(&mut self.nodes, len / MAX_SUBTREES)?;
         let mut open: Vec<u32> = (0..self.nodes.len() as u32).collect();
         open.retain(|&node| self.nodes[node as usize].is_leaf());
         open.sort_unstable_by_key(|&node| self.nodes[node as usize].start);
@@ -108,11 +109,11 @@ impl<T: Scalar> Nodes<T> {
             |part| parts.push(part),
         );
         failed.into_inner().unwrap_or_else(PoisonError::into_inner)?;
-        self.adopt(&open, &parts)
+        self.append_subtrees(&open, &parts)
     }
 
-    /// Appends what hangs below the `open` nodes.
-    fn adopt(&mut self, open: &[u32], parts: &[Part<T>]) -> Result<()> {
+    /// Appends the subtrees of the `open` nodes.
+    fn append_subtrees(&mut self, open: &[u32], parts: &[Part<T>]) -> Result<()> {
         memory::reserve(&mut self.nodes, parts.iter().map(|part| part.nodes.len()).sum())?;
         memory::reserve(&mut self.strips, parts.iter().map(|part| part.strips.len()).sum())?;
         memory::reserve(&mut self.ends, parts.iter().map(|part| part.ends.len()).sum())?;
@@ -122,7 +123,7 @@ impl<T: Scalar> Nodes<T> {
             .collect();
         pieces.sort_unstable_by_key(|(piece, _)| piece.task);
         for (&root, (piece, part)) in open.iter().zip(pieces) {
-            // The piece's root stands above already, its next node comes to stand at the end.
+            // The root of the subtree exists already; its other nodes are appended.
             let node_shift = (self.nodes.len() as u32).wrapping_sub(piece.nodes.start as u32 + 1);
             let strip_shift = (self.strips.len() as u32).wrapping_sub(piece.strips.start as u32);
             let end_shift = (self.ends.len() as u32).wrapping_sub(piece.ends.start as u32);
@@ -140,32 +141,32 @@ impl<T: Scalar> Nodes<T> {
         Ok(())
     }
 
-    /// Computes the covers of all nodes.
-    pub fn cover(&mut self, columns: &Columns<T>, settings: &Settings) -> Result<()> {
+    /// Computes the bounds of all nodes.
+    pub fn compute_bounds(&mut self, columns: &Columns<T>, settings: &Settings) -> Result<()> {
         if columns.is_empty() {
             return Ok(());
         }
-        let nothing = Cover::of(&columns.shape(0));
-        memory::resize(&mut self.covers, self.nodes.len(), nothing)?;
-        let Self { nodes, covers, .. } = self;
+        let nothing = Bounds::of(&columns.shape(0));
+        memory::resize(&mut self.bounds, self.nodes.len(), nothing)?;
+        let Self { nodes, bounds, .. } = self;
         let stop = Stop::current();
-        let leaves = |first: usize, covers: &mut [Cover<T>]| {
+        let leaves = |first: usize, bounds: &mut [Bounds<T>]| {
             let pulse = Pulse::of(&stop);
-            T::with_widest(CoverLeaves { columns, nodes: &nodes[first..], covers, pulse });
+            T::with_widest(LeafBounds { columns, nodes: &nodes[first..], bounds, pulse });
         };
-        parallel::for_chunks(settings.threads, covers, leaves);
+        parallel::for_chunks(settings.threads, bounds, leaves);
         stop.check()?;
         for (index, node) in nodes.iter().enumerate().rev() {
             if !node.is_leaf() {
-                let children = covers[node.children()].iter().copied();
-                covers[index] = children.reduce(Cover::join).unwrap_or(nothing);
+                let children = bounds[node.children()].iter().copied();
+                bounds[index] = children.reduce(Bounds::join).unwrap_or(nothing);
             }
         }
         Ok(())
     }
 }
 
-/// What one thread has made.
+/// The subtrees that one thread has made.
 #[derive(Default)]
 struct Part<T> {
     nodes: Vec<Node>,
@@ -175,7 +176,7 @@ struct Part<T> {
     scratch: strips::Scratch,
 }
 
-/// What hangs below one node: ranges of what a thread has made.
+/// The subtree of one task, as ranges of the nodes, strips and ends of a [`Part`].
 struct Piece {
     task: usize,
     nodes: Range<usize>,
@@ -192,7 +193,7 @@ struct Builder<'a, T> {
 }
 
 impl<T: Scalar> Builder<'_, T> {
-    /// Adds a root with everything below it.
+    /// Makes the subtree of `root`.
     fn add(
         &self,
         part: &mut Part<T>,
@@ -204,7 +205,7 @@ impl<T: Scalar> Builder<'_, T> {
         memory::push(&mut part.nodes, root)?;
         self.split_all(&mut part.nodes, 0)?;
         let Part { nodes, strips, ends, scratch, .. } = part;
-        self.put(&mut nodes[first..], places, strips, ends, scratch)?;
+        self.fill_leaves(&mut nodes[first..], places, strips, ends, scratch)?;
         part.pieces.push(Piece {
             task,
             nodes: first..part.nodes.len(),
@@ -214,8 +215,8 @@ impl<T: Scalar> Builder<'_, T> {
         Ok(())
     }
 
-    /// Puts the shapes of the leaves at their places, those of the first node.
-    fn put(
+    /// Writes the shapes of all leaves to the places of the first node, and makes their strips.
+    fn fill_leaves(
         &self,
         nodes: &mut [Node],
         mut places: Places<'_, T>,
@@ -230,32 +231,32 @@ impl<T: Scalar> Builder<'_, T> {
             node.children = strips.len() as u32;
             let items = self.order.keyed[0].items(node.range());
             let from = (node.start - before) as usize;
-            let to = places.some(from..from + node.len());
+            let to = places.range(from..from + node.len());
             let start = node.start as usize;
             let leaf = if self.in_strips {
-                strips::arrange(self.shapes, items, start, to, ends, scratch)
+                strips::sort_into_strips(self.shapes, items, start, to, ends, scratch)
             } else {
-                strips::as_one(items, start, to, ends)
+                strips::single_strip(items, start, to, ends)
             };
             memory::push(strips, leaf)?;
         }
         Ok(())
     }
 
-    /// Splits the nodes from the last one on until each holds `enough` shapes, or no
-    /// more than a leaf may.
-    fn split_all(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
-        T::with_widest(Grow { builder: self, nodes, enough })
+    /// Splits the last node, and the nodes that this appends, until each has at most `max_len`
+    /// shapes or at most `leaf_capacity`.
+    fn split_all(&self, nodes: &mut Vec<Node>, max_len: usize) -> Result<()> {
+        T::with_widest(Split { builder: self, nodes, max_len })
     }
 
     #[inline(always)]
-    fn split_here(&self, nodes: &mut Vec<Node>, enough: usize) -> Result<()> {
+    fn split_here(&self, nodes: &mut Vec<Node>, max_len: usize) -> Result<()> {
         let mut pulse = Pulse::of(&self.stop);
-        let enough = enough.max(self.settings.leaf_capacity);
+        let max_len = max_len.max(self.settings.leaf_capacity);
         let mut next = nodes.len() - 1;
         while next < nodes.len() {
             let node = nodes[next];
-            if node.len() > enough && usize::from(node.depth) < self.settings.max_depth {
+            if node.len() > max_len && usize::from(node.depth) < self.settings.max_depth {
                 pulse.check(node.len().min(FEW))?;
                 memory::reserve(nodes, 4)?;
                 self.split(next, nodes);
@@ -265,7 +266,7 @@ impl<T: Scalar> Builder<'_, T> {
         Ok(())
     }
 
-    /// Appends the non-empty quarters of a node; there is room for them.
+    /// Appends the non-empty quarters of a node; there is capacity for them.
     #[inline(always)]
     fn split(&self, index: usize, nodes: &mut Vec<Node>) {
         let node = &mut nodes[index];
@@ -280,9 +281,10 @@ impl<T: Scalar> Builder<'_, T> {
             differing = keyed.key(start) ^ keyed.key(end - 1);
         }
         if differing == 0 {
-            return by_rank(index, nodes);
+            return split_by_place(index, nodes);
         }
-        // The level at which the first and the last key part: sorted, so all agree above.
+        // The level at which the first and the last key differ. The keys are sorted, so all agree
+        // above.
         node.level = (differing.leading_zeros() / 2) as u8;
         let shift = 2 * (GRID_LEVELS - 1 - u32::from(node.level));
         let level = node.level + 1;
@@ -291,15 +293,15 @@ impl<T: Scalar> Builder<'_, T> {
     }
 }
 
-/// Splits a node into quarters by place, for shapes that no grid can tell apart.
-fn by_rank(index: usize, nodes: &mut Vec<Node>) {
+/// Splits a node of coincident shapes into four parts of about equal size.
+fn split_by_place(index: usize, nodes: &mut Vec<Node>) {
     let node = nodes[index];
     let end = |quarter: usize| node.len() * quarter / 4;
     append(index, nodes, [0, 1, 2, 3].map(|quarter| end(quarter + 1) - end(quarter)), node.level);
 }
 
-/// How many of the shapes from `start` to `end` lie in each quarter, named by the two
-/// bits of their keys from `shift`; all bits above agree.
+/// Number of the shapes from `start` to `end` in each quarter. The two bits of a key at `shift`
+/// are the number of its quarter; all higher bits agree.
 #[inline(always)]
 fn quarters<T>(keyed: &Keyed<T>, start: usize, end: usize, shift: u32) -> [usize; 4] {
     let before = if end - start > FEW {
@@ -307,7 +309,7 @@ fn quarters<T>(keyed: &Keyed<T>, start: usize, end: usize, shift: u32) -> [usize
         let before = |quarter: u32| keyed.first_at_least((first | quarter) << shift) - start;
         [before(1), before(2), before(3)]
     } else {
-        // Counting all is faster than searching: no step waits for the one before it.
+        // Counting is faster than binary search here: its steps do not depend on each other.
         let mut before = [0u32; 3];
         for item in keyed.items(start..end) {
             for q in 0..3 {
@@ -333,49 +335,49 @@ fn append(index: usize, nodes: &mut Vec<Node>, sizes: [usize; 4], level: u8) {
     nodes[index] = Node { children: children as u32, child_count, ..parent };
 }
 
-/// [`Builder::grow`] with the widest instructions, for counting.
-struct Grow<'a, T> {
+/// [`Builder::split_all`] with the widest vector instructions.
+struct Split<'a, T> {
     builder: &'a Builder<'a, T>,
     nodes: &'a mut Vec<Node>,
-    enough: usize,
+    max_len: usize,
 }
 
-impl<T: Scalar> Work<T> for Grow<'_, T> {
+impl<T: Scalar> Work<T> for Split<'_, T> {
     type Out = Result<()>;
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, _: S) -> Result<()> {
-        self.builder.split_here(self.nodes, self.enough)
+        self.builder.split_here(self.nodes, self.max_len)
     }
 }
 
-/// The covers of some nodes, as far as they are leaves.
-struct CoverLeaves<'a, T> {
+/// Computes the bounds of those of some nodes that are leaves.
+struct LeafBounds<'a, T> {
     columns: &'a Columns<T>,
     nodes: &'a [Node],
-    covers: &'a mut [Cover<T>],
+    bounds: &'a mut [Bounds<T>],
     pulse: Pulse,
 }
 
-impl<T: Scalar> Work<T> for CoverLeaves<'_, T> {
+impl<T: Scalar> Work<T> for LeafBounds<'_, T> {
     type Out = ();
 
     #[inline(always)]
     fn run<S: Simd<T>>(mut self, simd: S) {
-        for (node, cover) in self.nodes.iter().zip(self.covers) {
+        for (node, bounds) in self.nodes.iter().zip(self.bounds) {
             if node.is_leaf() {
                 if self.pulse.stops(node.len()) {
                     return;
                 }
-                *cover = cover_of_leaf(simd, self.columns, node);
+                *bounds = leaf_bounds(simd, self.columns, node);
             }
         }
     }
 }
 
-/// The cover of a leaf's shapes, a block at a time.
+/// The bounds of the shapes of a leaf.
 #[inline(always)]
-fn cover_of_leaf<T: Scalar, S: Simd<T>>(simd: S, columns: &Columns<T>, leaf: &Node) -> Cover<T> {
+fn leaf_bounds<T: Scalar, S: Simd<T>>(simd: S, columns: &Columns<T>, leaf: &Node) -> Bounds<T> {
     let range = leaf.range();
     let first = columns.shape(range.start);
     let mut x = extent(simd, &columns.x, &range, first.min[0]);
@@ -385,22 +387,21 @@ fn cover_of_leaf<T: Scalar, S: Simd<T>>(simd: S, columns: &Columns<T>, leaf: &No
         y[1] = extent(simd, &columns.max_y, &range, first.max[1])[1];
     }
     let radius = extent(simd, &columns.radius, &range, first.radius)[1];
-    let mut cover = Cover { min: [x[0], y[0]], max: [x[1], y[1]], radius, ..Cover::of(&first) };
+    let mut bounds = Bounds { min: [x[0], y[0]], max: [x[1], y[1]], radius, ..Bounds::of(&first) };
     if columns.has_half_sizes() {
         let half_x = extent(simd, &columns.half_x, &range, first.half_size[0])[1];
         let half_y = extent(simd, &columns.half_y, &range, first.half_size[1])[1];
-        cover.half_size = [half_x, half_y];
+        bounds.half_size = [half_x, half_y];
     }
     if columns.has_filters() {
         let all = |column: &[u32]| column[range.clone()].iter().fold(0, |all, bits| all | bits);
-        (cover.category, cover.mask) = (all(&columns.category), all(&columns.mask));
+        (bounds.category, bounds.mask) = (all(&columns.category), all(&columns.mask));
     }
-    cover
+    bounds
 }
 
-/// The smallest and the largest number of a range of a column. The last block overlaps
-/// the one before it instead of being cut; a range smaller than a block is filled up with
-/// its `first` number.
+/// The smallest and the largest number of a range of a column. The last block overlaps the block
+/// before it; a range shorter than a block is padded with its `first` number.
 #[inline(always)]
 fn extent<T: Scalar, S: Simd<T>>(simd: S, column: &[T], range: &Range<usize>, first: T) -> [T; 2] {
     let last = if range.len() < LANES {
@@ -414,15 +415,15 @@ fn extent<T: Scalar, S: Simd<T>>(simd: S, column: &[T], range: &Range<usize>, fi
     let (mut low, mut high) = (last, last);
     for start in (range.start..range.end.saturating_sub(LANES)).step_by(LANES) {
         let block = simd.load(block(column, start));
-        (low, high) = (simd.least(low, block), simd.most(high, block));
+        (low, high) = (simd.min(low, block), simd.max(high, block));
     }
     let (mut lows, mut highs) = ([first; LANES], [first; LANES]);
     simd.store(low, &mut lows);
     simd.store(high, &mut highs);
     for width in [8, 4, 2, 1] {
         for lane in 0..width {
-            lows[lane] = lows[lane].least(lows[lane + width]);
-            highs[lane] = highs[lane].most(highs[lane + width]);
+            lows[lane] = lows[lane].min(lows[lane + width]);
+            highs[lane] = highs[lane].max(highs[lane + width]);
         }
     }
     [lows[0], highs[0]]

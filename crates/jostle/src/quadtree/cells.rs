@@ -1,24 +1,24 @@
-//! The boxes of the tree for the caller. Finding pairs does not need them.
+//! The boxes of the tree, for display. Queries and pair searches do not use them.
 
 use super::{Node, Quadtree};
 use crate::error::Result;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Bounds, Scalar};
 use crate::interrupt::Pulse;
 use crate::memory;
 
 /// A box: min x, min y, max x, max y.
 type Cell = [f64; 4];
 
-/// A box of the tree for the caller.
+/// A box of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeBox {
     /// min x, min y, max x, max y.
     pub bounds: Cell,
-    /// Subdivisions above it.
+    /// Number of subdivisions above it.
     pub depth: usize,
     /// Shapes in it and in its descendants.
     pub count: usize,
-    /// Whether there is no box below it.
+    /// Whether it has no children in the list.
     pub is_leaf: bool,
 }
 
@@ -31,26 +31,26 @@ impl<T: Scalar> Quadtree<T> {
     pub fn boxes(&self) -> Result<Vec<TreeBox>> {
         let cells = self.cells()?;
         let hidden = self.hidden_nodes()?;
-        let seen = self.seen_nodes(&hidden).map(|(index, is_leaf)| {
+        let listed = self.listed_nodes(&hidden).map(|(index, is_leaf)| {
             let node = &self.nodes()[index];
             let (depth, count) = (usize::from(node.depth), node.len());
             TreeBox { bounds: cells[index], depth, count, is_leaf }
         });
         let mut boxes = memory::with_room(self.nodes().len())?;
-        boxes.extend(seen);
+        boxes.extend(listed);
         Ok(boxes)
     }
 
     /// Number of boxes, number of leaves among them, and the depth of the deepest.
     pub fn count_boxes(&self) -> Result<[usize; 3]> {
         let hidden = self.hidden_nodes()?;
-        Ok(self.seen_nodes(&hidden).fold([0; 3], |[boxes, leaves, depth], (index, is_leaf)| {
+        Ok(self.listed_nodes(&hidden).fold([0; 3], |[boxes, leaves, depth], (index, is_leaf)| {
             let here = usize::from(self.nodes()[index].depth);
             [boxes + 1, leaves + usize::from(is_leaf), depth.max(here)]
         }))
     }
 
-    /// Whether each node has the box of its parent.
+    /// For each node, whether its box is that of its parent.
     fn hidden_nodes(&self) -> Result<Vec<bool>> {
         let mut hidden = memory::filled(self.nodes().len(), false)?;
         for node in self.nodes().iter().filter(|node| self.is_one_place(node)) {
@@ -60,23 +60,22 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     /// The nodes whose boxes are listed, and whether each is listed as a leaf.
-    fn seen_nodes(&self, hidden: &[bool]) -> impl Iterator<Item = (usize, bool)> {
-        let seen = (0..self.nodes().len()).filter(|&index| !hidden[index]);
-        seen.map(|index| {
+    fn listed_nodes(&self, hidden: &[bool]) -> impl Iterator<Item = (usize, bool)> {
+        let listed = (0..self.nodes().len()).filter(|&index| !hidden[index]);
+        listed.map(|index| {
             let node = &self.nodes()[index];
             (index, node.is_leaf() || self.is_one_place(node))
         })
     }
 
-    /// Whether a node split although its shapes have the same key: its children have its
-    /// cell.
+    /// Whether a node was split although its shapes coincide; its children have the same cell.
     fn is_one_place(&self, node: &Node) -> bool {
         let child = self.nodes()[node.children()].first();
         child.is_some_and(|child| (child.grid, child.level) == (node.grid, node.level))
     }
 
-    /// The cell of every node. Children tile what of their parent's cell holds shapes;
-    /// a cell holds the centres of its shapes.
+    /// The cell of every node. It contains the centres of the node's shapes and the cells of its
+    /// children.
     pub fn cells(&self) -> Result<Vec<Cell>> {
         self.cells_unless_stopped(&mut Pulse::current())
     }
@@ -90,10 +89,10 @@ impl<T: Scalar> Quadtree<T> {
         for (index, node) in self.nodes().iter().enumerate() {
             pulse.check(CELL_WORK)?;
             for child in node.children() {
-                cells[child] = common(cells[child], cells[index]);
+                cells[child] = intersection(cells[child], cells[index]);
             }
         }
-        // In a world 1e30 wide, keys round a centre across its cell's border.
+        // Rounding of a key can put a centre beyond its cell if coordinates are as large as 1e30.
         for (index, node) in self.nodes().iter().enumerate().rev() {
             pulse.check(CELL_WORK)?;
             cells[index] = union(cells[index], self.centers_within(index));
@@ -107,7 +106,7 @@ impl<T: Scalar> Quadtree<T> {
     /// The box around the centres of a node's shapes.
     pub(super) fn centers_within(&self, node: usize) -> Cell {
         if !self.columns.has_boxes() {
-            let Cover { min, max, .. } = self.covers()[node];
+            let Bounds { min, max, .. } = self.bounds()[node];
             return [min[0], min[1], max[0], max[1]].map(T::to_f64);
         }
         let centers = self.nodes()[node].range().map(|place| {
@@ -117,19 +116,19 @@ impl<T: Scalar> Quadtree<T> {
         centers.reduce(union).expect("a node is never empty")
     }
 
-    /// The node's cell in its own grid; of a node that split, the part that it split.
+    /// The node's cell in its own grid, after skipped subdivisions.
     fn own_cell(&self, node: &Node) -> Cell {
         let keyed = &self.order.keyed[node.grid as usize];
         keyed.grid.cell(keyed.key(node.start as usize), u32::from(node.level))
     }
 }
 
-/// What two cells have in common.
-fn common(a: Cell, b: Cell) -> Cell {
+/// The intersection of two cells.
+fn intersection(a: Cell, b: Cell) -> Cell {
     [a[0].max(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].min(b[3])]
 }
 
-/// The smallest cell that holds both.
+/// The bounding box of two cells.
 fn union(a: Cell, b: Cell) -> Cell {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }

@@ -1,20 +1,20 @@
-//! What is true of every tree. Tests call this after every build.
+//! The invariants of a tree. Tests check them after every build.
 
 use super::Quadtree;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Bounds, Scalar};
 use crate::interrupt::{Pulse, Stop};
 
 impl<T: Scalar> Quadtree<T> {
-    /// Looks at every node and says which invariant is broken first.
+    /// Checks every node; the error describes the first violated invariant.
     ///
-    /// * Every row stands at exactly one place.
-    /// * The root holds every place; children split their parent's places in
-    ///   order, without gap, none of them empty, none alone.
-    /// * Parents stand before their children and one subdivision above them.
-    /// * No leaf holds more than `leaf_capacity` unless it is at `max_depth`;
-    ///   nothing is deeper than `max_depth`.
-    /// * A cover is exactly what its shapes need; a child's cell lies in its
-    ///   parent's; a cell holds the centres of its shapes.
+    /// * Every row is at exactly one place.
+    /// * The root has all places. The ranges of children partition the range of their parent in
+    ///   order. No node is empty, and no parent has a single child.
+    /// * Parents precede their children, whose depth is one more.
+    /// * A leaf has at most `leaf_capacity` shapes unless it is at `max_depth`; no node is deeper
+    ///   than `max_depth`.
+    /// * The bounds of a node are exactly those of its shapes. Its cell contains the centres of its
+    ///   shapes and the cells of its children.
     pub fn check(&self) -> Result<(), String> {
         self.check_rows()?;
         match self.nodes().first() {
@@ -32,7 +32,7 @@ impl<T: Scalar> Quadtree<T> {
         for index in 0..self.nodes().len() {
             self.check_size(index)?;
             self.check_children(index, &mut seen)?;
-            self.check_cover(index)?;
+            self.check_bounds(index)?;
             self.check_cell(index, &cells)?;
         }
         if seen == self.nodes().len() { Ok(()) } else { Err("some nodes have no parent".into()) }
@@ -85,12 +85,13 @@ impl<T: Scalar> Quadtree<T> {
         Ok(())
     }
 
-    fn check_cover(&self, index: usize) -> Result<(), String> {
-        let shapes = self.nodes()[index].range().map(|place| Cover::of(&self.columns.shape(place)));
-        if shapes.reduce(Cover::join) == Some(self.covers()[index]) {
+    fn check_bounds(&self, index: usize) -> Result<(), String> {
+        let shapes =
+            self.nodes()[index].range().map(|place| Bounds::of(&self.columns.shape(place)));
+        if shapes.reduce(Bounds::join) == Some(self.bounds()[index]) {
             Ok(())
         } else {
-            Err(format!("the cover of node {index} is not tight"))
+            Err(format!("the bounds of node {index} are not tight"))
         }
     }
 

@@ -1,11 +1,14 @@
-//! The quadtree: shapes in Z-order, leaves as ranges of them.
+//! The quadtree: shapes in Morton order; each node is a range of them.
 //!
-//! Each shape is stored once, at its centre; a shape may reach over the border
-//! of its leaf's cell, and the node's [`Cover`] says how far. Nodes split into
-//! four (empty quarters are left out) until they hold `leaf_capacity` shapes or
-//! `max_depth` is reached. Runs of subdivisions that would leave everything in
-//! one quarter are skipped, so depth and memory follow the number of shapes and
-//! never the distances between them.
+//! Each shape is stored once, in the leaf that contains its centre. A shape may extend beyond
+//! the cell of its leaf; the [`Bounds`] of a node contain its shapes. Nodes are split into four,
+//! without empty quarters, until they have at most `leaf_capacity` shapes or are at `max_depth`.
+//! Subdivisions with all shapes in one quarter are skipped (path compression), so depth and
+//! memory depend on the number of shapes and not on the distances between them.
+//!
+//! H. Samet, *Foundations of Multidimensional and Metric Data Structures* (2006), chapter 1.4.
+//! T. Karras, *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*, High
+//! Performance Graphics (2012): construction from sorted Morton keys.
 
 mod build;
 mod cells;
@@ -22,30 +25,30 @@ pub use cells::TreeBox;
 
 use crate::columns::Columns;
 use crate::error::Result;
-use crate::geometry::{Cover, Scalar, Shape};
+use crate::geometry::{Bounds, Scalar, Shape};
 use crate::memory;
 use crate::parallel;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
 
-/// A box of the tree.
+/// A node of the tree: a range of shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Node {
     start: u32,
     end: u32,
-    /// The first child; the strips of a leaf.
+    /// Index of the first child; for a leaf, index of its strips.
     children: u32,
     child_count: u8,
-    /// Subdivisions of its grid above it.
+    /// Subdivisions above this node in its grid.
     level: u8,
     /// Subdivisions above this node.
     pub depth: u16,
-    /// Which entry of `Order::keyed` tells its shapes apart.
+    /// Index of the entry of `Order::keyed` with the keys of its shapes.
     grid: u32,
 }
 
 impl Node {
-    /// Places of its shapes in the tree's order.
+    /// Its shapes, as places in Morton order.
     pub fn range(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
@@ -56,13 +59,13 @@ impl Node {
         first..first + self.child_count as usize
     }
 
-    /// Number of shapes in it.
+    /// Number of its shapes.
     #[allow(clippy::len_without_is_empty, reason = "a node is never empty")]
     pub fn len(&self) -> usize {
         (self.end - self.start) as usize
     }
 
-    /// Whether it did not split.
+    /// Whether it has no children.
     pub fn is_leaf(&self) -> bool {
         self.child_count == 0
     }
@@ -74,7 +77,7 @@ impl Node {
 /// use jostle::{Each, Quadtree, Settings, Shapes};
 /// let discs = Shapes::circles(vec![[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], Each::One(0.6))?;
 /// let tree = Quadtree::new(&discs, Settings::default())?;
-/// let found = jostle::pairs::within(&tree, jostle::settings::DEFAULT_MAX_PAIRS)?;
+/// let found = jostle::pairs::within(&tree, None, jostle::settings::DEFAULT_MAX_PAIRS)?;
 /// assert_eq!(found.pairs.len(), 1);
 /// # Ok::<(), jostle::Error>(())
 /// ```
@@ -87,29 +90,29 @@ pub struct Quadtree<T> {
 }
 
 impl<T: Scalar> Quadtree<T> {
-    /// Builds the tree of `shapes`. Refuses settings that no tree can follow.
+    /// Builds the tree of `shapes`. Refuses invalid settings.
     pub fn new(shapes: &Shapes<T>, settings: Settings) -> Result<Self> {
         let mut tree = Self::default();
         tree.fill(shapes, settings)?;
-        tree.order.forget_scratch();
+        tree.order.free_scratch();
         Ok(tree)
     }
 
-    /// Builds the tree of `shapes` in the memory of this one.
+    /// Replaces this tree by that of `shapes`, reusing its memory.
     pub fn fill(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
         settings.validate()?;
         self.rebuild(shapes, settings, &|a, b| compare_shapes(shapes, a, b))
     }
 
-    /// As [`Quadtree::fill`], in less time: the order of the shapes in a leaf depends on their rows
-    /// too.
+    /// As [`Quadtree::fill`] and faster, but the order of the shapes in a leaf depends on their
+    /// rows too.
     pub fn fill_unordered(&mut self, shapes: &Shapes<T>, settings: Settings) -> Result<()> {
         settings.validate()?;
         self.build(shapes, settings, settings.leaf_capacity, &|_, _| Ordering::Equal)
     }
 
-    /// Builds the tree anew in its old memory. `tie` orders rows whose centres
-    /// coincide; the settings are taken as valid. Where it fails the tree is empty.
+    /// Rebuilds the tree in its memory. `tie` compares rows whose centres coincide; the settings
+    /// must be valid. After an error the tree is empty.
     pub fn rebuild(
         &mut self,
         shapes: &Shapes<T>,
@@ -121,7 +124,7 @@ impl<T: Scalar> Quadtree<T> {
         built
     }
 
-    /// As [`Quadtree::rebuild`], never checked.
+    /// As [`Quadtree::rebuild`], without a check of the invariants in debug builds.
     pub fn rebuild_unchecked(
         &mut self,
         shapes: &Shapes<T>,
@@ -131,7 +134,8 @@ impl<T: Scalar> Quadtree<T> {
         self.build(shapes, settings, 0, tie)
     }
 
-    /// Groups of at most `unsorted` shapes in a leaf may stay in the order of their rows.
+    /// Groups of at most `unsorted` shapes, which fit into a leaf, may be in the order of their
+    /// rows.
     fn build(
         &mut self,
         shapes: &Shapes<T>,
@@ -161,23 +165,23 @@ impl<T: Scalar> Quadtree<T> {
         memory::resize(&mut rows, shapes.len(), 0)?;
         let [x, y] = self.columns.places(shapes.len())?;
         let places = strips::Places { rows: &mut rows, x, y };
-        let grown = self.built.grow(&self.order, shapes, places, &settings, unsorted > 0);
+        let built = self.built.build(&self.order, shapes, places, &settings, unsorted > 0);
         self.order.rows = rows;
-        grown?;
+        built?;
         self.columns.fill_rest(shapes, &self.order.rows, threads)?;
-        self.built.cover(&self.columns, &settings)
+        self.built.compute_bounds(&self.columns, &settings)
     }
 
-    /// Forgets all shapes and keeps their memory.
+    /// Removes all shapes and keeps their memory.
     fn clear(&mut self) {
         self.columns.clear();
         self.order.clear();
         self.built.clear();
     }
 
-    /// Bytes of memory that it keeps, used or not.
-    pub fn kept_bytes(&self) -> usize {
-        self.built.kept_bytes() + self.columns.kept_bytes() + self.order.kept_bytes()
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
+        self.built.memory_bytes() + self.columns.memory_bytes() + self.order.memory_bytes()
     }
 
     /// Number of shapes.
@@ -190,27 +194,28 @@ impl<T: Scalar> Quadtree<T> {
         self.columns.is_empty()
     }
 
-    /// The shapes in the tree's order.
+    /// The shapes in Morton order.
     pub fn columns(&self) -> &Columns<T> {
         &self.columns
     }
 
-    /// `rows()[place]` is the caller's row of the shape at `place`.
+    /// `rows()[place]` is the caller's row of the shape at `place` in Morton order.
     pub fn rows(&self) -> &[u32] {
         &self.order.rows
     }
 
-    /// The nodes, parents before children. Empty where there is no shape.
+    /// The nodes, parents before children. Empty if there is no shape.
     pub fn nodes(&self) -> &[Node] {
         &self.built.nodes
     }
 
-    /// The covers, one for each node.
-    pub fn covers(&self) -> &[Cover<T>] {
-        &self.built.covers
+    /// The bounds, one for each node.
+    pub fn bounds(&self) -> &[Bounds<T>] {
+        &self.built.bounds
     }
 
-    /// For each strip of a leaf: its places, and where the last strip ends that it can reach.
+    /// For each strip of a leaf: its places, and the end of the last strip with shapes that its own
+    /// shapes could overlap.
     #[inline(always)]
     pub fn strips(&self, leaf: &Node) -> impl Iterator<Item = (Range<usize>, usize)> {
         let strips = &self.built.strips[leaf.children as usize];
@@ -223,15 +228,16 @@ impl<T: Scalar> Quadtree<T> {
         })
     }
 
-    /// Places of the shapes of a leaf, at least of those that could overlap a shape under `cover`.
+    /// A range of places of a leaf that contains all shapes that could overlap a shape within
+    /// `bounds`.
     #[inline(always)]
-    pub fn places_near(&self, leaf: usize, cover: &Cover<T>) -> Range<usize> {
-        let (node, own) = (&self.nodes()[leaf], &self.covers()[leaf]);
+    pub fn places_near(&self, leaf: usize, bounds: &Bounds<T>) -> Range<usize> {
+        let (node, own) = (&self.nodes()[leaf], &self.bounds()[leaf]);
         let strips = &self.built.strips[node.children as usize];
-        strips.places(&self.built.ends, node.range(), own, cover)
+        strips.places(&self.built.ends, node.range(), own, bounds)
     }
 
-    /// The settings it was built with.
+    /// The settings with which it was built.
     pub fn settings(&self) -> Settings {
         self.settings
     }
@@ -241,16 +247,16 @@ impl<T: Scalar> Quadtree<T> {
         self.nodes().iter().filter(|node| node.is_leaf()).count()
     }
 
-    /// Subdivisions above the deepest node.
+    /// The depth of the deepest node.
     pub fn depth(&self) -> usize {
         self.nodes().iter().map(|node| usize::from(node.depth)).max().unwrap_or(0)
     }
 }
 
-/// Trees up to this size are checked after every build where debug assertions are on.
+/// Debug builds check the invariants of trees up to this number of shapes after each build.
 const CHECKED: usize = 500;
 
-/// Orders shapes with coincident centres by everything else about them.
+/// Compares shapes with coincident centres by all their other values.
 fn compare_shapes<T: Scalar>(shapes: &Shapes<T>, a: usize, b: usize) -> Ordering {
     let (a, b) = (shapes.shape(a), shapes.shape(b));
     let sizes = |Shape { min, max, half_size, radius, .. }: &Shape<T>| {

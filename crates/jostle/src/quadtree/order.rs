@@ -1,12 +1,11 @@
-//! The order of the shapes: along a Z-curve (Morton order) of their centres.
+//! The Morton order of the shapes' centres.
 //!
-//! A grid of 2^16 × 2^16 cells over the centres gives each shape a 32-bit key.
-//! Where more than a few shapes share the finest cell (a small cluster in a
-//! vast world), that cell gets a grid of its own, fitted to its contents, and
-//! so on: no position is out of range and no cluster stays unresolved. What
-//! still shares a cell is ordered by coordinates, then by the caller's rule,
-//! then by row, so that the order comes from the shapes and not from the order
-//! in which they were given.
+//! A grid of 2^16 × 2^16 cells over the centres gives each shape a 32-bit key. If more than a
+//! few shapes are in one finest cell (a small cluster in a large world), they get a grid of their
+//! own, fitted to them, and so on. So positions are not limited to a range, and clusters are
+//! resolved at any scale. Shapes that are still in one cell are ordered by their coordinates,
+//! then by the caller's rule, then by row. So the order depends on the shapes, and on the order
+//! in which they were given only if they are equal.
 
 use std::cmp::Ordering;
 use std::collections::{HashMap, VecDeque};
@@ -22,12 +21,11 @@ use crate::parallel;
 use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work};
 
-/// Runs of equal keys up to this length are sorted by comparing; longer ones
-/// are given a finer grid.
+/// Runs of equal keys up to this length are sorted by comparison; longer ones get a finer grid.
 const SHORT_RUN: usize = 8;
 
-/// Compares two rows whose centres coincide. It is called seldom, so the sorting does not
-/// depend on its type and is compiled once.
+/// Compares two rows whose centres coincide. A trait object, so that the sorting is compiled once;
+/// calls are rare.
 pub type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
 
 /// Keys of the places `start..end` of the order, in one grid.
@@ -35,11 +33,11 @@ pub type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
 pub struct Keyed<T> {
     /// First place.
     pub start: usize,
-    /// Behind the last place.
+    /// Place after the last one.
     pub end: usize,
     /// The grid of the keys.
     pub grid: Grid,
-    /// The shapes with their keys, in ascending order as far as the tree needs it.
+    /// The shapes with their keys, sorted as far as the tree requires.
     pub items: Vec<Item<T>>,
     parts: Parts,
 }
@@ -61,25 +59,25 @@ impl<T> Keyed<T> {
     }
 }
 
-/// The shapes' rows in canonical order, and the keys that led there.
+/// The rows of the shapes in Morton order, and the keys.
 #[derive(Clone, Debug, Default)]
 pub struct Order<T> {
     /// `rows[place]` is the shape's row in the caller's columns.
     pub rows: Vec<u32>,
-    /// The first entry keys all places; each further one the places that shared
-    /// one finest cell of an earlier entry.
+    /// The first entry has the keys of all places; each other entry those of places that are in one
+    /// finest cell of an earlier entry.
     pub keyed: Vec<Keyed<T>>,
     finer: HashMap<(usize, usize), usize>,
     sorter: Sorter<T>,
     /// Ranges of places that share a key.
     equal: Vec<Range<usize>>,
-    /// Those that are not in order yet.
+    /// Those that are not sorted yet.
     open: VecDeque<Range<usize>>,
 }
 
 impl<T: Scalar> Order<T> {
-    /// Orders the shapes. `tie` compares two rows whose centres coincide. If `unsorted` is not 0,
-    /// groups of at most so many, which a leaf can hold, may stay in the order of their rows.
+    /// Sorts the shapes. `tie` compares two rows whose centres coincide. If `unsorted` is above 0,
+    /// groups of at most this number, which fit into a leaf, may be in the order of their rows.
     pub fn sort(
         &mut self,
         shapes: &Shapes<T>,
@@ -103,7 +101,7 @@ impl<T: Scalar> Order<T> {
         let grid = known.unwrap_or(Grid::at(centers[0].map(T::to_f64)));
         let precision = match unsorted {
             0 => Precision::Full,
-            most => Precision::Groups { most, occupied: occupied(&grid, extent) },
+            max => Precision::Groups { max, occupied: occupied(&grid, extent) },
         };
         self.sort_by_key(&mut root, threads, precision, &Centers { grid, centers }, &mut open)?;
         self.keyed.push(root);
@@ -116,7 +114,7 @@ impl<T: Scalar> Order<T> {
         Ok(())
     }
 
-    /// Forgets all rows and keeps their memory.
+    /// Removes all rows and keeps their memory.
     pub fn clear(&mut self) {
         self.rows.clear();
         self.finer.clear();
@@ -127,31 +125,31 @@ impl<T: Scalar> Order<T> {
         }
     }
 
-    /// Bytes of memory that it keeps, used or not.
-    pub fn kept_bytes(&self) -> usize {
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
         let items: usize = self.keyed.iter().map(|keyed| keyed.items.capacity()).sum();
         let grids = self.keyed.capacity() * (size_of::<Keyed<T>>() + size_of::<[usize; 4]>());
         grids
             + items * size_of::<Item<T>>()
             + self.rows.capacity() * size_of::<u32>()
             + (self.equal.capacity() + self.open.capacity()) * size_of::<Range<usize>>()
-            + self.sorter.kept_bytes()
+            + self.sorter.memory_bytes()
     }
 
-    /// Gives back the memory that only sorting needs.
-    pub fn forget_scratch(&mut self) {
+    /// Frees the memory that only sorting uses.
+    pub fn free_scratch(&mut self) {
         self.sorter = Sorter::default();
         self.equal = Vec::new();
         self.open = VecDeque::new();
     }
 
-    /// The index in `keyed` of the finer grid made for exactly these places.
+    /// The index in `keyed` of the finer grid for exactly these places.
     pub fn finer(&self, start: usize, end: usize) -> Option<usize> {
         self.finer.get(&(start, end)).copied()
     }
 
-    /// Orders a range of places that share a key: few by comparing, many by the keys of
-    /// a finer grid, which may leave ranges `open` in their turn.
+    /// Sorts a range of places that share a key: few by comparison, many by the keys of a finer
+    /// grid, which may append ranges to `open`.
     fn resolve(
         &mut self,
         range: Range<usize>,
@@ -184,8 +182,8 @@ impl<T: Scalar> Order<T> {
         memory::push(&mut self.keyed, keyed)
     }
 
-    /// Sorts the shapes of a source, those at `keyed`'s places, by their keys, then by row. Ranges
-    /// that share a key are left `open`.
+    /// Sorts the shapes of a source, those at the places of `keyed`, by key, then by row. Appends
+    /// the ranges that share a key to `open`.
     fn sort_by_key(
         &mut self,
         keyed: &mut Keyed<T>,
@@ -205,18 +203,18 @@ impl<T: Scalar> Order<T> {
     }
 }
 
-/// Shapes and the grid that gives their keys.
+/// Shapes and the grid of their keys.
 trait GridSource<T>: Source<T> {
     fn grid(&self) -> Grid;
 }
 
-/// All shapes.
+/// All shapes, as the source of the first sort.
 struct Centers<'a, T> {
     grid: Grid,
     centers: &'a [[T; 2]],
 }
 
-/// Some shapes that were sorted before.
+/// Shapes that share a key, as the source of a finer sort.
 struct Items<'a, T> {
     grid: Grid,
     items: &'a [Item<T>],
@@ -266,7 +264,7 @@ impl<T: Scalar> Source<T> for Items<'_, T> {
     }
 }
 
-/// The keys of some centres.
+/// Computes the keys of some centres.
 struct Keys<'a, T> {
     grid: &'a Grid,
     centers: &'a [[T; 2]],
@@ -293,19 +291,19 @@ impl<T: Scalar> Work<T> for Keys<'_, T> {
     }
 }
 
-/// The fraction of a grid that the box around the centres fills, at least a little.
+/// The fraction of a grid that the bounding box of the centres covers, at least 0.001.
 fn occupied<T: Scalar>(grid: &Grid, [min, max]: [[T; 2]; 2]) -> f64 {
-    let [width, height] = [0, 1].map(|axis| grid.part(max[axis].to_f64(), min[axis].to_f64()));
+    let [width, height] = [0, 1].map(|axis| grid.fraction(max[axis].to_f64(), min[axis].to_f64()));
     (width * height).clamp(1e-3, 1.0)
 }
 
-/// The corners of the box around some centres.
+/// Computes the bounding box of some centres.
 struct Extent<'a, T>(&'a [[T; 2]]);
 
 impl<T: Scalar> Work<T> for Extent<'_, T> {
     type Out = [[T; 2]; 2];
 
-    /// Lanes hold x and y in turn.
+    /// Even lanes have x, odd lanes y.
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
         let numbers = self.0.as_flattened();
@@ -315,7 +313,7 @@ impl<T: Scalar> Work<T> for Extent<'_, T> {
         let (mut low, mut high) = (simd.load(&lows), simd.load(&lows));
         for block in blocks {
             let block = simd.load(block);
-            (low, high) = (simd.least(low, block), simd.most(high, block));
+            (low, high) = (simd.min(low, block), simd.max(high, block));
         }
         simd.store(low, &mut lows);
         simd.store(high, &mut highs);
@@ -324,23 +322,23 @@ impl<T: Scalar> Work<T> for Extent<'_, T> {
             all.reduce(both).unwrap_or(numbers[axis])
         };
         let both_axes = |lanes: &[T; LANES], both| [0, 1].map(|axis| of_axis(lanes, axis, both));
-        [both_axes(&lows, T::least), both_axes(&highs, T::most)]
+        [both_axes(&lows, T::min), both_axes(&highs, T::max)]
     }
 }
 
-/// The grid around some shapes; none where they all coincide.
+/// The grid over some shapes; None if all centres coincide.
 fn grid_of<T: Scalar>(items: &[Item<T>]) -> Option<Grid> {
     let (mut min, mut max) = (items[0].center, items[0].center);
     for item in items {
         for axis in 0..2 {
-            min[axis] = min[axis].least(item.center[axis]);
-            max[axis] = max[axis].most(item.center[axis]);
+            min[axis] = min[axis].min(item.center[axis]);
+            max[axis] = max[axis].max(item.center[axis]);
         }
     }
     grid_around([min, max])
 }
 
-/// The grid around some centres; none where they all coincide.
+/// The grid over a bounding box; None if it is a point.
 fn grid_around<T: Scalar>([min, max]: [[T; 2]; 2]) -> Option<Grid> {
     (min != max).then(|| Grid::around(min.map(Scalar::to_f64), max.map(Scalar::to_f64)))
 }

@@ -1,8 +1,9 @@
-//! Sorting shapes by the keys of their centres.
+//! Sorting of shapes by the Morton keys of their centres: a parallel radix sort, most significant
+//! bits first.
 //!
-//! First every chunk of the shapes is parted into blocks by the leading bits of the keys; then
-//! each block, which fits into the second-level cache, is collected from all chunks and sorted by
-//! the bits that follow. The centres move along, so that nothing has to be looked up afterwards.
+//! Each chunk of the shapes is partitioned into blocks by the leading bits of the keys. Each
+//! block, which fits into the second-level cache, is then gathered from all chunks and sorted by
+//! the following bits. Items contain the centres, so these need no lookup afterwards.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -11,24 +12,25 @@ use crate::error::Result;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel::{self, locked};
+use crate::sorting::prefix_sum;
 
-/// Below this many shapes a comparison sort is faster.
+/// Up to this number of shapes a comparison sort is faster.
 const SMALL: usize = 256;
 
-/// There are at most so many chunks.
-const CHUNKS: usize = 8;
+/// Maximum number of chunks.
+const MAX_CHUNKS: usize = 8;
 
-/// Shapes of a chunk, at least.
-const LEAST_CHUNK: usize = 1 << 11;
+/// Minimum number of shapes in a chunk.
+const MIN_CHUNK: usize = 1 << 11;
 
-/// Shapes of a block, about.
+/// Approximate number of shapes in a block.
 const BLOCK: usize = 1 << 12;
 
-/// Leading bits that blocks differ in, at most.
-const MOST_BLOCK_BITS: u32 = 10;
+/// Maximum number of leading bits that define a block.
+const MAX_BLOCK_BITS: u32 = 10;
 
-/// Leading bits that blocks differ in, at least, so that there is work for some threads.
-const LEAST_BLOCK_BITS: u32 = 4;
+/// Minimum number of leading bits that define a block: enough blocks for several threads.
+const MIN_BLOCK_BITS: u32 = 4;
 
 /// Blocks of more shapes than this are sorted in several passes.
 const LARGE_BLOCK: usize = 1 << 15;
@@ -36,10 +38,10 @@ const LARGE_BLOCK: usize = 1 << 15;
 /// Bits of a key.
 const KEY_BITS: u32 = u32::BITS;
 
-/// Tasks that the blocks are divided into, at most.
-const TASKS: usize = 64;
+/// Maximum number of tasks for the blocks.
+const MAX_TASKS: usize = 64;
 
-/// A shape on its way: its key, its row and its centre.
+/// A shape to be sorted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Item<T> {
     /// The key of its centre.
@@ -51,20 +53,20 @@ pub struct Item<T> {
 }
 
 impl<T> Item<T> {
-    /// What items are sorted by: key, then row.
+    /// The sort key: key, then row.
     #[inline(always)]
     fn rank(&self) -> u64 {
         u64::from(self.key) << 32 | u64::from(self.row)
     }
 }
 
-/// Where items come from.
+/// The shapes to be sorted.
 pub trait Source<T>: Sync {
     /// Number of items.
     fn len(&self) -> usize;
-    /// Computes the keys of some items.
+    /// Writes the keys of some items.
     fn keys(&self, range: Range<usize>, keys: &mut [u32]);
-    /// The row and the centre of an item.
+    /// The item at `index`, whose key is `key`.
     fn item(&self, index: usize, key: u32) -> Item<T>;
 }
 
@@ -73,48 +75,46 @@ pub trait Source<T>: Sync {
 pub enum Precision {
     /// By key, then by row.
     Full,
-    /// Items that share leading bits may stay in the order of their rows if there are at most
-    /// `most` of them. The items share out among a fraction `occupied` of all values that the
-    /// leading bits can have.
+    /// Groups of at most `max` items that share leading bits may be in the order of their rows.
     Groups {
-        /// Largest number of items that may stay unsorted.
-        most: usize,
-        /// Fraction of the values of the leading bits.
+        /// Maximum number of items in an unsorted group.
+        max: usize,
+        /// Approximate fraction of the values of the leading bits that occur.
         occupied: f64,
     },
 }
 
-/// Mean size of a group, at most, as a fraction of the largest that is allowed.
-const FULL: f64 = 0.8;
+/// Maximum mean size of a group, as a fraction of the largest size that is allowed.
+const MEAN_GROUP: f64 = 0.8;
 
 impl Precision {
-    /// Leading bits that groups differ in.
+    /// Number of leading bits that define a group.
     fn bits(self, len: usize) -> u32 {
         match self {
             Self::Full => KEY_BITS,
-            Self::Groups { most, occupied } => {
-                let groups = len as f64 / (FULL * most as f64 * occupied);
+            Self::Groups { max, occupied } => {
+                let groups = len as f64 / (MEAN_GROUP * max as f64 * occupied);
                 // Two bits for each subdivision.
-                let enough = |bits: &u32| f64::from(1 << bits) >= groups;
-                (0..KEY_BITS - 2).step_by(2).find(enough).unwrap_or(KEY_BITS)
+                let suffices = |bits: &u32| f64::from(1 << bits) >= groups;
+                (0..KEY_BITS - 2).step_by(2).find(suffices).unwrap_or(KEY_BITS)
             }
         }
     }
 
-    /// Whether so many items that share the leading bits are sorted enough.
+    /// Whether a group of `len` items may be in the order of their rows.
     fn accepts(self, len: usize) -> bool {
         match self {
             Self::Full => len < 2,
-            Self::Groups { most, .. } => len <= most,
+            Self::Groups { max, .. } => len <= max,
         }
     }
 }
 
-/// Where the items of each block or group begin, which share leading bits.
+/// The first index of each block or group, whose items share leading bits.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     bits: u32,
-    /// One more than there are blocks or groups.
+    /// One more than the number of blocks or groups.
     starts: Vec<u32>,
 }
 
@@ -134,37 +134,37 @@ impl Parts {
         known.start + items[known].partition_point(|item| item.key < bound)
     }
 
-    /// Forgets all blocks.
+    /// Removes all blocks.
     pub fn clear(&mut self) {
         self.bits = 0;
         self.starts.clear();
     }
 }
 
-/// Memory for sorting.
+/// Scratch for sorting.
 #[derive(Debug, Default)]
 pub struct Sorter<T> {
     keys: Vec<u32>,
     parted: Vec<Item<T>>,
-    /// For each chunk the end of each block in it.
+    /// For each chunk, the end of each block in it.
     ends: Vec<u32>,
-    /// Where each block begins once all are sorted.
+    /// The first index of each block in the sorted items.
     starts: Vec<u32>,
     scratch: Mutex<Vec<Scratch<T>>>,
 }
 
-/// Some adjacent blocks and where their items go.
+/// Some adjacent blocks and their ranges of the sorted items.
 struct Task<'a, T> {
     blocks: Range<usize>,
     items: &'a mut [Item<T>],
-    /// Where the parts of the blocks end, to be filled in.
+    /// The ends of the parts of the blocks, an output.
     ends: &'a mut [u32],
-    /// Where the items stand among all.
+    /// Index of the first of the items among all.
     start: usize,
 }
 
 impl<T> Clone for Sorter<T> {
-    /// A sorter without memory: it has no other state.
+    /// A sorter without scratch: it has no other state.
     fn clone(&self) -> Self {
         Self {
             keys: Vec::new(),
@@ -177,17 +177,17 @@ impl<T> Clone for Sorter<T> {
 }
 
 impl<T: Copy + Default + Send + Sync> Sorter<T> {
-    /// Bytes of memory that it keeps, used or not.
-    pub fn kept_bytes(&self) -> usize {
-        let scratch: usize = locked(&self.scratch).iter().map(Scratch::kept_bytes).sum();
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
+        let scratch: usize = locked(&self.scratch).iter().map(Scratch::memory_bytes).sum();
         scratch
             + self.parted.capacity() * size_of::<Item<T>>()
             + (self.ends.capacity() + self.keys.capacity() + self.starts.capacity())
                 * size_of::<u32>()
     }
 
-    /// Fills `items` from `source` and sorts them as far as `precision` says; lists the ranges
-    /// of sorted items that share a key in `equal`.
+    /// Fills `items` from `source`, sorts them to the given precision, and lists the ranges of
+    /// sorted items that share a key in `equal`.
     pub fn sort(
         &mut self,
         threads: Option<usize>,
@@ -215,13 +215,13 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
             return equal_keys(items, 0, equal);
         }
         let bits = (len / BLOCK).next_power_of_two().trailing_zeros();
-        let bits = bits.clamp(LEAST_BLOCK_BITS, MOST_BLOCK_BITS);
-        self.part_chunks(threads, source, bits)?;
+        let bits = bits.clamp(MIN_BLOCK_BITS, MAX_BLOCK_BITS);
+        self.partition_chunks(threads, source, bits)?;
         self.sort_blocks(threads, precision, items, bits, parts, equal)
     }
 
-    /// Makes the items of every chunk and parts them by their leading bits.
-    fn part_chunks(
+    /// Makes the items of every chunk and partitions them by their leading bits.
+    fn partition_chunks(
         &mut self,
         threads: Option<usize>,
         source: &impl Source<T>,
@@ -244,7 +244,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
             source.keys(start..start + keys.len(), keys);
             let block = |key: u32| leading(key, 0, bits);
             keys.iter().for_each(|&key| ends[block(key)] += 1);
-            sum_before(ends);
+            prefix_sum(ends);
             for (offset, &key) in keys.iter().enumerate() {
                 let place = &mut ends[block(key)];
                 parted[*place as usize] = source.item(start + offset, key);
@@ -254,7 +254,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         stop.check()
     }
 
-    /// Collects every block from all chunks and sorts it.
+    /// Gathers every block from all chunks and sorts it.
     fn sort_blocks(
         &mut self,
         threads: Option<usize>,
@@ -270,16 +270,16 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         let source =
             Parted { items: &parted[..len], ends, blocks: 1 << bits, chunk: chunk_of(len) };
         source.find_starts(starts)?;
-        // Groups of two bits for each subdivision; blocks may have an odd number of bits.
+        // Two bits for each subdivision; blocks may have an odd number of bits.
         let group_bits = precision.bits(len).max(bits + bits % 2);
         parts.bits = if group_bits < KEY_BITS { group_bits } else { bits };
         memory::resize(&mut parts.starts, (1 << parts.bits) + 1, 0)?;
-        let known = Known { bits, group_bits, listed: parts.bits - bits, precision };
+        let how = BlockSort { bits, group_bits, listed: parts.bits - bits, precision };
         let tasks = source.tasks(items, starts, &mut parts.starts[1..]);
         let failed = Mutex::new(Ok(()));
         let make = || locked(spare).pop().unwrap_or_default();
         let sort = |task, scratch: &mut Scratch<T>| {
-            if let Err(error) = source.sort(task, known, &stop, scratch) {
+            if let Err(error) = source.sort(task, how, &stop, scratch) {
                 *locked(&failed) = Err(error);
             }
         };
@@ -293,43 +293,36 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         });
         stop.check()?;
         failed.into_inner().unwrap_or_else(PoisonError::into_inner).and(result)?;
-        // Threads end in any order.
+        // The order of the threads is not defined.
         equal.sort_unstable_by_key(|range| range.start);
         Ok(())
     }
 }
 
-/// Items of a chunk. It follows from the number of items alone.
+/// Number of items in a chunk; it depends only on the number of items.
 fn chunk_of(len: usize) -> usize {
-    len.div_ceil(CHUNKS).max(LEAST_CHUNK)
+    len.div_ceil(MAX_CHUNKS).max(MIN_CHUNK)
 }
 
-/// The `bits` bits of a key behind the first `known` ones.
+/// The `bits` bits of a key after its first `skipped` bits.
 #[inline(always)]
-fn leading(key: u32, known: u32, bits: u32) -> usize {
-    if bits == 0 { 0 } else { (key << known >> (KEY_BITS - bits)) as usize }
+fn leading(key: u32, skipped: u32, bits: u32) -> usize {
+    if bits == 0 { 0 } else { (key << skipped >> (KEY_BITS - bits)) as usize }
 }
 
-/// Replaces every count by the sum of those before it.
-fn sum_before(counts: &mut [u32]) {
-    let mut sum = 0;
-    for count in counts {
-        sum += std::mem::replace(count, sum);
-    }
-}
-
-/// What the items of a block have in common, and how far to sort them.
+/// How to sort a block.
 #[derive(Clone, Copy)]
-struct Known {
+struct BlockSort {
+    /// Leading bits that define a block.
     bits: u32,
-    /// Leading bits that groups differ in, at least as many.
+    /// Leading bits that define a group, at least `bits`.
     group_bits: u32,
-    /// Bits that the parts of a block that are listed differ in.
+    /// Bits after `bits` that define the listed parts of a block.
     listed: u32,
     precision: Precision,
 }
 
-/// Chunks that are parted.
+/// The partitioned chunks.
 struct Parted<'a, T> {
     items: &'a [Item<T>],
     ends: &'a [u32],
@@ -338,26 +331,26 @@ struct Parted<'a, T> {
 }
 
 impl<T: Copy + Default> Parted<'_, T> {
-    /// Collects and sorts the blocks of a task; lists the ranges that share a key in `scratch`.
+    /// Gathers and sorts the blocks of a task; lists the ranges that share a key in `scratch`.
     fn sort(
         &self,
         task: Task<'_, T>,
-        known: Known,
+        how: BlockSort,
         stop: &Stop,
         scratch: &mut Scratch<T>,
     ) -> Result<()> {
         let mut from = 0;
         let mut pulse = Pulse::of(stop);
-        let mut ends = task.ends.chunks_mut(1 << known.listed);
+        let mut ends = task.ends.chunks_mut(1 << how.listed);
         for block in task.blocks {
             let len = self.pieces(block).map(<[Item<T>]>::len).sum::<usize>();
             pulse.check(len)?;
             let sorted = &mut task.items[from..from + len];
             let start = task.start + from;
-            self.sort_block(block, sorted, start, known, scratch)?;
+            self.sort_block(block, sorted, start, how, scratch)?;
             let ends = ends.next().expect("ends for each block");
             ends.fill(0);
-            sorted.iter().for_each(|item| ends[leading(item.key, known.bits, known.listed)] += 1);
+            sorted.iter().for_each(|item| ends[leading(item.key, how.bits, how.listed)] += 1);
             let mut end = start as u32;
             for sum in ends {
                 end += *sum;
@@ -373,10 +366,10 @@ impl<T: Copy + Default> Parted<'_, T> {
         block: usize,
         sorted: &mut [Item<T>],
         start: usize,
-        known: Known,
+        how: BlockSort,
         scratch: &mut Scratch<T>,
     ) -> Result<()> {
-        let Known { bits, group_bits, precision, .. } = known;
+        let BlockSort { bits, group_bits, precision, .. } = how;
         if sorted.len() > LARGE_BLOCK {
             scratch.collected.clear();
             memory::reserve(&mut scratch.collected, sorted.len())?;
@@ -385,15 +378,15 @@ impl<T: Copy + Default> Parted<'_, T> {
             sorted.copy_from_slice(&scratch.collected);
             return equal_keys(sorted, start, &mut scratch.equal);
         }
-        let most = (2 * sorted.len()).next_power_of_two().trailing_zeros();
-        let next = (group_bits - bits).min(most);
+        let max_bits = (2 * sorted.len()).next_power_of_two().trailing_zeros();
+        let next = (group_bits - bits).min(max_bits);
         let precision = if bits + next < group_bits { Precision::Full } else { precision };
         let ends = &mut scratch.counts;
         ends.clear();
         ends.resize(1 << next, 0);
         let items = || self.pieces(block).flatten();
         items().for_each(|item| ends[leading(item.key, bits, next)] += 1);
-        sum_before(ends);
+        prefix_sum(ends);
         for &item in items() {
             let place = &mut ends[leading(item.key, bits, next)];
             sorted[*place as usize] = item;
@@ -418,7 +411,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         Ok(())
     }
 
-    /// What each chunk has of a block.
+    /// The items of a block in each chunk.
     fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T>]> {
         let chunks = self.items.chunks(self.chunk).zip(self.ends.chunks(self.blocks));
         chunks.map(move |(items, ends)| {
@@ -427,11 +420,11 @@ impl<T: Copy + Default> Parted<'_, T> {
         })
     }
 
-    /// Where each block begins once all are sorted, and where the last one ends.
+    /// Writes the first index of each block in the sorted items, and the end of the last one.
     fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
         starts.clear();
         memory::resize(starts, self.blocks + 1, 0)?;
-        // A chunk's end of a block counts everything before it too.
+        // The end of a block in a chunk is the number of items of this and all blocks before it.
         for ends in self.ends.chunks(self.blocks) {
             for (start, &end) in starts[1..].iter_mut().zip(ends) {
                 *start += end;
@@ -440,7 +433,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         Ok(())
     }
 
-    /// All blocks, divided into tasks of about equal size. Each has as many of the `ends`.
+    /// All blocks, divided into tasks of about equal size, and the `ends` divided in the same way.
     fn tasks<'a>(
         &self,
         mut items: &'a mut [Item<T>],
@@ -448,12 +441,12 @@ impl<T: Copy + Default> Parted<'_, T> {
         mut ends: &'a mut [u32],
     ) -> impl Iterator<Item = Task<'a, T>> + use<'a, T> {
         const EXPECT: &str = "the sizes add up";
-        let (enough, blocks) = (items.len().div_ceil(TASKS), self.blocks);
+        let (min_size, blocks) = (items.len().div_ceil(MAX_TASKS), self.blocks);
         let listed = ends.len() / blocks;
         let (mut first, mut start) = (0, 0);
         (1..=blocks).filter_map(move |end| {
             let size = starts[end] as usize - start;
-            if size < enough && end < blocks {
+            if size < min_size && end < blocks {
                 return None;
             }
             let items = items.split_off_mut(..size).expect(EXPECT);
@@ -465,7 +458,7 @@ impl<T: Copy + Default> Parted<'_, T> {
     }
 }
 
-/// Memory for the sorting of one block after the other.
+/// Scratch for sorting one block.
 #[derive(Debug, Default)]
 struct Scratch<T> {
     collected: Vec<Item<T>>,
@@ -475,15 +468,15 @@ struct Scratch<T> {
 }
 
 impl<T> Scratch<T> {
-    fn kept_bytes(&self) -> usize {
+    fn memory_bytes(&self) -> usize {
         (self.collected.capacity() + self.spare.capacity()) * size_of::<Item<T>>()
             + self.counts.capacity() * size_of::<u32>()
             + self.equal.capacity() * size_of::<Range<usize>>()
     }
 }
 
-/// Sorts by key in three passes of 11 bits, for blocks in which many share leading bits.
-/// The rows must ascend to begin with.
+/// Sorts by key in three passes of 11 bits, least significant first, for blocks in which many items
+/// share leading bits. The rows must be ascending.
 fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<T>>) -> Result<()> {
     const BITS: u32 = 11;
     spare.clear();
@@ -492,7 +485,7 @@ fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<
         let digit = |item: &Item<T>| (item.key >> (pass * BITS)) as usize & ((1 << BITS) - 1);
         let mut ends = [0; 1 << BITS];
         items.iter().for_each(|item| ends[digit(item)] += 1);
-        sum_before(&mut ends);
+        prefix_sum(&mut ends);
         for &item in &*items {
             let place = &mut ends[digit(&item)];
             spare[*place as usize] = item;
@@ -503,7 +496,7 @@ fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<
     Ok(())
 }
 
-/// Appends the ranges of sorted items that share a key; the first item stands at `start`.
+/// Appends the ranges of sorted items that share a key; `start` is the index of the first item.
 fn equal_keys<T>(items: &[Item<T>], start: usize, equal: &mut Vec<Range<usize>>) -> Result<()> {
     for (index, pair) in items.windows(2).enumerate() {
         if pair[0].key == pair[1].key {
@@ -521,7 +514,7 @@ fn equal_keys<T>(items: &[Item<T>], start: usize, equal: &mut Vec<Range<usize>>)
 mod tests {
     use super::*;
 
-    /// Keys of many kinds: spread out, few, crowded at one end, all the same.
+    /// Keys of many kinds: uniform, few different ones, small ones, all equal.
     fn key(kind: u32, row: u32) -> u32 {
         let mixed = row.wrapping_mul(0x9e37_79b9).rotate_left(7).wrapping_mul(0x85eb_ca6b);
         match kind {
@@ -535,9 +528,7 @@ mod tests {
 
     #[test]
     fn every_size_and_kind_of_keys_is_sorted_by_key_then_row() {
-        for len in
-            [0, 1, 2, SMALL, SMALL + 1, LEAST_CHUNK - 1, LEAST_CHUNK + 1, 9 * LEAST_CHUNK + 3]
-        {
+        for len in [0, 1, 2, SMALL, SMALL + 1, MIN_CHUNK - 1, MIN_CHUNK + 1, 9 * MIN_CHUNK + 3] {
             for kind in 0..5 {
                 for threads in [1, 2] {
                     check(len as u32, kind, threads);
@@ -546,7 +537,7 @@ mod tests {
         }
     }
 
-    /// Items with keys of one kind; the centre holds the row.
+    /// Items with keys of one kind; the centre is the row.
     struct Rows {
         len: usize,
         kind: u32,
@@ -587,7 +578,7 @@ mod tests {
             let first = items.partition_point(|item| item.key < bound);
             assert_eq!(parts.first_at_least(&items, bound), first, "{len} {kind} {bound}");
         }
-        let precision = Precision::Groups { most: 50, occupied: 0.7 };
+        let precision = Precision::Groups { max: 50, occupied: 0.7 };
         sorter.sort(threads, precision, &source, &mut items, &mut parts, &mut equal).unwrap();
         check_groups(&items, &parts, precision.bits(items.len()));
     }

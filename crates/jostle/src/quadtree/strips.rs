@@ -1,36 +1,37 @@
-//! Strips: the shapes of a leaf in horizontal strips, from low y to high y.
+//! Strips: the shapes of a leaf sorted into horizontal strips, from low y to high y.
 //!
-//! A shape can overlap only shapes of its own strip and of a few strips on either side, because
-//! their height together is more than that of any shape. All these lie next to each other in memory.
+//! A shape can overlap only shapes of its own strip and of a fixed number of strips on either
+//! side, because these together are higher than any shape. They are adjacent in memory. This is
+//! a sort and sweep along y with buckets.
 
 use std::ops::Range;
 
 use super::sort::Item;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Bounds, Scalar};
 use crate::shapes::{Each, Shapes};
 
-/// Strips of a leaf at most.
-const MOST: usize = 192;
+/// Maximum number of strips of a leaf.
+const MAX_STRIPS: usize = 192;
 
-/// The height of the highest shape, in strips, if there are enough shapes.
-const FINENESS: f64 = 2.0;
+/// Strips per height of the highest shape, if there are enough shapes.
+const STRIPS_PER_HEIGHT: f64 = 2.0;
 
-/// Strips hold at least this many shapes on average.
-const SHAPES: usize = 2;
+/// Minimum mean number of shapes in a strip.
+const MIN_SHAPES: usize = 2;
 
-/// Heights are increased by this factor, much more than all rounding errors.
+/// Heights are increased by this factor, which is much larger than all rounding errors.
 const SLACK: f64 = 1.0 + 1.0 / 256.0;
 
-/// Lower than this, the squares of float32 distances lose digits.
-const LEAST_HEIGHT: f64 = 1e-15;
+/// Minimum height: squares of smaller float32 distances lose precision.
+const MIN_HEIGHT: f64 = 1e-15;
 
 /// The strips of one leaf.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Strips<T> {
-    /// Where the ends of its strips are listed.
+    /// Index of the end of its first strip in the list of ends.
     first: u32,
     count: u32,
-    /// The strips behind its own that a shape can reach.
+    /// Number of strips after its own with shapes that a shape could overlap.
     ahead: u32,
     low: T,
     per_unit: T,
@@ -39,13 +40,14 @@ pub struct Strips<T> {
 }
 
 impl<T: Scalar> Strips<T> {
-    /// Strips for `len` shapes with centres (or lower sides) from `low` to `high`, none of them
-    /// higher than `reach`.
-    fn new(len: usize, [low, high]: [T; 2], reach: f64, box_height: T) -> Self {
-        let height = (reach * SLACK).max(LEAST_HEIGHT);
+    /// Strips for `len` shapes with centres (or lower sides) from `low` to `high`, none higher than
+    /// `max_height`.
+    fn new(len: usize, [low, high]: [T; 2], max_height: f64, box_height: T) -> Self {
+        let height = (max_height * SLACK).max(MIN_HEIGHT);
         let extent = high.to_f64() - low.to_f64();
         let heights = extent / height;
-        let count = (FINENESS * heights).min((len / SHAPES).min(MOST) as f64).floor();
+        let count =
+            (STRIPS_PER_HEIGHT * heights).min((len / MIN_SHAPES).min(MAX_STRIPS) as f64).floor();
         if !heights.is_finite() || count < 2.0 {
             return Self { count: 1, box_height, ..Self::default() };
         }
@@ -54,66 +56,66 @@ impl<T: Scalar> Strips<T> {
         Self { first: 0, count: count as u32, ahead, low, per_unit, box_height }
     }
 
-    /// The strip of a shape by the y of its centre (or lower side); the nearest one if there is none.
+    /// The strip of a shape by the y of its centre (or lower side), clamped to the existing ones.
     #[inline(always)]
     fn index(&self, y: T) -> usize {
         let along = ((y - self.low) * self.per_unit).to_f64();
         (along as usize).min(self.count as usize - 1)
     }
 
-    /// The same with its ends listed `by` further on, wrapping around.
+    /// The same with its ends listed `by` later, modulo 2^32.
     pub fn moved(self, by: u32) -> Self {
         Self { first: self.first.wrapping_add(by), ..self }
     }
 
-    /// Where the ends of its strips are listed.
+    /// The range of the ends of its strips in the list of ends.
     pub fn ends(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 
-    /// Index of the last strip that a shape in `strip` can reach.
+    /// The last strip with shapes that a shape in `strip` could overlap.
     #[inline(always)]
     pub fn last_reached(&self, strip: usize) -> usize {
         (strip + self.ahead as usize).min(self.count as usize - 1)
     }
 
-    /// Those of the leaf's places, a range of strips, at which a shape under `own` could overlap
-    /// one under `cover`.
+    /// The range of the places of a leaf, whole strips, with all shapes that could overlap a shape
+    /// within `bounds`; `own` are the bounds of the leaf.
     #[inline(always)]
     pub fn places(
         &self,
         ends: &[u32],
         places: Range<usize>,
-        own: &Cover<T>,
-        cover: &Cover<T>,
+        own: &Bounds<T>,
+        bounds: &Bounds<T>,
     ) -> Range<usize> {
         if self.count == 1 {
             return places;
         }
-        let half_sum = own.half_size[1].to_f64() + cover.half_size[1].to_f64();
-        let reach = own.radius.to_f64() + cover.radius.to_f64() + half_sum;
-        let reach = reach.max(LEAST_HEIGHT) * SLACK;
-        let below = reach + self.box_height.to_f64() * SLACK;
-        let low = self.index(T::from_f64(cover.min[1].to_f64() - below));
-        let high = self.index(T::from_f64(cover.max[1].to_f64() + reach));
+        let half_sum = own.half_size[1].to_f64() + bounds.half_size[1].to_f64();
+        let above = own.radius.to_f64() + bounds.radius.to_f64() + half_sum;
+        let above = above.max(MIN_HEIGHT) * SLACK;
+        let below = above + self.box_height.to_f64() * SLACK;
+        let low = self.index(T::from_f64(bounds.min[1].to_f64() - below));
+        let high = self.index(T::from_f64(bounds.max[1].to_f64() + above));
         let ends = &ends[self.ends()];
         let start = if low == 0 { places.start } else { ends[low - 1] as usize };
         start..ends[high] as usize
     }
 }
 
-/// Where the rows and the centres of some shapes go.
+/// Outputs for the rows and the centres of some places.
 pub struct Places<'a, T> {
     /// Rows.
     pub rows: &'a mut [u32],
-    /// Centres, x. Of boxes something else, which is not for this module, goes there.
+    /// Centres, x. For shapes given as boxes another module overwrites x and y.
     pub x: &'a mut [T],
     /// Centres, y.
     pub y: &'a mut [T],
 }
 
 impl<'a, T> Places<'a, T> {
-    /// Cuts off the first `len`.
+    /// Splits off the first `len` places.
     pub fn split_off(&mut self, len: usize) -> Self {
         const EXPECT: &str = "the sizes add up";
         Self {
@@ -123,8 +125,8 @@ impl<'a, T> Places<'a, T> {
         }
     }
 
-    /// Some of them.
-    pub fn some(&mut self, range: Range<usize>) -> Places<'_, T> {
+    /// A range of them.
+    pub fn range(&mut self, range: Range<usize>) -> Places<'_, T> {
         Places {
             rows: &mut self.rows[range.clone()],
             x: &mut self.x[range.clone()],
@@ -133,15 +135,15 @@ impl<'a, T> Places<'a, T> {
     }
 }
 
-/// Memory for the shapes of one leaf.
+/// Scratch for the shapes of one leaf.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     strips: Vec<u8>,
 }
 
-/// Puts the shapes of a leaf, whose first place is `start`, in the order of their strips; appends
-/// the end of each strip to `ends`.
-pub fn arrange<T: Scalar>(
+/// Writes the shapes of a leaf, whose first place is `start`, in the order of their strips
+/// (counting sort); appends the end of each strip to `ends`.
+pub fn sort_into_strips<T: Scalar>(
     shapes: &Shapes<T>,
     items: &[Item<T>],
     start: usize,
@@ -151,9 +153,9 @@ pub fn arrange<T: Scalar>(
 ) -> Strips<T> {
     let leaf = Strips { first: ends.len() as u32, ..strips_of(shapes, items) };
     if leaf.count == 1 {
-        return as_one(items, start, to, ends);
+        return single_strip(items, start, to, ends);
     }
-    let mut next = [0u32; MOST + 1];
+    let mut next = [0u32; MAX_STRIPS + 1];
     let strips = &mut scratch.strips;
     strips.clear();
     strips.extend(items.iter().map(|item| leaf.index(low_y(shapes, item)) as u8));
@@ -170,8 +172,8 @@ pub fn arrange<T: Scalar>(
     leaf
 }
 
-/// Puts the shapes of a leaf in the order of the items, as one strip.
-pub fn as_one<T: Scalar>(
+/// Writes the shapes of a leaf in the order of the items, as one strip.
+pub fn single_strip<T: Scalar>(
     items: &[Item<T>],
     start: usize,
     to: Places<'_, T>,
@@ -194,25 +196,25 @@ fn low_y<T: Scalar>(shapes: &Shapes<T>, item: &Item<T>) -> T {
     }
 }
 
-/// The strips that suit some shapes.
+/// Number and height of the strips for the shapes of a leaf.
 fn strips_of<T: Scalar>(shapes: &Shapes<T>, items: &[Item<T>]) -> Strips<T> {
     let rows = || items.iter().map(|item| item.row as usize);
     let [low, high] = extent(items, |item| low_y(shapes, item));
     let box_height = shapes.boxes.as_ref().map_or(T::ZERO, |boxes| {
-        rows().map(|row| boxes[row][3] - boxes[row][1]).fold(T::ZERO, T::most)
+        rows().map(|row| boxes[row][3] - boxes[row][1]).fold(T::ZERO, T::max)
     });
     let radius = match &shapes.radii {
         Each::One(radius) => *radius,
-        Each::Rows(radii) => rows().map(|row| radii[row]).fold(T::ZERO, T::most),
+        Each::Rows(radii) => rows().map(|row| radii[row]).fold(T::ZERO, T::max),
     };
     let half_height = shapes.half_sizes.as_ref().map_or(T::ZERO, |half_sizes| {
-        rows().map(|row| half_sizes.at(row)[1]).fold(T::ZERO, T::most)
+        rows().map(|row| half_sizes.at(row)[1]).fold(T::ZERO, T::max)
     });
-    let reach = box_height.to_f64() + 2.0 * (radius.to_f64() + half_height.to_f64());
-    Strips::new(items.len(), [low, high], reach, box_height)
+    let max_height = box_height.to_f64() + 2.0 * (radius.to_f64() + half_height.to_f64());
+    Strips::new(items.len(), [low, high], max_height, box_height)
 }
 
-/// The least and the greatest y, in streams that do not wait for each other.
+/// The smallest and the largest y, in independent streams.
 fn extent<T: Scalar>(items: &[Item<T>], y_of: impl Fn(&Item<T>) -> T) -> [T; 2] {
     const STREAMS: usize = 4;
     let (chunks, rest) = items.as_chunks::<STREAMS>();
@@ -221,10 +223,10 @@ fn extent<T: Scalar>(items: &[Item<T>], y_of: impl Fn(&Item<T>) -> T) -> [T; 2] 
     for chunk in chunks {
         for stream in 0..STREAMS {
             let y = y_of(&chunk[stream]);
-            (low[stream], high[stream]) = (low[stream].least(y), high[stream].most(y));
+            (low[stream], high[stream]) = (low[stream].min(y), high[stream].max(y));
         }
     }
-    let low = rest.iter().map(&y_of).chain(low).fold(first, T::least);
-    let high = rest.iter().map(&y_of).chain(high).fold(first, T::most);
+    let low = rest.iter().map(&y_of).chain(low).fold(first, T::min);
+    let high = rest.iter().map(&y_of).chain(high).fold(first, T::max);
     [low, high]
 }

@@ -1,4 +1,4 @@
-//! Discs.
+//! Queries for the shapes that overlap a disc.
 
 use super::region::Region;
 use super::window::Window;
@@ -7,7 +7,7 @@ use crate::geometry::{Scalar, Shape, overlap};
 use crate::memory;
 use crate::shapes::{Each, check_finite, check_radii};
 
-/// A disc; what only touches its edge does not overlap it.
+/// A disc. Shapes that only touch it do not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle<T> {
     center: [T; 2],
@@ -15,7 +15,7 @@ pub struct Circle<T> {
 }
 
 impl<T: Scalar> Circle<T> {
-    /// Discs from centres and radii, as many as the one or the other has rows, or one.
+    /// Discs from centres and radii: one for each row of either argument, or one.
     pub fn all(centers: &Each<[T; 2]>, radii: &Each<T>) -> Result<Vec<Self>> {
         let len = centers.len().or(radii.len()).unwrap_or(1);
         centers.check_len("center", len)?;
@@ -28,7 +28,7 @@ impl<T: Scalar> Circle<T> {
 }
 
 impl<T: Scalar> Region<T> for Circle<T> {
-    const PLAIN: bool = true;
+    const WINDOW_IS_EXACT: bool = true;
 
     #[inline(always)]
     fn window(&self) -> Window<T> {
@@ -36,7 +36,7 @@ impl<T: Scalar> Region<T> for Circle<T> {
     }
 
     #[inline(always)]
-    fn touches(&self, shape: &Shape<T>) -> bool {
-        overlap(shape.gap_to(self.center), shape.half_size, shape.radius + self.radius)
+    fn overlaps(&self, shape: &Shape<T>) -> bool {
+        overlap(shape.gaps_to(self.center), shape.radius + self.radius)
     }
 }

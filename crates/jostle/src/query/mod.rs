@@ -1,11 +1,8 @@
-//! What a tree is asked: which shapes a region overlaps, which are nearest to a
-//! point, which one a ray or a thrown disc hits first.
+//! Queries: shapes that overlap a region, nearest neighbours, ray casts and circle casts.
 //!
-//! Every question has one exact formula for one shape, in the arithmetic of the
-//! tree. Nodes and blocks of shapes are passed over by tests that may let too much
-//! through and never too little; the formula decides about what is left. So the
-//! answer is that of brute force. Questions are independent of each other: many
-//! are answered on all threads, in their order.
+//! Every query has one exact test of a single shape, in the arithmetic of the tree. Nodes and
+//! blocks of shapes are skipped by conservative tests, so the result is that of brute force.
+//! Queries are independent of each other; many are processed in Morton order on all threads.
 
 mod circle;
 mod frontier;
@@ -31,83 +28,71 @@ use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt;
 use crate::memory;
+use crate::morton;
 use crate::parallel;
+use crate::sorting;
 
-/// Names the shape in a place of a tree, or hides it. Only few shapes are asked for, so the searches do
-/// not depend on its type and are compiled once.
+/// Returns the id of the shape at a place of a tree, or None to ignore the shape. A trait object,
+/// so that searches are compiled once; calls are rare.
 pub type IdOf<'a> = dyn Fn(usize) -> Option<u64> + 'a;
 
-/// Questions that one thread answers at a time.
-const QUESTIONS: usize = 128;
+/// Number of queries of a task.
+const QUERIES_PER_TASK: usize = 128;
 
-/// Fewer questions than this are not worth sharing with other threads.
+/// Minimum number of queries for which threads that are awake are used.
 const WORTH_SHARING: usize = 512;
 
-/// Fewer questions than this are not worth waking other threads for.
+/// Minimum number of queries for which threads are woken.
 const WORTH_WAKING: usize = 4096;
 
-/// About as many numbers are read when a search looks at a node.
+/// Approximate number of values read to test a node.
 const NODE_WORK: usize = 16;
 
-/// The order in which to take questions about these places: along a curve that keeps
-/// neighbours together, so that one finds in the cache what the one before it has seen.
-fn along_a_curve<T: Scalar>(
-    places: impl ExactSizeIterator<Item = [T; 2]> + Clone,
+/// The order in which to process queries at some positions: approximately Morton order, so that
+/// consecutive queries read the same nodes, which are then in the cache.
+fn morton_order<T: Scalar>(
+    positions: impl ExactSizeIterator<Item = [T; 2]> + Clone,
 ) -> Result<Vec<u32>> {
-    let len = places.len();
-    let mut order: Vec<u32> = memory::collect(0..len as u32)?;
-    if len <= QUESTIONS {
-        return Ok(order);
+    let len = positions.len();
+    let queries: Vec<u32> = memory::collect(0..len as u32)?;
+    if len <= QUERIES_PER_TASK {
+        return Ok(queries);
     }
     let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for place in places.clone() {
+    for position in positions.clone() {
         for axis in 0..2 {
-            min[axis] = min[axis].min(place[axis].to_f64());
-            max[axis] = max[axis].max(place[axis].to_f64());
+            min[axis] = min[axis].min(position[axis].to_f64());
+            max[axis] = max[axis].max(position[axis].to_f64());
         }
     }
     let scale = [0, 1].map(|axis| 65535.0 / (max[axis] - min[axis]));
-    let cell = |place: [T; 2], axis: usize| {
-        spread(((place[axis].to_f64() - min[axis]) * scale[axis]) as u16)
+    let key = |position: [T; 2]| {
+        let along = [0, 1].map(|axis| (position[axis].to_f64() - min[axis]) * scale[axis]);
+        let [x, y] = along.map(|along| u32::from(along as u16));
+        morton::key(x, y)
     };
-    let keys: Vec<u32> = memory::collect(places.map(|place| cell(place, 0) | cell(place, 1) << 1))?;
+    let keys: Vec<u32> = memory::collect(positions.map(key))?;
     interrupt::check()?;
-    // Counting is enough: within one of so many cells the order does not matter.
-    let bits = (len.ilog2() + 2).clamp(LEAST_BITS, MOST_BITS);
-    let mut starts = vec![0u32; (1 << bits) + 1];
-    keys.iter().for_each(|&key| starts[(key >> (32 - bits)) as usize + 1] += 1);
-    for cell in 1..starts.len() {
-        starts[cell] += starts[cell - 1];
-    }
-    for (question, &key) in keys.iter().enumerate() {
-        let start = &mut starts[(key >> (32 - bits)) as usize];
-        order[*start as usize] = question as u32;
-        *start += 1;
-    }
+    // The order of queries in one of these cells does not matter, so the leading bits suffice.
+    let bits = (len.ilog2() + 2).clamp(MIN_BITS, MAX_BITS);
+    let mut order = memory::zeroed(len)?;
+    let cell_of = |&query: &u32| (keys[query as usize] >> (32 - bits)) as usize;
+    sorting::counting_sort(&queries, cell_of, &mut vec![0; 1 << bits], &mut order);
     Ok(order)
 }
 
-/// The curve has four times as many cells as there are queries, but at least and at most the
-/// powers of two with these exponents.
-const LEAST_BITS: u32 = 8;
-const MOST_BITS: u32 = 16;
+/// The grid has at least four times as many cells as there are queries. Its number of cells is a
+/// power of two; these are the smallest and the largest exponent.
+const MIN_BITS: u32 = 8;
+const MAX_BITS: u32 = 16;
 
-/// The bits of a number, every second place left free.
-fn spread(number: u16) -> u32 {
-    let mut bits = u32::from(number);
-    for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
-        bits = (bits | bits << shift) & mask;
-    }
-    bits
-}
-
-/// The threads to use on `len` questions.
+/// The number of threads for `len` queries.
 fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
-/// Refuses a distance that is negative or not a number; it may be infinite.
-fn check_reach<T: Scalar>(max_distance: T) -> Result<()> {
+/// Refuses a distance that is negative or NaN; it may be infinite.
+fn check_max_distance<T: Scalar>(max_distance: T) -> Result<()> {
     if max_distance >= T::ZERO {
         return Ok(());
     }

@@ -1,4 +1,7 @@
-//! The shapes nearest to a point.
+//! The k nearest neighbours of a point.
+//!
+//! N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995):
+//! depth-first branch and bound.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -6,10 +9,10 @@ use std::mem;
 use std::ops::Range;
 
 use super::region::{MOST_IDS, selects};
-use super::{IdOf, NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
+use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distance, morton_order, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape, length};
+use crate::geometry::{Bounds, Scalar, Shape, length, square_of_gaps};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
@@ -18,40 +21,34 @@ use crate::shapes::check_finite;
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 use crate::sorting::{self, Bytes};
 
-/// How far a point is from a shape; 0 inside.
+/// The distance of a point from the surface of a shape; 0 inside.
 #[inline(always)]
 pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
-    let gap = shape.gap_to(point);
-    let away = |axis: usize| (gap[axis] - shape.half_size[axis]).most(T::ZERO);
-    (length(away(0), away(1)) - shape.radius).most(T::ZERO)
+    let [x, y] = shape.gaps_to(point);
+    (length(x.max(T::ZERO), y.max(T::ZERO)) - shape.radius).max(T::ZERO)
 }
 
-/// At most the square of the distance from a point to the cores of the shapes of `cover`.
+/// A lower bound of the squared distance from a point to the cores of the shapes within `bounds`.
 #[inline(always)]
-fn least_square<T: Scalar>(point: [T; 2], cover: &Cover<T>) -> T {
-    let away = |axis: usize| {
-        let (below, above) = (cover.min[axis] - point[axis], point[axis] - cover.max[axis]);
-        (below.most(above) - cover.half_size[axis]).most(T::ZERO)
-    };
-    let (x, y) = (away(0), away(1));
-    x * x + y * y
+fn min_square<T: Scalar>(point: [T; 2], bounds: &Bounds<T>) -> T {
+    square_of_gaps(bounds.gaps_to(point, point))
 }
 
-/// At least the square of `reach`: no square of a smaller distance is larger, however both are
-/// rounded, and where squares are too small for their last bits.
+/// An upper bound of the square of `distance`: it is at least the rounded square of each distance
+/// up to `distance`, also in case of underflow.
 #[inline(always)]
-fn largest_square<T: Scalar>(reach: T) -> T {
-    let reach = reach * slack();
-    reach * reach + T::SMALLEST_SQUARE
+fn max_square<T: Scalar>(distance: T) -> T {
+    let distance = distance * slack();
+    distance * distance + T::SMALLEST_SQUARE
 }
 
-/// A factor that makes up for the rounding of both squares.
+/// A factor larger than the relative rounding errors of both squares.
 #[inline(always)]
 fn slack<T: Scalar>() -> T {
     T::ONE + T::from_f64(16.0) * T::EPSILON
 }
 
-/// A shape and how far it is. The nearer comes first, and of two as near the smaller id.
+/// A shape and its distance. Ordered by distance, then by id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Neighbor<T> {
     distance: T,
@@ -77,50 +74,50 @@ impl<T: Scalar> Bytes for Neighbor<T> {
 
     #[inline(always)]
     fn byte(&self, at: usize) -> u8 {
-        // A distance is not negative, except for the sign of a zero.
+        // A distance is at least 0, or −0.
         let distance = self.distance.to_f64().to_bits() as i64;
         let signed = if distance < 0 { !distance ^ i64::MIN } else { distance };
         if at < 8 { signed.byte(at) } else { (self.id >> (120 - 8 * at)) as u8 }
     }
 }
 
-/// The nearest shapes seen so far.
+/// The nearest shapes found so far.
 #[derive(Clone, Debug)]
 pub struct Nearest<T> {
-    wanted: usize,
-    /// Shapes farther than this are not among them.
+    k: usize,
+    /// Shapes farther than this are ignored.
     bound: T,
-    /// The farthest on top.
+    /// A max-heap: the farthest is on top.
     found: BinaryHeap<Neighbor<T>>,
-    /// Nodes to visit, with [`least_square`].
+    /// Nodes to visit, with [`min_square`].
     stack: Vec<(T, u32)>,
     pulse: Pulse,
     failed: Option<Error>,
-    /// Shapes tested.
+    /// Number of shapes that were tested.
     pub tests: u64,
 }
 
 impl<T: Scalar> Nearest<T> {
-    /// For searches for the `wanted` nearest shapes; `pulse` may end them.
-    fn new(wanted: usize, pulse: Pulse) -> Self {
+    /// For searches for the `k` nearest shapes; `pulse` may interrupt them.
+    fn new(k: usize, pulse: Pulse) -> Self {
         let (found, stack) = (BinaryHeap::new(), Vec::with_capacity(64));
-        Self { wanted, bound: T::ZERO, found, stack, pulse, failed: None, tests: 0 }
+        Self { k, bound: T::ZERO, found, stack, pulse, failed: None, tests: 0 }
     }
 
-    /// What is farther is of no interest.
+    /// The distance beyond which shapes are ignored.
     #[inline(always)]
     fn limit(&self) -> T {
         match self.found.peek() {
-            Some(last) if self.found.len() >= self.wanted => last.distance,
+            Some(last) if self.found.len() >= self.k => last.distance,
             _ => self.bound,
         }
     }
 
-    /// Looks at one shape.
+    /// Adds a shape if it is one of the nearest.
     #[inline(always)]
     pub fn offer(&mut self, distance: T, id: u64) {
         let new = Neighbor { distance, id };
-        if self.found.len() < self.wanted {
+        if self.found.len() < self.k {
             if distance <= self.bound && self.has_room() {
                 self.found.push(new);
             }
@@ -131,7 +128,7 @@ impl<T: Scalar> Nearest<T> {
         }
     }
 
-    /// Whether there is memory for one more.
+    /// Whether there is memory for one more shape.
     #[inline(always)]
     fn has_room(&mut self) -> bool {
         self.found.len() < self.found.capacity() || self.grow()
@@ -140,7 +137,7 @@ impl<T: Scalar> Nearest<T> {
     #[cold]
     fn grow(&mut self) -> bool {
         let len = self.found.len();
-        let grown = self.found.try_reserve(1 + len.min(self.wanted - len - 1));
+        let grown = self.found.try_reserve(1 + len.min(self.k - len - 1));
         let grown = grown
             .and_then(|()| memory::check_margin::<Neighbor<T>>(self.found.capacity()))
             .map_err(|error| {
@@ -151,7 +148,7 @@ impl<T: Scalar> Nearest<T> {
         self.failed.is_none()
     }
 
-    /// Whether to end early, now that about `work` numbers have been read.
+    /// Whether to stop; `work` is the approximate number of values read since the last call.
     #[inline(always)]
     pub fn is_over(&mut self, work: usize) -> bool {
         if self.pulse.stops(work) && self.failed.is_none() {
@@ -160,7 +157,7 @@ impl<T: Scalar> Nearest<T> {
         self.failed.is_some()
     }
 
-    /// Moves what was found to the end of `neighbors`, the nearest first.
+    /// Appends the shapes found to `neighbors`, nearest first, and clears the heap.
     fn move_to(&mut self, neighbors: &mut Vec<Neighbor<T>>) -> Result<()> {
         if let Some(error) = self.failed.take() {
             return Err(error);
@@ -173,14 +170,20 @@ impl<T: Scalar> Nearest<T> {
         Ok(())
     }
 
-    /// Looks at the shapes of a tree. `id_of` names the shape in a place, or hides it.
-    pub fn look(&mut self, tree: &Quadtree<T>, point: [T; 2], mask: Option<u32>, id_of: &IdOf<'_>) {
-        T::with_widest(Look { tree, point, mask, id_of, best: self });
+    /// Searches a tree.
+    pub fn search(
+        &mut self,
+        tree: &Quadtree<T>,
+        point: [T; 2],
+        mask: Option<u32>,
+        id_of: &IdOf<'_>,
+    ) {
+        T::with_widest(Search { tree, point, mask, id_of, best: self });
     }
 }
 
 /// One search through one tree.
-struct Look<'a, T> {
+struct Search<'a, T> {
     tree: &'a Quadtree<T>,
     point: [T; 2],
     mask: Option<u32>,
@@ -188,22 +191,24 @@ struct Look<'a, T> {
     best: &'a mut Nearest<T>,
 }
 
-impl<T: Scalar> Work<T> for Look<'_, T> {
+impl<T: Scalar> Work<T> for Search<'_, T> {
     type Out = ();
 
-    /// Depth first, the nearer child first; what was put off may be too far by its turn.
+    /// Depth first, the nearest child first. Nodes on the stack may be beyond the limit when they
+    /// are visited.
     #[inline(always)]
     fn run<S: Simd<T>>(mut self, simd: S) {
-        let (nodes, covers) = (self.tree.nodes(), self.tree.covers());
-        let Some(root) = covers.first().filter(|root| selects(self.mask, root.category)) else {
+        let (nodes, node_bounds) = (self.tree.nodes(), self.tree.bounds());
+        let Some(root) = node_bounds.first().filter(|root| selects(self.mask, root.category))
+        else {
             return;
         };
         let mut stack = mem::take(&mut self.best.stack);
         stack.clear();
-        stack.push((least_square(self.point, root), 0));
+        stack.push((min_square(self.point, root), 0));
         while let Some((square, index)) = stack.pop() {
-            let radius = covers[index as usize].radius;
-            if square > largest_square(self.best.limit() + radius) {
+            let radius = node_bounds[index as usize].radius;
+            if square > max_square(self.best.limit() + radius) {
                 continue;
             }
             if self.best.is_over(NODE_WORK) {
@@ -216,10 +221,10 @@ impl<T: Scalar> Work<T> for Look<'_, T> {
             }
             let (from, limit) = (stack.len(), self.best.limit());
             for child in node.children() {
-                let cover = &covers[child];
-                let square = least_square(self.point, cover);
-                if square <= largest_square(limit + cover.radius)
-                    && selects(self.mask, cover.category)
+                let bounds = &node_bounds[child];
+                let square = min_square(self.point, bounds);
+                if square <= max_square(limit + bounds.radius)
+                    && selects(self.mask, bounds.category)
                 {
                     stack.push((square, child as u32));
                 }
@@ -230,7 +235,7 @@ impl<T: Scalar> Work<T> for Look<'_, T> {
     }
 }
 
-/// Sorts at most four nodes; the nearest ends on top of the stack.
+/// Sorts at most four nodes, so that the nearest is on top of the stack.
 #[inline(always)]
 pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
     for end in 1..nodes.len() {
@@ -243,7 +248,7 @@ pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
     }
 }
 
-impl<T: Scalar> Look<'_, T> {
+impl<T: Scalar> Search<'_, T> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>, round: bool) {
         let shapes = self.tree.columns();
@@ -266,7 +271,7 @@ impl<T: Scalar> Look<'_, T> {
     }
 }
 
-/// A bit for each shape of a block that could be as near as `limit`, as [`largest_square`] says.
+/// A bit for each shape of a block whose distance could be at most `limit`, by [`max_square`].
 #[inline(always)]
 fn within<T: Scalar, S: Simd<T>>(
     simd: S,
@@ -275,55 +280,55 @@ fn within<T: Scalar, S: Simd<T>>(
     (shapes, round): (&Columns<T>, bool),
     first: usize,
 ) -> u32 {
-    let x = away(simd, point[0], [&shapes.x, &shapes.max_x, &shapes.half_x], first);
-    let y = away(simd, point[1], [&shapes.y, &shapes.max_y, &shapes.half_y], first);
-    let mut reach = simd.splat(limit);
+    let x = core_gap(simd, point[0], [&shapes.x, &shapes.max_x, &shapes.half_x], first);
+    let y = core_gap(simd, point[1], [&shapes.y, &shapes.max_y, &shapes.half_y], first);
+    let mut distance = simd.splat(limit);
     if round {
-        reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
+        distance = simd.add(distance, simd.load(block(&shapes.radius, first)));
     }
-    let reach = simd.mul(reach, simd.splat(slack()));
-    let reach = simd.add(simd.mul(reach, reach), simd.splat(T::SMALLEST_SQUARE));
-    !simd.less(reach, simd.add(simd.mul(x, x), simd.mul(y, y)))
+    let distance = simd.mul(distance, simd.splat(slack()));
+    let max_square = simd.add(simd.mul(distance, distance), simd.splat(T::SMALLEST_SQUARE));
+    !simd.less(max_square, simd.add(simd.mul(x, x), simd.mul(y, y)))
 }
 
-/// How far the shapes of a block are from a point along one axis.
+/// The gaps between a point and the cores of a block along one axis, at least 0.
 #[inline(always)]
-fn away<T: Scalar, S: Simd<T>>(
+fn core_gap<T: Scalar, S: Simd<T>>(
     simd: S,
     point: T,
     [min, max, half_sizes]: [&[T]; 3],
     first: usize,
 ) -> S::Block {
     let (min, point) = (simd.load(block(min, first)), simd.splat(point));
-    let mut away = if max.is_empty() {
+    let mut gap = if max.is_empty() {
         simd.distance(min, point)
     } else {
-        simd.most(simd.sub(min, point), simd.sub(point, simd.load(block(max, first))))
+        simd.max(simd.sub(min, point), simd.sub(point, simd.load(block(max, first))))
     };
     if max.is_empty() && half_sizes.is_empty() {
-        return away;
+        return gap;
     }
     if !half_sizes.is_empty() {
-        away = simd.sub(away, simd.load(block(half_sizes, first)));
+        gap = simd.sub(gap, simd.load(block(half_sizes, first)));
     }
-    simd.most(away, simd.splat(T::ZERO))
+    simd.max(gap, simd.splat(T::ZERO))
 }
 
 /// Distances and ids of the nearest shapes, `k` for each point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Neighbors<T> {
-    /// Nearest first; infinity where there are fewer.
+    /// Distances, nearest first; infinity if there are fewer.
     pub distances: Vec<T>,
-    /// Ids of the shapes; −1 where there are fewer.
+    /// Ids of the shapes; −1 if there are fewer.
     pub ids: Vec<i64>,
-    /// Shapes tested.
+    /// Number of shapes that were tested.
     pub tests: u64,
 }
 
-/// Refuses points, distances and counts that no search can follow.
+/// Refuses invalid points, distances and counts.
 pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)) -> Result<()> {
     check_finite("point", points)?;
-    check_reach(max_distance)?;
+    check_max_distance(max_distance)?;
     let neighbors = k.saturating_mul(points.len().max(1));
     if neighbors > MOST_IDS {
         let of =
@@ -336,8 +341,8 @@ pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)
     Ok(())
 }
 
-/// The `k` shapes of a tree nearest to each point and not farther than `max_distance`, among
-/// what has a category in `mask`, if there is one.
+/// The `k` shapes of a tree nearest to each point, not farther than `max_distance`. If there is a
+/// `mask`, only shapes with a category in it.
 pub fn nearest<T: Scalar>(
     tree: &Quadtree<T>,
     points: &[[T; 2]],
@@ -345,19 +350,20 @@ pub fn nearest<T: Scalar>(
     mask: Option<u32>,
 ) -> Result<Neighbors<T>> {
     let rows = tree.rows();
-    // Sorted as by row, and the place of the shape is known, too.
+    // Ordered by row; the low bits are the place.
     let id_of = |place: usize| Some(u64::from(rows[place]) << 32 | place as u64);
     let shape_of = |id: u64| tree.columns().shape(id as u32 as usize);
-    let look = |point, best: &mut Nearest<T>| best.look(tree, point, mask, &id_of);
-    let mut found = nearest_by(points, (k, max_distance), tree.settings().threads, look, shape_of)?;
+    let search = |point, best: &mut Nearest<T>| best.search(tree, point, mask, &id_of);
+    let mut found =
+        nearest_by(points, (k, max_distance), tree.settings().threads, search, shape_of)?;
     found.ids.iter_mut().for_each(|id| *id >>= 32);
     Ok(found)
 }
 
-/// Values written between two checks for an interruption.
+/// Number of values written between two checks for interruption.
 const FILLED: usize = 1 << 18;
 
-/// As [`memory::filled`], with checks for an interruption: the first use of new memory may take long.
+/// As [`memory::filled`], with checks for interruption: the first writes to new memory can be slow.
 fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
     let mut values = memory::with_room(len)?;
     while values.len() < len {
@@ -367,41 +373,41 @@ fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
     Ok(values)
 }
 
-/// As [`nearest`]; `look` lets a point see the shapes that there are, and `shape_of` tells them by
-/// their ids.
+/// As [`nearest`], for shapes that are not in one tree: `search` tests them for one point, and
+/// `shape_of` returns the shape with an id.
 ///
-/// Queries are taken in the order of a curve. The `k` shapes that one has found are near the next
-/// point, too, so the farthest of them bounds its search from the beginning.
+/// Queries are processed in Morton order. The `k` shapes that are nearest to one point are near the
+/// next point too: the largest of their distances from it is an upper bound for its search.
 pub fn nearest_by<T: Scalar>(
     points: &[[T; 2]],
     (k, max_distance): (usize, T),
     threads: Option<usize>,
-    look: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
+    search: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
     shape_of: impl Fn(u64) -> Shape<T> + Sync + Send,
 ) -> Result<Neighbors<T>> {
     check_nearest(points, (k, max_distance))?;
     let threads = worthwhile(threads, points.len());
-    let order = along_a_curve(points.iter().copied())?;
+    let order = morton_order(points.iter().copied())?;
     let stop = Stop::current();
-    let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let len = k * points.len();
     let distances = filled(len, T::INFINITY, &stop)?;
     let mut all = Neighbors { distances, ids: filled(len, -1, &stop)?, tests: 0 };
     let found = parallel::map(threads, parts.len(), |part| {
-        // One list for all questions: small allocations would not notice that memory ends.
+        // One list for all queries of a task, because failures of small allocations abort.
         let (mut neighbors, mut ends) = (Vec::new(), memory::with_room(parts[part].len())?);
         let mut best = Nearest::new(k, Pulse::of(&stop));
         let mut start = 0;
-        for &question in parts[part] {
+        for &query in parts[part] {
             best.pulse.check(NODE_WORK + k)?;
-            let point = points[question as usize];
+            let point = points[query as usize];
             best.bound = max_distance;
             let before: &[Neighbor<T>] = &neighbors[start..];
             if before.len() == k {
                 let distances = before.iter().map(|near| distance(point, &shape_of(near.id)));
-                best.bound = distances.fold(T::ZERO, T::most).least(max_distance);
+                best.bound = distances.fold(T::ZERO, T::max).min(max_distance);
             }
-            look(point, &mut best);
+            search(point, &mut best);
             start = neighbors.len();
             best.move_to(&mut neighbors)?;
             ends.push(neighbors.len());
@@ -414,9 +420,9 @@ pub fn nearest_by<T: Scalar>(
     let mut pulse = Pulse::of(&stop);
     for (part, (neighbors, ends, tests)) in parts.iter().zip(found) {
         let mut neighbors = neighbors.into_iter().enumerate().peekable();
-        for (&question, end) in part.iter().zip(ends) {
+        for (&query, end) in part.iter().zip(ends) {
             pulse.check(k)?;
-            let mut place = k * question as usize;
+            let mut place = k * query as usize;
             while let Some((_, Neighbor { distance, id })) = neighbors.next_if(|&(at, _)| at < end)
             {
                 all.distances[place] = distance;

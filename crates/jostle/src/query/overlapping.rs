@@ -1,27 +1,26 @@
-//! The shapes of a tree that overlap one region.
+//! The shapes of a tree that overlap given bounds.
 
 use super::window::Window;
-use crate::geometry::{Cover, Scalar};
+use crate::geometry::{Bounds, Scalar};
 use crate::quadtree::Quadtree;
 use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 
-/// Calls `act` with the place of each shape of a tree that overlaps `region`, which has no half sizes;
-/// `least_gap` is that of
-/// [`Cover::meets`]. Returns the number of tests.
+/// Calls `act` with the place of each shape of a tree that overlaps `region`, whose half sizes are
+/// 0. `min_gap` is that of [`Bounds::overlaps`]. Returns the number of tests.
 pub fn each_overlap<T: Scalar>(
     tree: &Quadtree<T>,
-    region: &Cover<T>,
-    least_gap: T,
+    region: &Bounds<T>,
+    min_gap: T,
     stack: &mut Vec<u32>,
     act: impl FnMut(usize),
 ) -> usize {
-    T::with_widest(Overlapping { tree, region, least_gap, stack, act })
+    T::with_widest(Overlapping { tree, region, min_gap, stack, act })
 }
 
 struct Overlapping<'a, T, A> {
     tree: &'a Quadtree<T>,
-    region: &'a Cover<T>,
-    least_gap: T,
+    region: &'a Bounds<T>,
+    min_gap: T,
     stack: &'a mut Vec<u32>,
     act: A,
 }
@@ -31,16 +30,16 @@ impl<T: Scalar, A: FnMut(usize)> Work<T> for Overlapping<'_, T, A> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) -> usize {
-        let Self { tree, region, least_gap, stack, mut act } = self;
+        let Self { tree, region, min_gap, stack, mut act } = self;
         let window = Window::around(region);
-        let meets = |cover: &Cover<T>| cover.meets(region, [T::ZERO; 2], least_gap);
+        let overlaps = |bounds: &Bounds<T>| bounds.overlaps(region, [T::ZERO; 2], min_gap);
         let mut tests = 0;
         stack.clear();
         stack.extend((!tree.is_empty()).then_some(0));
         while let Some(index) = stack.pop() {
             tests += 1;
-            let cover = &tree.covers()[index as usize];
-            if !meets(cover) {
+            let bounds = &tree.bounds()[index as usize];
+            if !overlaps(bounds) {
                 continue;
             }
             let node = &tree.nodes()[index as usize];
@@ -49,11 +48,11 @@ impl<T: Scalar, A: FnMut(usize)> Work<T> for Overlapping<'_, T, A> {
                 continue;
             }
             let (shapes, places) = (tree.columns(), node.range());
-            let round = cover.radius > T::ZERO;
+            let round = bounds.radius > T::ZERO;
             for first in places.clone().step_by(LANES) {
                 let bits = window.lanes(simd, shapes, first, (round, false));
                 for_each_lane(bits & first_lanes(places.end - first), |lane| {
-                    if meets(&Cover::of(&shapes.shape(first + lane))) {
+                    if overlaps(&Bounds::of(&shapes.shape(first + lane))) {
                         act(first + lane);
                     }
                 });

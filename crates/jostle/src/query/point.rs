@@ -1,4 +1,4 @@
-//! Single points: which shapes are under the cursor?
+//! Queries for the shapes that contain a point.
 
 use super::region::Region;
 use super::window::Window;
@@ -7,9 +7,9 @@ use crate::geometry::{Scalar, Shape, within};
 use crate::memory;
 use crate::shapes::check_finite;
 
-/// A point, inside a shape also on its edge; of a rectangle the left and the upper
-/// edge count as inside and the right and the lower do not, so that tiles which share
-/// an edge share no point.
+/// A point. Shapes contain their edge, except rectangles (radius 0): these contain their left and
+/// upper edge, but not the right and the lower, so that tiles with a common edge have no common
+/// point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point<T>([T; 2]);
 
@@ -22,7 +22,7 @@ impl<T: Scalar> Point<T> {
 }
 
 impl<T: Scalar> Region<T> for Point<T> {
-    const PLAIN: bool = false;
+    const WINDOW_IS_EXACT: bool = false;
 
     #[inline(always)]
     fn window(&self) -> Window<T> {
@@ -30,7 +30,7 @@ impl<T: Scalar> Region<T> for Point<T> {
     }
 
     #[inline(always)]
-    fn touches(&self, shape: &Shape<T>) -> bool {
+    fn overlaps(&self, shape: &Shape<T>) -> bool {
         let half_size = shape.half_size;
         if shape.radius == T::ZERO && !shape.is_round() {
             let inside = |axis: usize| {
@@ -39,8 +39,7 @@ impl<T: Scalar> Region<T> for Point<T> {
             };
             return inside(0) & inside(1);
         }
-        let [gx, gy] = shape.gap_to(self.0);
-        let (x, y) = ((gx - half_size[0]).most(T::ZERO), (gy - half_size[1]).most(T::ZERO));
-        within(x, y, shape.radius)
+        let [x, y] = shape.gaps_to(self.0);
+        within(x.max(T::ZERO), y.max(T::ZERO), shape.radius)
     }
 }

@@ -1,23 +1,24 @@
-//! Convex polygons.
+//! Queries for the shapes that overlap a convex polygon, by the separating axis test.
 
 use super::region::Region;
 use super::window::Window;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape};
+use crate::geometry::{Bounds, Scalar, Shape, square_of_gaps};
 use crate::shapes::tuple;
 
-/// A convex polygon; what only touches its border does not overlap it.
+/// A convex polygon. Shapes that only touch it do not overlap it.
 ///
-/// Sides and corners are tested in float64 for either type, in which the products of float32
-/// are neither rounded away nor too large.
+/// Sides and corners are tested in float64 for both types, so that products of float32 neither
+/// overflow nor underflow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon<T> {
     sides: Vec<Side>,
     window: Window<T>,
 }
 
-/// A side of a polygon, the inside on its left. Its vector is `length` times `along`: `length` is a
-/// power of two and no component of `along` above 1, so that products with it stay finite.
+/// A side of a polygon, whose interior is on the left. The vector of the side is `length · along`,
+/// where `length` is a power of two and the components of `along` are at most 1, so that products
+/// are finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Side {
     start: [f64; 2],
@@ -33,14 +34,14 @@ impl Side {
     }
 }
 
-/// A power of two above `value`, at most twice as large if that is a normal number.
+/// A power of two above `value`, at most `2 · value` if that is a normal number.
 fn power_of_two_above(value: f64) -> f64 {
     2.0 * f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
 }
 
 impl<T: Scalar> Polygon<T> {
-    /// The polygon with these corners, clockwise or counterclockwise. Refuses a polygon
-    /// that is not convex, with the index of the corner.
+    /// The polygon with these corners, clockwise or counterclockwise. Refuses a polygon that is not
+    /// convex; the error names the corner.
     pub fn new(vertices: &[[T; 2]]) -> Result<Self> {
         let refuse = |index: usize, rule: &str| {
             Err(Error::at("vertices", index, tuple(&vertices[index]), rule))
@@ -76,18 +77,18 @@ impl<T: Scalar> Polygon<T> {
             let along = |axis: usize| vertices.iter().map(|v| v[axis]).reduce(pick);
             [along(0).unwrap_or(T::ZERO), along(1).unwrap_or(T::ZERO)]
         };
-        let window = Window { min: corner(T::least), max: corner(T::most), radius: T::ZERO };
+        let window = Window { min: corner(T::min), max: corner(T::max), radius: T::ZERO };
         let next = corners.iter().cycle().skip(1);
         let sides = corners.iter().zip(next).map(|(&a, &b)| Side::new(a, b)).collect();
         Ok(Self { sides, window })
     }
 
-    /// Whether the core of the shape and the inside of the polygon overlap: no side
-    /// has all of the core on its right. The sides of the core have been tested before.
+    /// Whether the core of the shape and the interior of the polygon overlap: no side of the
+    /// polygon separates them. The sides of the core have been tested before.
     fn overlaps_core(&self, shape: &Shape<f64>) -> bool {
         let [hx, hy] = shape.half_size;
         self.sides.iter().all(|Side { start, along, .. }| {
-            // The corner farthest to the left of the side.
+            // The corner of `min` and `max` farthest to the left of the side.
             let corner_x = if along[1] < 0.0 { shape.max[0] } else { shape.min[0] };
             let corner_y = if along[0] < 0.0 { shape.min[1] } else { shape.max[1] };
             let (x, y) = (corner_x - start[0], corner_y - start[1]);
@@ -96,24 +97,19 @@ impl<T: Scalar> Polygon<T> {
         })
     }
 
-    /// Whether a corner of the polygon is nearer to the core of the shape than its radius,
-    /// or a corner of the core to a side.
+    /// Whether the distance between the polygon and the core of the shape is below its radius: that
+    /// of a corner of the polygon from the core, or of a corner of the core from a side.
     fn is_within(&self, shape: &Shape<f64>) -> bool {
-        let reach = shape.radius * shape.radius;
-        let from_core = |vertex: [f64; 2]| {
-            let [gx, gy] = shape.gap_to(vertex);
-            let dx = (gx - shape.half_size[0]).max(0.0);
-            let dy = (gy - shape.half_size[1]).max(0.0);
-            dx * dx + dy * dy
-        };
+        let radius_square = shape.radius * shape.radius;
+        let from_core = |vertex: [f64; 2]| square_of_gaps(shape.gaps_to(vertex));
         let [left, top, right, bottom] = shape.core();
         let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
         let corners = if shape.is_round() { &corners[..1] } else { &corners[..] };
-        self.sides.iter().any(|side| from_core(side.start) < reach)
+        self.sides.iter().any(|side| from_core(side.start) < radius_square)
             || self
                 .sides
                 .iter()
-                .any(|side| corners.iter().any(|&corner| from_side(corner, side) < reach))
+                .any(|side| corners.iter().any(|&corner| from_side(corner, side) < radius_square))
     }
 }
 
@@ -127,7 +123,8 @@ fn from_side(point: [f64; 2], &Side { start, along, length }: &Side) -> f64 {
     x * x + y * y
 }
 
-/// The corners of a polygon of the same form whose area is neither too large nor too small.
+/// The corners relative to the size of the polygon, so that its area neither overflows nor
+/// underflows.
 fn scaled(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [x, y] = corners[0];
     let spans = corners.iter().map(|corner| (corner[0] - x).abs().max((corner[1] - y).abs()));
@@ -135,7 +132,7 @@ fn scaled(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     corners.iter().map(|corner| corner.map(|v| v / scale)).collect()
 }
 
-/// Twice the area, positive where the inside is on the left.
+/// Twice the signed area, positive if the interior is on the left.
 fn area(corners: &[[f64; 2]]) -> f64 {
     let [x0, y0] = corners[0];
     let fans = corners[1..].windows(2).map(|pair| {
@@ -145,46 +142,45 @@ fn area(corners: &[[f64; 2]]) -> f64 {
     fans.sum()
 }
 
-/// The first corner that keeps the polygon from being convex; the inside should be on the left.
+/// The first corner at which the polygon is not convex. Its interior must be on the left.
 fn dent<T: Scalar>(vertices: &[[f64; 2]]) -> Option<usize> {
     let len = vertices.len();
-    let way = |from: usize| {
+    let side = |from: usize| {
         let (a, b) = (vertices[from % len], vertices[(from + 1) % len]);
         [b[0] - a[0], b[1] - a[1]]
     };
-    // A little is forgiven, or corners on a straight side would be refused by rounding.
+    // With a tolerance, because rounding can move corners on a straight side.
     let slack = 4.0 * T::EPSILON.to_f64();
     let turns_right = |corner: usize| {
-        let ([ax, ay], [bx, by]) = (way(corner + len - 1), way(corner));
+        let ([ax, ay], [bx, by]) = (side(corner + len - 1), side(corner));
         let size = (ax.abs() + ay.abs()) * (bx.abs() + by.abs());
         ax * by - ay * bx < -slack * size
     };
     if area(vertices) <= 0.0 {
         return Some(0);
     }
-    // A star turns left at every corner too, but comes around more than once: seen from
-    // the first corner, some side of it runs backwards.
+    // A star polygon turns left at every corner too, but winds around more than once: as seen from
+    // the first corner, a side of it runs clockwise.
     let [x0, y0] = vertices[0];
-    let runs_backwards = |corner: usize| {
-        let ([ax, ay], [bx, by]) = (vertices[corner], way(corner));
+    let runs_clockwise = |corner: usize| {
+        let ([ax, ay], [bx, by]) = (vertices[corner], side(corner));
         let (ax, ay) = (ax - x0, ay - y0);
         ax * by - ay * bx < -slack * (ax.abs() + ay.abs()) * (bx.abs() + by.abs())
     };
-    (0..len).find(|&corner| turns_right(corner) || runs_backwards(corner))
+    (0..len).find(|&corner| turns_right(corner) || runs_clockwise(corner))
 }
 
 impl<T: Scalar> Region<T> for Polygon<T> {
-    const PLAIN: bool = false;
+    const WINDOW_IS_EXACT: bool = false;
 
     fn window(&self) -> Window<T> {
         self.window
     }
 
-    /// Separating axes for the boxes inside the shapes, distances for what is around them.
-    /// The window is tested first: a shape outside the window is outside the polygon.
-    fn touches(&self, shape: &Shape<T>) -> bool {
-        let [dx, dy] = self.window.gap(shape);
-        let (x, y) = (dx.most(T::ZERO), dy.most(T::ZERO));
+    /// Tests the window, then the core (separating axis test), then the distance from the core.
+    fn overlaps(&self, shape: &Shape<T>) -> bool {
+        let [dx, dy] = self.window.gaps(shape);
+        let (x, y) = (dx.max(T::ZERO), dy.max(T::ZERO));
         let inside = (dx < T::ZERO) & (dy < T::ZERO);
         if !inside && x * x + y * y >= shape.radius * shape.radius {
             return false;
@@ -195,8 +191,8 @@ impl<T: Scalar> Region<T> for Polygon<T> {
         (inside && self.overlaps_core(&shape)) || self.is_within(&shape)
     }
 
-    /// Whether a side has the whole cover on its right, by more than rounding could do.
-    fn misses(&self, cover: &Cover<T>) -> bool {
+    /// Whether a side separates the polygon from the bounds by more than the rounding errors.
+    fn misses(&self, bounds: &Bounds<T>) -> bool {
         let Window { min, max, .. } = self.window;
         let span = (max[0].to_f64() - min[0].to_f64()) + (max[1].to_f64() - min[1].to_f64());
         let roundings = (32.0 + 8.0 * self.sides.len() as f64) * T::EPSILON.to_f64();
@@ -205,12 +201,12 @@ impl<T: Scalar> Region<T> for Polygon<T> {
             let normal = [along[1], -along[0]];
             let (mut outside, mut size) = (0.0, 0.0);
             for axis in 0..2 {
-                let side = if normal[axis] < 0.0 { cover.max[axis] } else { cover.min[axis] };
-                let least = side.to_f64();
-                let reach = (cover.half_size[axis] + cover.radius).to_f64();
+                let side = if normal[axis] < 0.0 { bounds.max[axis] } else { bounds.min[axis] };
+                let corner = side.to_f64();
+                let extent = (bounds.half_size[axis] + bounds.radius).to_f64();
                 let steep = normal[axis].abs();
-                outside += normal[axis] * (least - start[axis]) - steep * reach;
-                size += steep * (least.abs() + start[axis].abs() + reach + span);
+                outside += normal[axis] * (corner - start[axis]) - steep * extent;
+                size += steep * (corner.abs() + start[axis].abs() + extent + span);
             }
             outside > size * roundings
         })

@@ -1,13 +1,13 @@
-//! The shape that a ray hits first, or a disc that is thrown along it.
+//! Ray casts, and circle casts: the first shape that a ray or a moving disc hits.
 
 use std::ops::Range;
 
 use super::nearest::sort_farthest_first;
 use super::region::selects;
-use super::{IdOf, NODE_WORK, QUESTIONS, along_a_curve, check_reach, worthwhile};
+use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distance, morton_order, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape, into_range, within};
+use crate::geometry::{Bounds, Scalar, Shape, into_range, within};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
@@ -15,19 +15,18 @@ use crate::quadtree::Quadtree;
 use crate::shapes::{Each, check_finite, check_radii};
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 
-/// A way from a point into a direction, for a disc of some radius; a ray has none.
+/// A ray, or the path of a disc; the radius of a ray is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray<T> {
     origin: [T; 2],
-    /// Of length 1, but for rounding.
+    /// A unit vector, up to rounding.
     direction: [T; 2],
     radius: T,
     max_distance: T,
 }
 
 impl<T: Scalar> Ray<T> {
-    /// Rays, as many as an argument has rows, or one. Directions may have any length but 0;
-    /// radii are those of discs thrown along the rays.
+    /// Rays: one for each row of an argument, or one. Directions may have any length except 0.
     pub fn all(
         origins: &Each<[T; 2]>,
         directions: &Each<[T; 2]>,
@@ -41,7 +40,7 @@ impl<T: Scalar> Ray<T> {
         origins.check(|origins| check_finite("origin", origins))?;
         directions.check(check_directions)?;
         radii.check(|radii| check_radii("radius", radii))?;
-        check_reach(max_distance)?;
+        check_max_distance(max_distance)?;
         let ray = |row| Self {
             origin: origins.at(row),
             direction: unit(directions.at(row)),
@@ -60,152 +59,153 @@ fn check_directions<T: Scalar>(directions: &[[T; 2]]) -> Result<()> {
     }
 }
 
-/// The direction with length 1; scaled first, so that no square is too large or too small.
+/// The unit vector of a direction, scaled first so that squares neither overflow nor underflow.
 fn unit<T: Scalar>(direction: [T; 2]) -> [T; 2] {
-    let largest = direction[0].abs().most(direction[1].abs());
-    let [x, y] = direction.map(|v| v.over(largest));
+    let largest = direction[0].abs().max(direction[1].abs());
+    let [x, y] = direction.map(|v| v / largest);
     let length = (x * x + y * y).sqrt();
-    [x.over(length), y.over(length)]
+    [x / length, y / length]
 }
 
-/// How far along the ray it meets the shape, whose edge counts as part of it; 0 where it
-/// begins inside, `None` where it never does.
+/// The distance along the ray to the shape, which includes its edge; 0 if the ray starts inside,
+/// `None` if it misses.
 ///
-/// What the disc of the ray can touch is the shape grown by its radius: for a circle a
-/// larger circle; for a box a box as wide, a box as high, and a circle at each corner.
+/// A moving disc hits a shape if its centre hits the Minkowski sum of both. For a circle that is a
+/// larger circle; for a box the union of two larger boxes and a circle at each corner.
 pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
     let Shape { min, max, half_size: [hx, hy], .. } = *shape;
-    let reach = shape.radius + ray.radius;
-    let gap = shape.gap_to(ray.origin);
-    if within((gap[0] - hx).most(T::ZERO), (gap[1] - hy).most(T::ZERO), reach) {
+    let radius_sum = shape.radius + ray.radius;
+    let [x, y] = shape.gaps_to(ray.origin);
+    if within(x.max(T::ZERO), y.max(T::ZERO), radius_sum) {
         return Some(T::ZERO);
     }
     let far = |axis: usize| {
-        (ray.origin[axis] - min[axis]).abs().most((ray.origin[axis] - max[axis]).abs())
+        (ray.origin[axis] - min[axis]).abs().max((ray.origin[axis] - max[axis]).abs())
     };
-    let [into, back] = into_range(far(0).most(far(1)).most(hx.most(hy)).most(reach));
-    // Before the difference, which may be too large for the type.
+    let [into, back] = into_range(far(0).max(far(1)).max(hx.max(hy)).max(radius_sum));
+    // Scaled before the subtraction, which may overflow.
     let from = |corner: [T; 2]| [0, 1].map(|axis| ray.origin[axis] * into - corner[axis] * into);
     let half_size = [hx * into, hy * into];
     let core = Core { min: from(min), max: from(max), half_size, is_box: min != max };
-    hit_in_range(&core, reach * into, ray).map(|far| far * back)
+    hit_in_range(&core, radius_sum * into, ray).map(|distance| distance * back)
 }
 
-/// The core of a shape as seen from where a ray begins: how far that lies above `min` and
-/// above `max`, and how far the core reaches beyond them.
+/// The core of a shape relative to the origin of a ray: the origin minus `min` and minus `max`.
 struct Core<T> {
     min: [T; 2],
     max: [T; 2],
     half_size: [T; 2],
-    /// Whether `min` and `max` differ, which rounding may hide here.
+    /// Whether `min` and `max` of the shape differ; here they may be equal after rounding.
     is_box: bool,
 }
 
-/// [`hit`] for a shape as large as its core and `reach` more. For a beginning outside of it.
-fn hit_in_range<T: Scalar>(core: &Core<T>, reach: T, ray: &Ray<T>) -> Option<T> {
+/// [`hit`] for a shape with a core and a radius, and a ray that starts outside of it.
+fn hit_in_range<T: Scalar>(core: &Core<T>, radius: T, ray: &Ray<T>) -> Option<T> {
     let Core { min, max, half_size: [hx, hy], is_box } = *core;
     if hx == T::ZERO && hy == T::ZERO && !is_box {
-        return into_circle(min, ray.direction, reach);
+        return into_circle(min, ray.direction, radius);
     }
     let into_box = |half_size| into_box(&Core { half_size, ..*core }, ray.direction);
-    if reach == T::ZERO {
+    if radius == T::ZERO {
         return into_box([hx, hy]);
     }
-    let corner = |x: T, y: T| into_circle([x, y], ray.direction, reach);
+    let corner = |x: T, y: T| into_circle([x, y], ray.direction, radius);
     let (left, top) = (min[0] + hx, min[1] + hy);
     let (right, bottom) = (max[0] - hx, max[1] - hy);
-    let ways = [
-        into_box([hx + reach, hy]),
-        into_box([hx, hy + reach]),
+    let distances = [
+        into_box([hx + radius, hy]),
+        into_box([hx, hy + radius]),
         corner(left, top),
         corner(right, top),
         corner(left, bottom),
         corner(right, bottom),
     ];
-    ways.into_iter().flatten().reduce(T::least)
+    distances.into_iter().flatten().reduce(T::min)
 }
 
-/// How far from `m` along `u` a circle around the origin is. For an `m` outside of it.
+/// The distance from `m`, which is outside, along `u` to a circle around (0, 0).
 fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
     let along = m[0] * u[0] + m[1] * u[1];
-    let aside = m[0] * u[1] - m[1] * u[0];
-    // Squares may be too small to be compared. Written so that what is not a number misses.
-    if !(along <= T::ZERO && aside.abs() <= radius) {
+    let across = m[0] * u[1] - m[1] * u[0];
+    // Not compared as squares, which may underflow. NaN is a miss.
+    if !(along <= T::ZERO && across.abs() <= radius) {
         return None;
     }
-    let half_chord = (radius * radius - aside * aside).most(T::ZERO);
-    Some((-along - half_chord.sqrt()).most(T::ZERO))
+    let half_chord = (radius * radius - across * across).max(T::ZERO);
+    Some((-along - half_chord.sqrt()).max(T::ZERO))
 }
 
-/// How far a box is along `u`. For a beginning outside of it.
+/// The distance to a box along `u` from a point outside of it (slab method).
 fn into_box<T: Scalar>(Core { min, max, half_size, .. }: &Core<T>, u: [T; 2]) -> Option<T> {
     let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
     for axis in 0..2 {
         if u[axis] == T::ZERO {
-            if (-min[axis]).most(max[axis]) > half_size[axis] {
+            if (-min[axis]).max(max[axis]) > half_size[axis] {
                 return None;
             }
             continue;
         }
-        let first = (-half_size[axis] - min[axis]).over(u[axis]);
-        let second = (half_size[axis] - max[axis]).over(u[axis]);
-        enter = enter.most(first.least(second));
-        leave = leave.least(first.most(second));
+        let first = (-half_size[axis] - min[axis]) / u[axis];
+        let second = (half_size[axis] - max[axis]) / u[axis];
+        enter = enter.max(first.min(second));
+        leave = leave.min(first.max(second));
     }
     (enter <= leave).then_some(enter)
 }
 
-/// Roundings that may add up in [`hit`] and in what passes over nodes, in units of the
-/// last place of the numbers involved.
+/// Upper bound of the sum of the rounding errors in [`hit`] and in the tests of nodes, in units in
+/// the last place.
 const ROUNDINGS: f64 = 32.0;
 
-/// A ray as nodes see it.
+/// A ray for tests against nodes.
 #[derive(Clone, Copy)]
-struct Beam<T> {
+struct NodeRay<T> {
     ray: Ray<T>,
-    /// One over the direction; infinite along an axis that it does not move on.
+    /// The inverse of each component of the direction; infinite for 0.
     inverse: [T; 2],
 }
 
-impl<T: Scalar> Beam<T> {
+impl<T: Scalar> NodeRay<T> {
     fn of(ray: Ray<T>) -> Self {
         Self { ray, inverse: ray.direction.map(T::recip) }
     }
 
-    /// How much rounding could shift anything about shapes in `cover`.
+    /// Upper bound of the rounding errors for shapes within `bounds`.
     #[inline(always)]
-    fn slack(&self, cover: &Cover<T>) -> T {
+    fn slack(&self, bounds: &Bounds<T>) -> T {
         let size = |axis: usize| {
             self.ray.origin[axis].abs()
-                + cover.min[axis].abs().most(cover.max[axis].abs())
-                + cover.half_size[axis]
+                + bounds.min[axis].abs().max(bounds.max[axis].abs())
+                + bounds.half_size[axis]
         };
-        let all = size(0) + size(1) + cover.radius + self.ray.radius;
-        // The last term is for numbers that are too small for all their digits.
+        let all = size(0) + size(1) + bounds.radius + self.ray.radius;
+        // The last term is for underflow.
         all * T::EPSILON * T::from_f64(ROUNDINGS) + T::SMALLEST_SQUARE
     }
 
-    /// At most how far it is to a shape of `cover`; `None` if it passes by all of them.
+    /// A lower bound of the distance to the shapes within `bounds`; `None` if it misses all of
+    /// them.
     #[inline(always)]
-    fn enters(&self, cover: &Cover<T>) -> Option<T> {
-        let reach = cover.radius + self.ray.radius + self.slack(cover);
+    fn enters(&self, bounds: &Bounds<T>) -> Option<T> {
+        let radius_sum = bounds.radius + self.ray.radius + self.slack(bounds);
         let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
         for axis in 0..2 {
-            let grown = cover.half_size[axis] + reach;
-            let first = ((cover.min[axis] - grown) - self.ray.origin[axis]) * self.inverse[axis];
-            let second = ((cover.max[axis] + grown) - self.ray.origin[axis]) * self.inverse[axis];
-            // What is not a number (0 · ∞) loses every comparison and says nothing.
+            let grown = bounds.half_size[axis] + radius_sum;
+            let first = ((bounds.min[axis] - grown) - self.ray.origin[axis]) * self.inverse[axis];
+            let second = ((bounds.max[axis] + grown) - self.ray.origin[axis]) * self.inverse[axis];
+            // NaN (0 · ∞) is ignored by `max` and `min`.
             let (near, far) =
                 if self.inverse[axis] < T::ZERO { (second, first) } else { (first, second) };
-            enter = enter.most(near);
-            leave = leave.least(far);
+            enter = enter.max(near);
+            leave = leave.min(far);
         }
         let less = T::ONE - T::EPSILON * T::from_f64(ROUNDINGS);
         let enter = enter * less;
         (enter <= leave).then_some(enter)
     }
 
-    /// A bit for each shape of a block that is about as near to the line as it is large.
+    /// A bit for each shape of a block whose distance from the line of the ray could be at most its
+    /// size.
     #[inline(always)]
     fn lanes<S: Simd<T>>(
         &self,
@@ -218,63 +218,63 @@ impl<T: Scalar> Beam<T> {
         let [ux, uy] = self.ray.direction;
         let x = simd.sub(simd.splat(ox), simd.load(block(&shapes.x, first)));
         let y = simd.sub(simd.splat(oy), simd.load(block(&shapes.y, first)));
-        let aside = simd.sub(simd.mul(x, simd.splat(uy)), simd.mul(y, simd.splat(ux)));
-        let mut reach = simd.splat(self.ray.radius + slack);
+        let across = simd.sub(simd.mul(x, simd.splat(uy)), simd.mul(y, simd.splat(ux)));
+        let mut size = simd.splat(self.ray.radius + slack);
         if round {
-            reach = simd.add(reach, simd.load(block(&shapes.radius, first)));
+            size = simd.add(size, simd.load(block(&shapes.radius, first)));
         }
         if shapes.has_half_sizes() {
-            reach = simd.add(reach, simd.load(block(&shapes.half_x, first)));
-            reach = simd.add(reach, simd.load(block(&shapes.half_y, first)));
+            size = simd.add(size, simd.load(block(&shapes.half_x, first)));
+            size = simd.add(size, simd.load(block(&shapes.half_y, first)));
         }
         if shapes.has_boxes() {
-            // Seen from the lower corner.
+            // The size of a box as seen from its lower corner.
             for (min, max) in [(&shapes.x, &shapes.max_x), (&shapes.y, &shapes.max_y)] {
                 let (min, max) = (simd.load(block(min, first)), simd.load(block(max, first)));
-                reach = simd.add(reach, simd.sub(max, min));
+                size = simd.add(size, simd.sub(max, min));
             }
         }
         let smallest = simd.splat(T::SMALLEST_SQUARE);
-        let reach = simd.add(simd.mul(reach, reach), smallest);
-        !simd.less(reach, simd.mul(aside, aside))
+        let size = simd.add(simd.mul(size, size), smallest);
+        !simd.less(size, simd.mul(across, across))
     }
 }
 
-/// The first shape that a ray was found to hit.
+/// The first hit of a ray so far.
 #[derive(Clone, Debug)]
 pub struct FirstHit<T> {
     ray: Ray<T>,
-    /// How far it is, and which shape; of two as far the one with the smaller id.
+    /// Distance and id of the shape; at equal distances the smaller id.
     pub found: Option<(T, u64)>,
-    /// Shapes tested.
+    /// Number of shapes that were tested.
     pub tests: u64,
     pulse: Pulse,
 }
 
 impl<T: Scalar> FirstHit<T> {
-    /// Nothing hit yet; `pulse` may end the search.
+    /// No hit yet; `pulse` may interrupt the search.
     pub fn new(ray: Ray<T>, pulse: Pulse) -> Self {
         Self { ray, found: None, tests: 0, pulse }
     }
 
-    /// Whether to end early, now that about `work` numbers have been read.
+    /// Whether to stop; `work` is the approximate number of values read since the last call.
     #[inline(always)]
     pub fn is_over(&mut self, work: usize) -> bool {
         self.pulse.stops(work)
     }
 
-    /// What is farther is of no interest.
+    /// The distance beyond which shapes are ignored.
     #[inline(always)]
     fn limit(&self) -> T {
         self.found.map_or(self.ray.max_distance, |(distance, _)| distance)
     }
 
-    /// Looks at one shape.
+    /// Tests one shape.
     #[inline(always)]
     pub fn offer(&mut self, shape: &Shape<T>, id: u64) {
         let Some(distance) = hit(&self.ray, shape) else { return };
         let nearer = match self.found {
-            Some((least, first)) => distance < least || (distance == least && id < first),
+            Some((nearest, first)) => distance < nearest || (distance == nearest && id < first),
             None => distance <= self.ray.max_distance,
         };
         if nearer {
@@ -282,35 +282,36 @@ impl<T: Scalar> FirstHit<T> {
         }
     }
 
-    /// Looks at the shapes of a tree. `id_of` names the shape in a place, or hides it.
-    pub fn look(&mut self, tree: &Quadtree<T>, mask: Option<u32>, id_of: &IdOf<'_>) {
-        let beam = Beam::of(self.ray);
-        T::with_widest(Look { tree, beam, mask, id_of, best: self });
+    /// Searches a tree.
+    pub fn search(&mut self, tree: &Quadtree<T>, mask: Option<u32>, id_of: &IdOf<'_>) {
+        let node_ray = NodeRay::of(self.ray);
+        T::with_widest(Search { tree, node_ray, mask, id_of, best: self });
     }
 }
 
-/// One ray through one tree.
-struct Look<'a, T> {
+/// The search of one ray in one tree.
+struct Search<'a, T> {
     tree: &'a Quadtree<T>,
-    beam: Beam<T>,
+    node_ray: NodeRay<T>,
     mask: Option<u32>,
     id_of: &'a IdOf<'a>,
     best: &'a mut FirstHit<T>,
 }
 
-impl<T: Scalar> Work<T> for Look<'_, T> {
+impl<T: Scalar> Work<T> for Search<'_, T> {
     type Out = ();
 
-    /// Depth first, the nearer child first; what was put off may be too far by its turn.
+    /// Depth first, the nearest child first. Nodes on the stack may be beyond the limit when they
+    /// are visited.
     #[inline(always)]
     fn run<S: Simd<T>>(mut self, simd: S) {
-        let (nodes, covers) = (self.tree.nodes(), self.tree.covers());
+        let (nodes, node_bounds) = (self.tree.nodes(), self.tree.bounds());
         let mut stack: Vec<(T, u32)> = Vec::with_capacity(64);
-        let (mask, beam) = (self.mask, self.beam);
-        let enters = |cover: &Cover<T>| {
-            if selects(mask, cover.category) { beam.enters(cover) } else { None }
+        let (mask, node_ray) = (self.mask, self.node_ray);
+        let enters = |bounds: &Bounds<T>| {
+            if selects(mask, bounds.category) { node_ray.enters(bounds) } else { None }
         };
-        let root = covers.first().and_then(enters);
+        let root = node_bounds.first().and_then(enters);
         stack.extend(root.map(|nearest| (nearest, 0)));
         while let Some((nearest, index)) = stack.pop() {
             if nearest > self.best.limit() {
@@ -321,13 +322,13 @@ impl<T: Scalar> Work<T> for Look<'_, T> {
             }
             let node = &nodes[index as usize];
             if node.is_leaf() {
-                let cover = &covers[index as usize];
-                self.leaf(simd, (beam.slack(cover), cover.radius > T::ZERO), node.range());
+                let bounds = &node_bounds[index as usize];
+                self.leaf(simd, (node_ray.slack(bounds), bounds.radius > T::ZERO), node.range());
                 continue;
             }
             let from = stack.len();
             for child in node.children() {
-                if let Some(nearest) = enters(&covers[child]) {
+                if let Some(nearest) = enters(&node_bounds[child]) {
                     stack.push((nearest, child as u32));
                 }
             }
@@ -336,7 +337,7 @@ impl<T: Scalar> Work<T> for Look<'_, T> {
     }
 }
 
-impl<T: Scalar> Look<'_, T> {
+impl<T: Scalar> Search<'_, T> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, about: (T, bool), places: Range<usize>) {
         let shapes = self.tree.columns();
@@ -345,7 +346,7 @@ impl<T: Scalar> Look<'_, T> {
             if self.best.is_over(LANES) {
                 return;
             }
-            let near = self.beam.lanes(simd, about, shapes, first);
+            let near = self.node_ray.lanes(simd, about, shapes, first);
             for_each_lane(near & first_lanes(places.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, about.1);
                 if selects(self.mask, shape.category)
@@ -358,18 +359,19 @@ impl<T: Scalar> Look<'_, T> {
     }
 }
 
-/// What each of many rays hits first.
+/// The first hits of many rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayHits<T> {
-    /// Ids of the shapes; −1 where nothing is hit.
+    /// Ids of the shapes; −1 if nothing is hit.
     pub ids: Vec<i64>,
-    /// How far it is to them; infinity where nothing is hit.
+    /// Distances; infinity if nothing is hit.
     pub distances: Vec<T>,
-    /// Shapes tested.
+    /// Number of shapes that were tested.
     pub tests: u64,
 }
 
-/// What each ray hits first in a tree, among what has a category in `mask`, if there is one.
+/// The first hit of each ray in a tree. If there is a `mask`, only shapes with a category in it are
+/// hit.
 pub fn first_hits<T: Scalar>(
     tree: &Quadtree<T>,
     rays: &[Ray<T>],
@@ -377,27 +379,27 @@ pub fn first_hits<T: Scalar>(
 ) -> Result<RayHits<T>> {
     let rows = tree.rows();
     first_hits_by(rays, tree.settings().threads, |best| {
-        best.look(tree, mask, &|place| Some(u64::from(rows[place])));
+        best.search(tree, mask, &|place| Some(u64::from(rows[place])));
     })
 }
 
-/// As [`first_hits`]; `look` lets a ray see the shapes that there are.
+/// As [`first_hits`], for shapes that are not in one tree: `search` tests them for one ray.
 pub fn first_hits_by<T: Scalar>(
     rays: &[Ray<T>],
     threads: Option<usize>,
-    look: impl Fn(&mut FirstHit<T>) + Sync + Send,
+    search: impl Fn(&mut FirstHit<T>) + Sync + Send,
 ) -> Result<RayHits<T>> {
     let threads = worthwhile(threads, rays.len());
-    let order = along_a_curve(rays.iter().map(|ray| ray.origin))?;
+    let order = morton_order(rays.iter().map(|ray| ray.origin))?;
     let stop = Stop::current();
-    let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let found = parallel::map(threads, parts.len(), |part| {
         let mut pulse = Pulse::of(&stop);
         let mut found = Vec::with_capacity(parts[part].len());
-        for &question in parts[part] {
+        for &query in parts[part] {
             pulse.check(NODE_WORK)?;
-            let mut best = FirstHit::new(rays[question as usize], pulse);
-            look(&mut best);
+            let mut best = FirstHit::new(rays[query as usize], pulse);
+            search(&mut best);
             found.push((best.found, best.tests));
             pulse = best.pulse;
         }
@@ -408,10 +410,10 @@ pub fn first_hits_by<T: Scalar>(
     let len = rays.len();
     let distances = memory::filled(len, T::INFINITY)?;
     let mut all = RayHits { ids: memory::filled(len, -1)?, distances, tests: 0 };
-    for (&question, &(hit, tests)) in order.iter().zip(found.iter().flatten()) {
+    for (&query, &(hit, tests)) in order.iter().zip(found.iter().flatten()) {
         if let Some((distance, id)) = hit {
-            all.ids[question as usize] = id as i64;
-            all.distances[question as usize] = distance;
+            all.ids[query as usize] = id as i64;
+            all.distances[query as usize] = distance;
         }
         all.tests += tests;
     }

@@ -1,13 +1,13 @@
-//! Axis-aligned rectangles.
+//! Queries for the shapes that overlap an axis-aligned rectangle.
 
 use super::region::Region;
 use super::window::Window;
 use crate::error::Result;
-use crate::geometry::{Scalar, Shape};
+use crate::geometry::{Scalar, Shape, overlap};
 use crate::memory;
 use crate::shapes::{check_rects, corners};
 
-/// A rectangle; what only touches its border does not overlap it.
+/// A rectangle. Shapes that only touch it do not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect<T> {
     min: [T; 2],
@@ -27,19 +27,17 @@ impl<T: Scalar> Rect<T> {
 }
 
 impl<T: Scalar> Region<T> for Rect<T> {
-    const PLAIN: bool = true;
+    const WINDOW_IS_EXACT: bool = true;
 
     #[inline(always)]
     fn window(&self) -> Window<T> {
         Window { min: self.min, max: self.max, radius: T::ZERO }
     }
 
-    /// The rule of [`overlap`](crate::geometry::overlap), with the distances from the
-    /// rectangle's sides in place of its centre and half size, which would be rounded.
+    /// The gaps are computed from the sides of the rectangle, because its centre and half size
+    /// would be rounded.
     #[inline(always)]
-    fn touches(&self, shape: &Shape<T>) -> bool {
-        let [dx, dy] = self.window().gap(shape);
-        let (x, y) = (dx.most(T::ZERO), dy.most(T::ZERO));
-        (x * x + y * y < shape.radius * shape.radius) | ((dx < T::ZERO) & (dy < T::ZERO))
+    fn overlaps(&self, shape: &Shape<T>) -> bool {
+        overlap(self.window().gaps(shape), shape.radius)
     }
 }

@@ -1,12 +1,12 @@
-//! All shapes that a region overlaps.
+//! Range queries: all shapes that overlap a region.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::frontier::{Frontier, GROUP};
 use super::window::Window;
-use super::{NODE_WORK, QUESTIONS, along_a_curve, worthwhile};
+use super::{NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Scalar, Shape};
+use crate::geometry::{Bounds, Scalar, Shape};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
@@ -14,100 +14,102 @@ use crate::quadtree::{Node, Quadtree};
 use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 use crate::sorting;
 
-/// Ids that are looked up at a time.
+/// Number of places that are converted to rows between two checks for interruption.
 const CHUNK: usize = 1 << 14;
 
-/// The shapes of a tree of so many are in the second-level cache anyway, and not prefetched.
+/// The shapes of trees up to this size are not prefetched, because they fit into the second-level
+/// cache.
 const CACHED: usize = 1 << 15;
 
-/// Most ids in one answer, a gibibyte of them.
+/// Maximum number of ids in one answer: 1 GiB of them.
 pub const MOST_IDS: usize = 1 << 27;
 
-/// A part of the plane that shapes may overlap.
+/// A region of the plane.
 pub trait Region<T>: Sync {
-    /// Whether it is nothing but its window: a rectangle, or a disc.
-    const PLAIN: bool;
-    /// Something simple that holds all of it: whatever it touches touches the window.
+    /// Whether the region equals its window: true for rectangles and discs.
+    const WINDOW_IS_EXACT: bool;
+    /// Its bounds: each shape that touches the region touches the window.
     fn window(&self) -> Window<T>;
-    /// Whether it overlaps the shape: the exact answer.
-    fn touches(&self, shape: &Shape<T>) -> bool;
-    /// Whether it certainly touches no shape of `cover`, which its window meets.
-    fn misses(&self, cover: &Cover<T>) -> bool {
-        let _ = cover;
+    /// Whether the shape overlaps the region, exactly.
+    fn overlaps(&self, shape: &Shape<T>) -> bool;
+    /// Whether the region certainly touches no shape within `bounds`; a conservative test after
+    /// that of the window.
+    fn misses(&self, bounds: &Bounds<T>) -> bool {
+        let _ = bounds;
         false
     }
 }
 
-/// Regions of one kind. The search does not depend on the kind and is compiled once.
+/// Regions of one kind, as a trait object, so that the search is compiled once.
 trait Regions<T>: Sync {
-    /// [`Region::PLAIN`] of the kind.
-    fn are_plain(&self) -> bool;
+    /// [`Region::WINDOW_IS_EXACT`] of the kind.
+    fn window_is_exact(&self) -> bool;
     /// [`Region::window`] of one of them.
     fn window(&self, index: u32) -> Window<T>;
-    /// [`Region::touches`] of one of them.
-    fn touches(&self, index: u32, shape: &Shape<T>) -> bool;
+    /// [`Region::overlaps`] of one of them.
+    fn overlaps(&self, index: u32, shape: &Shape<T>) -> bool;
     /// [`Region::misses`] of one of them.
-    fn misses(&self, index: u32, cover: &Cover<T>) -> bool;
+    fn misses(&self, index: u32, bounds: &Bounds<T>) -> bool;
 }
 
 impl<T, R: Region<T>> Regions<T> for &[R] {
-    fn are_plain(&self) -> bool {
-        R::PLAIN
+    fn window_is_exact(&self) -> bool {
+        R::WINDOW_IS_EXACT
     }
     fn window(&self, index: u32) -> Window<T> {
         self[index as usize].window()
     }
-    fn touches(&self, index: u32, shape: &Shape<T>) -> bool {
-        self[index as usize].touches(shape)
+    fn overlaps(&self, index: u32, shape: &Shape<T>) -> bool {
+        self[index as usize].overlaps(shape)
     }
-    fn misses(&self, index: u32, cover: &Cover<T>) -> bool {
-        self[index as usize].misses(cover)
+    fn misses(&self, index: u32, bounds: &Bounds<T>) -> bool {
+        self[index as usize].misses(bounds)
     }
 }
 
-/// Ids for each of many questions, one list behind the other.
+/// The ids found by each of many queries, concatenated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hits<I> {
-    /// The ids of question q are `ids[offsets[q]..offsets[q + 1]]`.
+    /// Query q has the ids `ids[offsets[q]..offsets[q + 1]]`.
     pub offsets: Vec<usize>,
-    /// Ids, ascending for each question.
+    /// Ids, ascending for each query.
     pub ids: Vec<I>,
-    /// Shapes tested.
+    /// Number of shapes that were tested.
     pub tests: u64,
 }
 
 impl<I> Hits<I> {
-    /// No answers yet, and memory for the offsets of some questions.
-    pub(crate) fn with_room_for(questions: usize) -> Result<Self> {
-        let mut offsets = memory::with_room(questions + 1)?;
+    /// No results yet, and memory for the offsets of `queries`.
+    pub(crate) fn with_room_for(queries: usize) -> Result<Self> {
+        let mut offsets = memory::with_room(queries + 1)?;
         offsets.push(0);
         Ok(Self { offsets, ids: Vec::new(), tests: 0 })
     }
 
-    /// Ids of one question.
-    pub fn of(&self, question: usize) -> &[I] {
-        &self.ids[self.offsets[question]..self.offsets[question + 1]]
+    /// Ids of one query.
+    pub fn of(&self, query: usize) -> &[I] {
+        &self.ids[self.offsets[query]..self.offsets[query + 1]]
     }
 }
 
-/// Whether a question for the categories in `mask` is about what is of `category`.
+/// Whether a query with a mask includes shapes of `category`.
 #[inline(always)]
 pub fn selects(mask: Option<u32>, category: u32) -> bool {
     mask.is_none_or(|mask| mask & category != 0)
 }
 
-/// The rows of all shapes that each region overlaps, ascending; only those with a category
-/// in `mask`, if there is one.
+/// The rows of all shapes that overlap each region, ascending. If there is a `mask`, only shapes
+/// with a category in it.
 pub fn search<T: Scalar, R: Region<T>>(
     tree: &Quadtree<T>,
     regions: &[R],
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
-    let order = along_a_curve(regions.iter().map(|region| region.window().min))?;
+    let order = morton_order(regions.iter().map(|region| region.window().min))?;
     search_in_order(tree, &regions, &order, mask)
 }
 
-/// As [`search`], with the regions in the order in which to take them.
+/// As [`search`]; `order` is the order in which the queries are processed.
 fn search_in_order<T: Scalar>(
     tree: &Quadtree<T>,
     regions: &dyn Regions<T>,
@@ -115,67 +117,67 @@ fn search_in_order<T: Scalar>(
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
     let threads = worthwhile(tree.settings().threads, order.len());
-    let plain = regions.are_plain();
+    let exact = regions.window_is_exact();
     let stop = Stop::current();
     let count = AtomicUsize::new(0);
-    let parts: Vec<&[u32]> = order.chunks(QUESTIONS).collect();
+    let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let found = parallel::map(threads, parts.len(), |part| {
         let (order, pulse) = (parts[part], Pulse::of(&stop));
-        T::with_widest(Search { tree, regions, plain, order, mask, count: &count, pulse, len: 0 })
+        T::with_widest(Search { tree, regions, exact, order, mask, count: &count, pulse, len: 0 })
     });
     let count = count.into_inner();
     if count > MOST_IDS {
-        return Err(Error::TooManyIds { most: MOST_IDS });
+        return Err(Error::TooManyIds { limit: MOST_IDS });
     }
-    // The first part that failed may have needed little, while others held much.
+    // A failed part reports its own size, the error that of all parts.
     let sizes = found.iter().filter_map(|hits| hits.as_ref().err().map(Error::bytes));
     let bytes = sizes.max().unwrap_or(0).max(count * size_of::<u32>());
     let found = found.into_iter().collect::<Result<Vec<_>>>();
-    together(&parts, found.map_err(|error| error.in_all(bytes))?)
+    combine(&parts, found.map_err(|error| error.in_all(bytes))?)
 }
 
-/// Puts answers to questions in some order into the order of their numbers.
-fn together(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
+/// Combines the results of all tasks in the order of the queries.
+fn combine(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
     match found.len() {
         0 => return Hits::with_room_for(0),
         1 => return Ok(found.remove(0)),
         _ => {}
     }
     let mut pulse = Pulse::current();
-    let questions = parts.iter().map(|part| part.len()).sum::<usize>();
+    let queries = parts.iter().map(|part| part.len()).sum::<usize>();
     let answers = || parts.iter().zip(&found);
-    let mut offsets = memory::filled(questions + 1, 0)?;
+    let mut offsets = memory::filled(queries + 1, 0)?;
     for (part, hits) in answers() {
-        for (place, &question) in part.iter().enumerate() {
-            offsets[question as usize + 1] = hits.of(place).len();
+        for (place, &query) in part.iter().enumerate() {
+            offsets[query as usize + 1] = hits.of(place).len();
         }
     }
-    for question in 0..questions {
-        offsets[question + 1] += offsets[question];
+    for query in 0..queries {
+        offsets[query + 1] += offsets[query];
     }
-    let mut ids = memory::zeroed(offsets[questions])?;
+    let mut ids = memory::zeroed(offsets[queries])?;
     for (part, hits) in answers() {
-        for (place, &question) in part.iter().enumerate() {
+        for (place, &query) in part.iter().enumerate() {
             pulse.check(1 + hits.of(place).len())?;
-            let question = question as usize;
-            ids[offsets[question]..offsets[question + 1]].copy_from_slice(hits.of(place));
+            let query = query as usize;
+            ids[offsets[query]..offsets[query + 1]].copy_from_slice(hits.of(place));
         }
     }
     let tests = found.iter().map(|hits| hits.tests).sum();
     Ok(Hits { offsets, ids, tests })
 }
 
-/// Some regions, asked one after the other.
+/// The queries of one task.
 struct Search<'a, T> {
     tree: &'a Quadtree<T>,
     regions: &'a dyn Regions<T>,
-    plain: bool,
+    exact: bool,
     order: &'a [u32],
     mask: Option<u32>,
-    /// Ids found by all parts together.
+    /// Number of ids found by all tasks.
     count: &'a AtomicUsize,
     pulse: Pulse,
-    /// Ids found by this part; the list of them is longer.
+    /// Number of ids found by this task; the list is longer.
     len: usize,
 }
 
@@ -188,22 +190,22 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
         let (mut frontier, mut stack) = (Frontier::default(), Vec::new());
         let (mut ends, mut nodes) = (Vec::new(), Vec::new());
         for group in self.order.chunks(GROUP) {
-            let windows = group.iter().map(|&question| self.regions.window(question));
+            let windows = group.iter().map(|&query| self.regions.window(query));
             match windows.reduce(Window::join) {
-                // What comes now is not asked for any more.
+                // There are too many ids already: the other queries are skipped.
                 Some(_) if self.count.load(Ordering::Relaxed) > MOST_IDS => frontier.len = 0,
                 Some(window) => frontier.fill(self.tree, &window),
                 None => {}
             }
             ends.clear();
             nodes.clear();
-            for &question in group {
-                self.find(simd, question, &frontier, &mut stack, &mut nodes)?;
+            for &query in group {
+                self.find(simd, query, &frontier, &mut stack, &mut nodes)?;
                 ends.push(nodes.len());
             }
             let (before, mut from) = (self.len, 0);
-            for (&question, &end) in group.iter().zip(&ends) {
-                self.answer(simd, question, &nodes[from..end], &mut hits).map_err(|error| {
+            for (&query, &end) in group.iter().zip(&ends) {
+                self.answer(simd, query, &nodes[from..end], &mut hits).map_err(|error| {
                     let new = hits.offsets[hits.offsets.len() - 1] - before;
                     error.in_all((self.count.load(Ordering::Relaxed) + new) * size_of::<u32>())
                 })?;
@@ -217,24 +219,24 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
 }
 
 impl<T: Scalar> Search<'_, T> {
-    /// Adds the nodes in which one question finds something: leaves, and those that it
-    /// takes as a whole. It begins at those of `frontier`.
+    /// Appends the nodes with results of one query: leaves that it overlaps, and nodes whose shapes
+    /// all overlap it. The search starts at the `frontier`.
     #[inline(always)]
     fn find<S: Simd<T>>(
         &mut self,
         simd: S,
-        question: u32,
+        query: u32,
         frontier: &Frontier<T>,
         stack: &mut Vec<u32>,
         found: &mut Vec<u32>,
     ) -> Result<()> {
-        let window = self.regions.window(question);
+        let window = self.regions.window(query);
         for first in (0..frontier.len).step_by(LANES) {
             let bits = frontier.lanes(simd, &window, first) & first_lanes(frontier.len - first);
             for_each_lane(bits, |lane| {
                 let node = frontier.nodes[first + lane];
-                let cover = &self.tree.covers()[node as usize];
-                if selects(self.mask, cover.category) && !self.misses(question, cover) {
+                let bounds = &self.tree.bounds()[node as usize];
+                if selects(self.mask, bounds.category) && !self.misses(query, bounds) {
                     stack.push(node);
                 }
             });
@@ -244,13 +246,13 @@ impl<T: Scalar> Search<'_, T> {
             let node = &self.tree.nodes()[index as usize];
             if node.is_leaf() || self.takes_all(&window, index as usize) {
                 memory::push(found, index)?;
-                self.expect(simd, node);
+                self.prefetch(simd, node);
                 continue;
             }
             for child in node.children() {
-                let cover = &self.tree.covers()[child];
-                let near = selects(self.mask, cover.category) & window.meets(cover);
-                if near && !self.misses(question, cover) {
+                let bounds = &self.tree.bounds()[child];
+                let near = selects(self.mask, bounds.category) & window.may_touch(bounds);
+                if near && !self.misses(query, bounds) {
                     stack.push(child as u32);
                 }
             }
@@ -258,28 +260,28 @@ impl<T: Scalar> Search<'_, T> {
         Ok(())
     }
 
-    /// Prefetches what will be read of a leaf.
+    /// Prefetches the shapes of a leaf.
     #[inline(always)]
-    fn expect<S: Simd<T>>(&self, simd: S, node: &Node) {
+    fn prefetch<S: Simd<T>>(&self, simd: S, node: &Node) {
         if node.is_leaf() && self.tree.len() > CACHED {
             let shapes = self.tree.columns();
-            simd.expect(&shapes.x[node.range()]);
-            simd.expect(&shapes.y[node.range()]);
-            simd.expect(&self.tree.rows()[node.range()]);
+            simd.prefetch(&shapes.x[node.range()]);
+            simd.prefetch(&shapes.y[node.range()]);
+            simd.prefetch(&self.tree.rows()[node.range()]);
         }
     }
 
-    /// Adds the answer to one question, from the nodes in which there is something.
+    /// Appends the results of one query, from the nodes that [`Search::find`] has found.
     #[inline(always)]
     fn answer<S: Simd<T>>(
         &mut self,
         simd: S,
-        question: u32,
+        query: u32,
         nodes: &[u32],
         hits: &mut Hits<u32>,
     ) -> Result<()> {
         let start = self.len;
-        let window = self.regions.window(question);
+        let window = self.regions.window(query);
         for &index in nodes {
             let places = self.tree.nodes()[index as usize].range();
             let room = room(&mut hits.ids, self.len, places.len())?;
@@ -289,7 +291,7 @@ impl<T: Scalar> Search<'_, T> {
                 room.iter_mut().zip(places).for_each(|(to, place)| *to = place as u32);
             } else {
                 hits.tests += places.len() as u64;
-                self.collect(simd, (question, &window), index as usize, room)?;
+                self.collect(simd, (query, &window), index as usize, room)?;
             }
         }
         let (rows, found) = (self.tree.rows(), &mut hits.ids[start..self.len]);
@@ -302,42 +304,41 @@ impl<T: Scalar> Search<'_, T> {
         Ok(())
     }
 
-    /// As [`Region::misses`]; of a plain region the window says it all.
+    /// [`Region::misses`]; not called if the window is exact.
     #[inline(always)]
-    fn misses(&self, question: u32, cover: &Cover<T>) -> bool {
-        !self.plain && self.regions.misses(question, cover)
+    fn misses(&self, query: u32, bounds: &Bounds<T>) -> bool {
+        !self.exact && self.regions.misses(query, bounds)
     }
 
-    /// Whether a region overlaps every shape in a node. Where a category can hide a shape,
-    /// each has to be looked at.
+    /// Whether every shape of a node overlaps the region. With a mask the shapes must be tested.
     #[inline(always)]
     fn takes_all(&self, window: &Window<T>, node: usize) -> bool {
-        self.plain && self.mask.is_none() && window.holds(&self.tree.covers()[node])
+        self.exact && self.mask.is_none() && window.contains(&self.tree.bounds()[node])
     }
 
-    /// Writes the places of the shapes in a leaf that one region overlaps.
+    /// Writes the places of the shapes of a leaf that overlap a region.
     #[inline(always)]
     fn collect<S: Simd<T>>(
         &mut self,
         simd: S,
-        (question, window): (u32, &Window<T>),
+        (query, window): (u32, &Window<T>),
         leaf: usize,
         room: &mut [u32],
     ) -> Result<()> {
         let shapes = self.tree.columns();
         let places = self.tree.nodes()[leaf].range();
-        let round = self.tree.covers()[leaf].radius > T::ZERO;
+        let round = self.tree.bounds()[leaf].radius > T::ZERO;
         let mut count = 0;
         for first in places.clone().step_by(LANES) {
             self.pulse.check(LANES)?;
-            let bits = window.lanes(simd, shapes, first, (round, self.plain));
+            let bits = window.lanes(simd, shapes, first, (round, self.exact));
             let mut bits = bits & first_lanes(places.end - first);
-            if !self.plain || self.mask.is_some() {
+            if !self.exact || self.mask.is_some() {
                 for lane in 0..LANES {
                     if bits >> lane & 1 != 0 {
                         let shape = shapes.shape_if(first + lane, round);
                         let hit = selects(self.mask, shape.category)
-                            && (self.plain || self.regions.touches(question, &shape));
+                            && (self.exact || self.regions.overlaps(query, &shape));
                         bits ^= u32::from(!hit) << lane;
                     }
                 }
@@ -351,7 +352,7 @@ impl<T: Scalar> Search<'_, T> {
     }
 }
 
-/// Room for `more` ids behind the first `len`, and for a block.
+/// Memory for `more` ids after the first `len`, and for a spare block.
 #[inline(always)]
 fn room(ids: &mut Vec<u32>, len: usize, more: usize) -> Result<&mut [u32]> {
     let needed = len + more + LANES;
@@ -362,7 +363,8 @@ fn room(ids: &mut Vec<u32>, len: usize, more: usize) -> Result<&mut [u32]> {
     Ok(&mut ids[len..])
 }
 
-/// Sorts different numbers; a few of them without a branch that depends on their order.
+/// Sorts distinct numbers; up to [`LANES`] of them by counting smaller ones, without unpredictable
+/// branches.
 #[inline(always)]
 fn sort(ids: &mut [u32], pulse: &mut Pulse) -> Result<()> {
     if ids.len() > LANES {

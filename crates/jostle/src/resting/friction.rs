@@ -98,11 +98,11 @@ impl Block {
             let wanted = simd.sub(old, simd.mul(sliding, simd.load(&self.effective_masses)));
             let most = simd.mul(simd.load(&self.friction), simd.load(&pairs.impulses[phase]));
             let least = simd.sub(simd.splat(0.0), most);
-            let new = simd.most(simd.least(wanted, most), least);
+            let new = simd.max(simd.min(wanted, most), least);
             simd.store(new, impulses);
             // A change that is not finite would reach particles that do not move.
             let most = simd.splat(f32::MAX);
-            simd.most(simd.least(simd.sub(new, old), most), simd.splat(f32::MIN))
+            simd.max(simd.min(simd.sub(new, old), most), simd.splat(f32::MIN))
         };
         let au = simd.sub(au, simd.mul(change, simd.load(&self.softness[0])));
         let bu = simd.sub(bu, simd.mul(change, simd.load(&self.softness[1])));

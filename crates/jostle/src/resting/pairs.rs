@@ -137,11 +137,11 @@ impl Block {
             let is_relaxed = pass == Pass::Relaxed;
             let masses = if is_relaxed { &self.relaxed_masses } else { &self.effective_masses };
             let wanted = simd.add(old, simd.mul(missing, simd.load(masses)));
-            let new = simd.most(wanted, simd.splat(0.0));
+            let new = simd.max(wanted, simd.splat(0.0));
             simd.store(new, impulses);
             // A change that is not finite would reach particles that do not move: ∞ · 0 is no number.
             let most = simd.splat(f32::MAX);
-            simd.least(simd.sub(new, old), most)
+            simd.min(simd.sub(new, old), most)
         };
         self.pushed(simd, [ax, ay, bx, by], [nx, ny], change)
     }

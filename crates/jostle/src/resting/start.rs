@@ -146,13 +146,13 @@ fn start<S: Simd<f32>>(
     let normal_speed = simd.add(simd.mul(nx, u), simd.mul(ny, v));
     let [a, _] = simd.gather(all.speeds.words(), &of.places, 0);
     let [b, _] = simd.gather(all.speeds.words(), &of.places, 1);
-    let most = simd.most(a, b);
+    let most = simd.max(a, b);
     let approach = simd.mul(simd.load(&limits.rest_speeds[0]), most);
     let separation = simd.mul(simd.load(&limits.rest_speeds[1]), most);
     let minus_approach = simd.sub(simd.splat(-0.0), approach);
 
     let farthest = simd.mul(simd.mul(simd.splat(FARTHEST), most), h);
-    let closing_speed = simd.div(simd.most(gap, zero), h);
+    let closing_speed = simd.div(simd.max(gap, zero), h);
     let is_near = simd.at_most(gap, farthest)
         & simd.at_most(closing_speed, simd.add(simd.add(approach, a), b));
     let is_touching = simd.at_most(gap, simd.mul(simd.splat(TOUCHING), reach));
@@ -167,8 +167,7 @@ fn start<S: Simd<f32>>(
 
     let fast = resting & is_touching & simd.less(normal_speed, minus_approach);
     let minus_restitution = simd.sub(simd.splat(-0.0), simd.load(&of.restitutions));
-    let slow_bounce =
-        simd.choose(is_touching, simd.least(normal_speed, zero), simd.splat(f32::MIN));
+    let slow_bounce = simd.choose(is_touching, simd.min(normal_speed, zero), simd.splat(f32::MIN));
     let bounce = simd.choose(fast, simd.mul(minus_restitution, normal_speed), slow_bounce);
     let least_speeds = [bounce, simd.sub(simd.splat(-0.0), closing_speed)];
     block.begin(simd, [nx, ny], least_speeds, resting);

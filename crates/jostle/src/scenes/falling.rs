@@ -1,4 +1,4 @@
-//! Scenes with gravity: what falls comes to rest. y grows downwards.
+//! Scenes with gravity in which discs fall and come to rest.
 
 use super::placing::{Area, lattice, scatter};
 use super::random::Random;
@@ -10,7 +10,7 @@ use crate::world::WorldSettings;
 const DISPLAY: [f32; 2] = [800.0, 500.0];
 const DISPLAY_COUNT: f32 = 500.0;
 
-/// The article's frames a second; its units are pixels and frames.
+/// The article's frames per second; its units are pixels and frames.
 const FRAMES: f32 = 30.0;
 
 pub fn article_view(n: usize) -> Area {
@@ -18,7 +18,7 @@ pub fn article_view(n: usize) -> Area {
     [0.0, 0.0, DISPLAY[0] * scale, DISPLAY[1] * scale]
 }
 
-/// The article's particles and their numbers a second, under right physics.
+/// The article's particles, converted to pixels and seconds.
 pub fn article(n: usize, random: &mut Random) -> Start {
     let area = article_view(n);
     let radii: Vec<f32> = (0..n).map(|_| random.whole(5, 10)).collect();
@@ -26,7 +26,7 @@ pub fn article(n: usize, random: &mut Random) -> Start {
     let velocities = (0..n).map(|_| random.in_disc().map(|v| v * FRAMES)).collect();
     let mut particles = Particles::new(places, velocities, radii, 1.0);
     particles.masses.iter_mut().for_each(|mass| *mass *= random.whole(1, 20));
-    // Gravity 0.5 px a frame; its drag takes about 0.3 % a frame from a middling particle.
+    // Gravity is 0.5 px per frame²; drag is about 0.3 % per frame for a particle of medium size.
     let settings = WorldSettings {
         gravity: [0.0, 0.5 * FRAMES * FRAMES],
         drag: 0.08,
@@ -62,7 +62,7 @@ pub fn pile(n: usize, random: &mut Random) -> Start {
 
 const RAIN_RADII: [f32; 2] = [3.0, 6.0];
 
-/// Share of the sky that the drops cover.
+/// Fraction of the area that the drops cover at the start.
 const RAIN_COVERAGE: f32 = 0.08;
 
 pub fn rain_view(n: usize) -> Area {
@@ -75,11 +75,11 @@ pub fn rain(n: usize, random: &mut Random) -> Start {
     let middle = (RAIN_RADII[0] + RAIN_RADII[1]) / 2.0;
     let sky = n as f32 * area_of(middle) / (RAIN_COVERAGE * width) + 4.0 * RAIN_RADII[1];
     let radii: Vec<f32> = (0..n).map(|_| random.between(RAIN_RADII[0], RAIN_RADII[1])).collect();
-    // The lowest drops start just above the ground's half, the highest fall last.
+    // The lowest drops start at half of the height.
     let clouds = [0.0, height * 0.5 - sky, width, height * 0.5];
     let places = scatter(&radii, clouds, random);
     let velocities = vec![[0.0, 200.0]; n];
-    // Drag against gravity: no drop falls faster than 600 px/s.
+    // The terminal velocity is 600 px/s.
     let settings = WorldSettings {
         gravity: [0.0, 900.0],
         drag: 1.5,

@@ -1,4 +1,4 @@
-//! A board of pegs that sorts balls by chance.
+//! Scene: a Galton board.
 
 use super::placing::{Area, immovable};
 use super::random::Random;
@@ -7,62 +7,62 @@ use crate::error::Result;
 use crate::particles::Particles;
 use crate::world::WorldSettings;
 
-/// From peg to peg, along a row and from row to row.
+/// Distance between pegs of a row, and between rows.
 const PITCH: f32 = 32.0;
 const ROW: f32 = 28.0;
 
-/// Free width between two pegs, in radii of a ball: two balls cannot block it.
+/// Gap between two pegs, in radii of a ball: two balls cannot block it.
 const GAP: f32 = 4.8;
 
 /// Radius of the largest balls.
 const BALL: f32 = 4.5;
 
-/// Rows of pegs, fewest and most.
+/// Minimum and maximum number of rows of pegs.
 const ROWS: [usize; 2] = [4, 40];
 
-/// Share of a bin's area that resting balls cover.
+/// Fraction of the area of a bin that resting balls cover.
 const PACKED: f32 = 0.82;
 
-/// Gravity, and the drag that lets no ball fall faster than [`FALL`]. With more drag a ball
-/// drops straight from one peg onto the inner side of the next and turns back; with less it
-/// keeps its direction. With these two it forgets at which side it came.
+/// Gravity, drag, and the terminal velocity. With more drag a ball falls straight from one peg onto
+/// the inner side of the next and turns back; with less it keeps its direction. With these values
+/// consecutive deflections are nearly independent.
 const GRAVITY: f32 = 1600.0;
 const DRAG: f32 = 7.0;
 const FALL: f32 = GRAVITY / DRAG;
 
-/// From ball to ball in the column that falls onto the first peg, in radii.
+/// Distance between balls in the column above the first peg, in radii.
 const COLUMN_STEP: f32 = 8.0;
 
-/// Half the width of the funnel's spout, in radii of a ball, and where the funnel is open.
+/// Half width of the outlet of the funnel, in radii of a ball, and the y of its top.
 const SPOUT: f32 = 1.8;
 const FUNNEL_TOP: f32 = -4.0 * ROW;
 
-/// Where things are on the board of the scene `galton`.
+/// The geometry of the board in the scene `galton`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaltonBoard {
-    /// Rows of pegs: a ball turns to the right in so many throws of a coin, or fewer.
+    /// Number of rows of pegs, that is of deflections of a ball.
     pub rows: usize,
-    /// Edges of the bins along x, one more than there are bins.
+    /// x of the edges of the bins, one more than the number of bins.
     pub bin_edges: Vec<f32>,
-    /// Where the bins are open.
+    /// y of the top of the bins.
     pub bin_top: f32,
-    /// Where they end.
+    /// y of the bottom of the bins.
     pub floor: f32,
     /// Radius of the balls.
     pub ball_radius: f32,
 }
 
-/// The board for `n` balls (`None`: as many as suit the scene).
+/// The board for `n` balls (`None`: the default number).
 pub fn galton_board(n: Option<usize>) -> Result<GaltonBoard> {
     Ok(board(find("galton")?.count(n)?))
 }
 
 fn board(n: usize) -> GaltonBoard {
-    // Rows grow with n to the power 2/3, and with them the board as fast as its bins fill.
+    // The number of rows is proportional to n^(2/3), so that the bins have the height of the board.
     let enough = |rows: &usize| 160 * rows.pow(3) as u64 >= (n as u64).pow(2);
     let rows = (ROWS[0]..ROWS[1]).find(enough).unwrap_or(ROWS[1]);
     let bin_top = rows as f32 * ROW;
-    // The fullest bin gets about √(2 / (π · rows)) of the balls.
+    // The fullest bin gets a fraction of about √(2 / (π · rows)) of the balls.
     let share = (2.0 / (std::f32::consts::PI * rows as f32)).sqrt();
     let height = |ball: f32| n as f32 * share * area_of(ball) / (PACKED * PITCH);
     let shrink = (0.7 * bin_top / height(BALL).max(1e-3)).sqrt().min(1.0);
@@ -79,7 +79,7 @@ pub fn galton_view(n: usize) -> Area {
     [-half_width, FUNNEL_TOP, half_width, board.floor]
 }
 
-/// `n` balls, and the pegs before them.
+/// The pegs, then `n` balls.
 pub fn galton(n: usize, random: &mut Random) -> Start {
     let board = board(n);
     let [min_x, min_y, max_x, floor] = galton_view(n);
@@ -92,9 +92,10 @@ pub fn galton(n: usize, random: &mut Random) -> Start {
         [[spout, -1.5 * ROW], [spout, -2.0 * ROW], [side * 2.5 * PITCH, FUNNEL_TOP]]
     });
     let step = COLUMN_STEP * radius;
-    let aside = 0.5 * radius;
-    let places: Vec<[f32; 2]> =
-        (0..n).map(|k| [random.between(-aside, aside), -2.0 * ROW - k as f32 * step]).collect();
+    let deviation = 0.5 * radius;
+    let places: Vec<[f32; 2]> = (0..n)
+        .map(|k| [random.between(-deviation, deviation), -2.0 * ROW - k as f32 * step])
+        .collect();
     let top = places.last().map_or(min_y, |last| last[1].min(min_y)) - 2.0 * radius;
     particles.extend(&Particles::new(places, vec![[0.0, FALL]; n], vec![radius; n], 1.0));
     let settings = WorldSettings {
@@ -107,12 +108,13 @@ pub fn galton(n: usize, random: &mut Random) -> Start {
     funnel.iter().fold(start, |start, side| start.walled(side))
 }
 
-/// Row by row, each in the gaps of the one before; the first has one in the middle.
+/// Rows of pegs, each offset by half a distance from the row before; the first row has a peg at x =
+/// 0.
 fn pegs(rows: usize) -> Vec<[f32; 2]> {
     let row = |row: usize| {
-        // Pegs on the walls stay out.
-        let most = rows as i32;
-        let across = (-most..=most).filter(move |k| (k + row as i32) % 2 == 0);
+        // Without pegs on the walls.
+        let limit = rows as i32;
+        let across = (-limit..=limit).filter(move |k| (k + row as i32) % 2 == 0);
         across.map(move |k| [k as f32 * 0.5 * PITCH, row as f32 * ROW])
     };
     (0..rows).flat_map(row).collect()

@@ -1,4 +1,4 @@
-//! Scenes with a story: shots at pegs, a break, a swirl.
+//! Scenes: fast discs among pegs, a billiards break, and discs that circle in a round container.
 
 use super::placing::{Area, lattice};
 use super::random::Random;
@@ -19,7 +19,7 @@ pub fn shots_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-/// `n` particles in all; every fifth is a peg that nothing moves.
+/// `n` particles in all; every fifth is an immovable peg.
 pub fn shots(n: usize, random: &mut Random) -> Start {
     let area = shots_view(n);
     let pegs = n / (SHOTS_PER_PEG + 1);
@@ -108,15 +108,16 @@ pub fn orbit(n: usize, random: &mut Random) -> Start {
     let mut cells = n;
     let inside = loop {
         let area = lattice(cells, square, 0.0, random);
-        let reach = radius - ORBIT_RADIUS;
-        let fits = |p: &[f32; 2]| p[0] * p[0] + p[1] * p[1] < reach * reach;
+        let limit = radius - ORBIT_RADIUS;
+        let fits = |p: &[f32; 2]| p[0] * p[0] + p[1] * p[1] < limit * limit;
         let inside: Vec<[f32; 2]> = area.into_iter().filter(fits).take(n).collect();
         if inside.len() == n {
             break inside;
         }
         cells += cells / 20 + 1;
     };
-    // All turn about the centre, with some unrest; the rim keeps its speed at any size.
+    // All move about the centre with random deviations; the speed at the rim does not depend on the
+    // size.
     let turn = 240.0 / radius;
     let velocities = inside
         .iter()

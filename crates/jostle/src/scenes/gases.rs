@@ -1,19 +1,19 @@
-//! Scenes without gravity: discs that fly and bounce.
+//! Scenes without gravity: gases of discs.
 
 use super::placing::{Area, lattice, scatter};
 use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
 use crate::particles::Particles;
 
-/// Share of the area that the discs of a gas cover.
+/// Fraction of the area that the discs of a gas cover.
 const COVERAGE: f32 = 0.4;
 
-/// Fastest disc at the start, px/s.
+/// Maximum speed at the start, px/s.
 const SPEED: f32 = 120.0;
 
 const RADIUS: f32 = 5.0;
 
-/// Share of the particles that gather in clusters, and of the area they take.
+/// Fraction of the particles in clusters, and of the area of the clusters.
 const CLUSTERED: f32 = 0.9;
 const CLUSTER_AREA: f32 = 0.01;
 const CLUSTERS: usize = 9;
@@ -36,15 +36,15 @@ pub fn gas(n: usize, random: &mut Random) -> Start {
     Start::new(Particles::new(places, velocities, vec![RADIUS; n], 1.0), settings)
 }
 
-/// Radii from 1 to 100, every octave covering the same area: the density of
-/// radii falls with their cube.
+/// Radii from 1 to 100. Each factor of two covers the same area: the density of radii is
+/// proportional to r⁻³.
 fn mixed_radius(quantile: f32) -> f32 {
     let (small, large) = (1.0f32, 100.0f32);
     let share = 1.0 - small * small / (large * large);
     (small / (1.0 - quantile * share).sqrt()).min(large)
 }
 
-/// Radii at evenly spaced quantiles, so that the smallest and the largest are there.
+/// Radii at evenly spaced quantiles, including the smallest and the largest.
 fn mixed_radii(n: usize) -> Vec<f32> {
     let last = n.saturating_sub(1).max(1) as f32;
     (0..n).map(|i| mixed_radius(i as f32 / last)).collect()
@@ -79,7 +79,7 @@ pub fn clusters(n: usize, random: &mut Random) -> Start {
     let mut places = Vec::with_capacity(n);
     for cluster in 0..CLUSTERS {
         let count = gathered * (cluster + 1) / CLUSTERS - gathered * cluster / CLUSTERS;
-        // One cluster in each ninth of the square, so that none lies on another.
+        // One cluster in each ninth of the square, so that they do not overlap.
         let third = side / 3.0;
         let corner = [(cluster % 3) as f32 * third, (cluster / 3) as f32 * third];
         let free = third - width;

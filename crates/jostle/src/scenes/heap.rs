@@ -1,4 +1,4 @@
-//! A column of grains with friction that collapses into a heap. y grows downwards.
+//! Scene: a column of grains with friction collapses into a heap.
 
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
@@ -6,17 +6,17 @@ use super::{Start, boxed};
 use crate::particles::Particles;
 use crate::world::WorldSettings;
 
-/// Radii of the grains, and of the beads of the ground, which is rough.
+/// Radii of the grains, and of the static discs of the rough ground.
 const GRAINS: [f32; 2] = [2.5, 3.5];
 const BEAD: f32 = 3.0;
 
-/// From grain to grain at the start.
+/// Distance between grains at the start.
 const PITCH: f32 = 2.02 * GRAINS[1];
 
-/// Height of the column over its width.
+/// Height of the column divided by its width.
 const SLENDER: f32 = 1.5;
 
-/// Half the width of the ground, over the height of the column.
+/// Half width of the ground divided by the height of the column.
 const REACH: f32 = 2.5;
 
 const FRICTION: f32 = 0.8;
@@ -33,11 +33,11 @@ fn half_width(n: usize) -> f32 {
 
 pub fn heap_view(n: usize) -> Area {
     let half_width = half_width(n);
-    // About the shape of a screen; the column is lower.
+    // The aspect ratio of a screen; the column is lower.
     [-half_width, -1.1 * half_width, half_width, 2.0 * BEAD]
 }
 
-/// `n` grains, and the beads of the ground before them.
+/// The static discs of the ground, then `n` grains.
 pub fn heap(n: usize, random: &mut Random) -> Start {
     let half_beads = (half_width(n) / (2.0 * BEAD)) as i32;
     let beads = (-half_beads..=half_beads).map(|at| [2.0 * BEAD * at as f32, 0.0]).collect();

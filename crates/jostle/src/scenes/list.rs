@@ -1,7 +1,7 @@
 //! The list of all scenes.
 
 use super::{
-    Scene, falling, fountain, galton, games, gases, heap, machines, mixing, pinball, sand, soft,
+    Scene, emitters, falling, galton, games, gases, heap, machines, mixing, pinball, sand, soft,
     stars,
 };
 
@@ -10,8 +10,8 @@ pub const SCENES: [Scene; 21] = [
     Scene {
         name: "article",
         default_count: 500,
-        about: "The article's particles in its 800 × 500 window, under right physics. \
-                Watch them come to rest, which the article's rules never let them do.",
+        about: "The article's particles in its 800 × 500 window, with jostle's physics. \
+                They come to rest, unlike under the article's rules.",
         make: falling::article,
         view: falling::article_view,
     },
@@ -19,7 +19,7 @@ pub const SCENES: [Scene; 21] = [
         name: "gas",
         default_count: 10_000,
         about: "Equal elastic discs over 40 % of the area. \
-                Speeds that start out even soon spread as in a real gas, and the energy stays.",
+                The distribution of speeds becomes that of a gas in equilibrium; energy is conserved.",
         make: gases::gas,
         view: gases::gas_view,
     },
@@ -27,23 +27,23 @@ pub const SCENES: [Scene; 21] = [
         name: "pile",
         default_count: 1_000,
         about: "Discs of radius 5 to 10 fall into a box and come to rest. \
-                Look how little they overlap, even at the bottom.",
+                They hardly overlap, even at the bottom.",
         make: falling::pile,
         view: falling::pile_view,
     },
     Scene {
         name: "rain",
         default_count: 2_000,
-        about: "Drops fall in over time and fill the ground. \
-                The tree deepens where they gather and stays shallow in the sky.",
+        about: "Drops fall and collect on the ground. \
+                The tree is deeper where they are dense.",
         make: falling::rain,
         view: falling::rain_view,
     },
     Scene {
         name: "mixed",
         default_count: 5_000,
-        about: "Radii from 1 to 100, every octave covering the same area. \
-                One size of grid cell fits none of them; the tree does not mind.",
+        about: "Radii from 1 to 100, each factor of two with the same area. \
+                A uniform grid is slow for such sizes; the tree is not.",
         make: gases::mixed,
         view: gases::mixed_view,
     },
@@ -51,15 +51,15 @@ pub const SCENES: [Scene; 21] = [
         name: "clusters",
         default_count: 5_000,
         about: "Nine tenths of the discs start in a hundredth of the area. \
-                Watch nine crowds burst and the tree's small boxes spread with them.",
+                Nine clusters expand, and the small boxes of the tree follow them.",
         make: gases::clusters,
         view: gases::clusters_view,
     },
     Scene {
         name: "shots",
         default_count: 1_000,
-        about: "Small shots at up to 3,000 px/s among pegs that nothing moves. \
-                None ever passes through a peg or a wall.",
+        about: "Small discs at up to 3,000 px/s among immovable pegs. \
+                None passes through a peg or a wall.",
         make: games::shots,
         view: games::shots_view,
     },
@@ -67,31 +67,31 @@ pub const SCENES: [Scene; 21] = [
         name: "billiards",
         default_count: 16,
         about: "A cue ball with side spin breaks a rack of balls. \
-                Follow how its momentum and its spin spread over all.",
+                Its momentum and its spin spread over all balls.",
         make: games::billiards,
         view: games::billiards_view,
     },
     Scene {
         name: "orbit",
         default_count: 2_000,
-        about: "Discs swirl about the centre of a round container. \
-                The wall has no friction, so the swirl never dies.",
+        about: "Discs circle in a round container. \
+                The wall has no friction, so the rotation does not stop.",
         make: games::orbit,
         view: games::orbit_view,
     },
     Scene {
         name: "springs",
         default_count: 800,
-        about: "Soft bodies of discs tied by springs fall beside a hanging cloth and a chain. \
-                See how they give way, swing back and come to rest in their old shapes.",
+        about: "Soft bodies of discs and springs fall beside a hanging cloth and a chain. \
+                They deform, oscillate and come to rest in their original shapes.",
         make: soft::springs,
         view: soft::springs_view,
     },
     Scene {
         name: "stars",
         default_count: 10_000,
-        about: "A slowly turning cloud of dust pulls itself together, and grains that touch merge. \
-                Watch stars form from the middle outwards and sweep up what is near them.",
+        about: "A slowly rotating cloud of dust contracts under its gravitation, and grains that touch merge. \
+                Stars form from the centre outwards.",
         make: stars::stars,
         view: stars::stars_view,
     },
@@ -99,7 +99,7 @@ pub const SCENES: [Scene; 21] = [
         name: "thermostat",
         default_count: 4_000,
         about: "A hot light gas on the left and a cold heavy one on the right. \
-                They mix, while walls that have a temperature bring both to one speed.",
+                They mix, and the walls bring both to one speed.",
         make: mixing::thermostat,
         view: mixing::thermostat_view,
     },
@@ -107,15 +107,15 @@ pub const SCENES: [Scene; 21] = [
         name: "sand",
         default_count: 2_000,
         about: "Grains run through the neck of an hourglass made of line segments. \
-                They flow evenly, however much is still above them, and heap up below.",
+                The flow does not depend on the amount above the neck.",
         make: sand::sand,
         view: sand::sand_view,
     },
     Scene {
         name: "galton",
         default_count: 300,
-        about: "Balls fall through rows of pegs, at each of them to the left or to the right. \
-                The bins below fill to the curve of the binomial distribution.",
+        about: "Balls fall through rows of pegs, which deflect them to the left or to the right. \
+                Their numbers in the bins follow the binomial distribution.",
         make: galton::galton,
         view: galton::galton_view,
     },
@@ -123,23 +123,23 @@ pub const SCENES: [Scene; 21] = [
         name: "brownian",
         default_count: 3_000,
         about: "One large heavy disc starts at rest in a gas of small light ones. \
-                Unseen blows add up to its random walk, with as much energy as each of theirs.",
+                Collisions cause its random walk; its mean energy becomes that of a small disc.",
         make: mixing::brownian,
         view: mixing::brownian_view,
     },
     Scene {
         name: "emitters",
         default_count: 3_000,
-        about: "Three jets meet above a fountain, and their water runs down its steps. \
-                The oldest drops go as new ones come, so their number has a cap.",
-        make: fountain::emitters,
-        view: fountain::emitters_view,
+        about: "Three jets meet above a fountain, and drops run down its steps. \
+                The oldest drops are removed, so their number has a maximum.",
+        make: emitters::fountain,
+        view: emitters::view,
     },
     Scene {
         name: "heap",
         default_count: 1_500,
         about: "A column of grains with friction 0.8 collapses on rough ground. \
-                The heap keeps a slope; set friction to 0 and it runs apart.",
+                The heap keeps a slope; with friction 0 it spreads.",
         make: heap::heap,
         view: heap::heap_view,
     },
@@ -147,7 +147,7 @@ pub const SCENES: [Scene; 21] = [
         name: "mill",
         default_count: 1_500,
         about: "A wheel with five paddles turns in a drum and lifts the grains. \
-                Nothing slows it down: the paddles are immovable discs that a motor drives.",
+                The paddles are immovable discs that a motor drives.",
         make: machines::mill,
         view: machines::mill_view,
     },
@@ -155,23 +155,23 @@ pub const SCENES: [Scene; 21] = [
         name: "conveyor",
         default_count: 600,
         about: "Rollers that turn carry grains with friction up to the right. \
-                They fall off the end, and a chute leads them back to the first roller.",
+                They fall off the end, and a chute returns them to the first roller.",
         make: machines::conveyor,
         view: machines::conveyor_view,
     },
     Scene {
         name: "piston",
         default_count: 2_000,
-        about: "A piston halves the volume of a gas in eight seconds and gives it back in eight. \
-                The discs get almost twice as fast meanwhile, and slow again.",
+        about: "A piston halves the volume of a gas in eight seconds and restores it in eight. \
+                The speeds of the discs almost double and decrease again.",
         make: machines::piston,
         view: machines::piston_view,
     },
     Scene {
         name: "pinball",
         default_count: 12,
-        about: "Balls among bumpers, on a table whose flippers beat by themselves. \
-                No ball passes through a flipper, however fast both are.",
+        about: "Balls among bumpers on a table with flippers that move by themselves. \
+                No ball passes through a flipper, at any speed.",
         make: pinball::pinball,
         view: pinball::pinball_view,
     },

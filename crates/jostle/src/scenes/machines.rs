@@ -1,4 +1,4 @@
-//! Machines that drive particles: a piston, a mill and a conveyor. y grows downwards.
+//! Scenes with motors: a piston, a mill and a conveyor.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::world::WorldSettings;
 
 const GRAVITY: f32 = 900.0;
 
-/// A motor that drives nothing, without a motion.
+/// A motor without particles, walls or motion.
 pub const MOTOR: Motor = Motor {
     ids: Vec::new(),
     walls: Vec::new(),
@@ -27,11 +27,11 @@ const GAS_RADIUS: f32 = 3.0;
 const GAS_COVERAGE: f32 = 0.2;
 const GAS_SPEED: f32 = 200.0;
 
-/// Length of the cylinder over its height, and the share by which the piston shortens it.
+/// Length of the cylinder divided by its height, and the fraction by which the piston shortens it.
 const CYLINDER: f32 = 1.6;
 const STROKE: f32 = 0.5;
 
-/// Seconds of the piston's way there and back.
+/// Period of the piston in seconds.
 const PISTON_PERIOD: f32 = 16.0;
 
 /// Length and height of the cylinder.
@@ -42,11 +42,11 @@ fn cylinder(n: usize) -> [f32; 2] {
 
 pub fn piston_view(n: usize) -> Area {
     let [length, height] = cylinder(n);
-    // Room for the rod.
+    // Space for the rod.
     [0.0, 0.0, (1.0 + STROKE) * length, height]
 }
 
-/// `n` discs of a gas in front of a piston.
+/// `n` discs of a gas in a cylinder with a piston.
 pub fn piston(n: usize, random: &mut Random) -> Start {
     let [length, height] = cylinder(n);
     let inside = [GAS_RADIUS, GAS_RADIUS, length - GAS_RADIUS, height - GAS_RADIUS];
@@ -65,14 +65,14 @@ const GRAINS: [f32; 2] = [3.0, 4.0];
 const MILL_COVERAGE: f32 = 0.35;
 const ARMS: usize = 5;
 
-/// Radius of the discs of a paddle, and from one to the next.
+/// Radius of the discs of a paddle, and the distance between them.
 const PADDLE: f32 = 3.0;
 const PADDLE_PITCH: f32 = 3.6;
 
-/// Radius of the hub over that of the drum.
+/// Radius of the hub divided by that of the drum.
 const HUB: f32 = 0.12;
 
-/// Centrifugal acceleration at the rim over gravity.
+/// Centrifugal acceleration at the rim divided by gravity.
 const FROUDE: f32 = 0.25;
 
 fn drum(n: usize) -> f32 {
@@ -85,12 +85,12 @@ pub fn mill_view(n: usize) -> Area {
     [-radius, -radius, radius, radius]
 }
 
-/// Directions of the arms.
+/// Unit vectors of the arms.
 fn arms() -> impl Iterator<Item = [f32; 2]> {
     (0..ARMS).map(|arm| direction(TAU * arm as f64 / ARMS as f64))
 }
 
-/// `n` grains in a drum, and a wheel before them.
+/// The discs of a wheel, then `n` grains in a drum.
 pub fn mill(n: usize, random: &mut Random) -> Start {
     let radius = drum(n);
     // Grains fit between the tips of the arms and the drum.
@@ -112,7 +112,7 @@ pub fn mill(n: usize, random: &mut Random) -> Start {
     Start::new(particles, settings).with(Force::Motor(Motor { ids, angular_velocity, ..MOTOR }))
 }
 
-/// Places for `n` grains in the drum that overlap neither it nor the wheel.
+/// Positions of `n` grains in the drum that overlap neither it nor the wheel.
 fn between_arms(n: usize, radius: f32, random: &mut Random) -> Vec<[f32; 2]> {
     let grain = GRAINS[1];
     let is_free = |&[x, y]: &[f32; 2]| {
@@ -134,7 +134,7 @@ fn between_arms(n: usize, radius: f32, random: &mut Random) -> Vec<[f32; 2]> {
     }
 }
 
-/// Grains at some places, with speeds of up to `speed`.
+/// Grains at some positions, with random velocities of up to `speed`.
 fn grains(places: Vec<[f32; 2]>, speed: f32, random: &mut Random) -> Particles {
     let radii = places.iter().map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
     let velocities = places.iter().map(|_| random.in_disc().map(|v| v * speed)).collect();
@@ -143,26 +143,26 @@ fn grains(places: Vec<[f32; 2]>, speed: f32, random: &mut Random) -> Particles {
 
 const ROLLER: f32 = 6.0;
 
-/// From roller to roller: less room than a grain needs.
+/// Distance between rollers: the gap is smaller than a grain.
 const ROLLER_PITCH: f32 = 12.5;
 
-/// Speed of the surfaces of the rollers.
+/// Surface speed of the rollers.
 const BELT_SPEED: f32 = 120.0;
 
-/// Slopes of the rollers, which lead up to the right, and of the chute below, which leads back.
+/// Slopes of the row of rollers, up to the right, and of the chute below.
 const CLIMB: f32 = 0.08;
 const CHUTE: f32 = 0.06;
 
 /// Width of the gaps at both ends of the rollers.
 const GAP: f32 = 60.0;
 
-/// How far the lowest place is below the first roller: grains there soon reach up to it.
+/// Height of the first roller above the lowest point, small enough that grains there soon touch it.
 const DEPTH: f32 = 26.0;
 
-/// Length of the machine for each grain.
+/// Length of the machine per grain.
 const LENGTH_PER_GRAIN: f32 = 1.6;
 
-/// Length of the machine, and its lowest and its highest place.
+/// Length of the machine, and its lowest and its highest y.
 fn conveyor_size(n: usize) -> [f32; 3] {
     let length = (n as f32 * LENGTH_PER_GRAIN).max(240.0);
     [length, DEPTH, -CLIMB * length - 2.0 * GAP]
@@ -173,7 +173,7 @@ pub fn conveyor_view(n: usize) -> Area {
     [0.0, highest, length, lowest]
 }
 
-/// `n` grains on rollers that carry them up to the right, from where a chute leads them back.
+/// `n` grains on rollers that carry them up to the right; a chute below leads them back.
 pub fn conveyor(n: usize, random: &mut Random) -> Start {
     let area = conveyor_view(n);
     let [length, lowest, _] = conveyor_size(n);
@@ -182,7 +182,7 @@ pub fn conveyor(n: usize, random: &mut Random) -> Start {
     let mut particles = immovable((0..count).map(roller).collect(), ROLLER);
     let turning = BELT_SPEED / ROLLER;
     particles.spins_mut().iter_mut().for_each(|spin| spin.velocity = turning);
-    // In layers above the rollers.
+    // The grains are in layers above the rollers.
     let pitch = 2.02 * GRAINS[1];
     let columns = (((length - 2.0 * GAP) / pitch) as usize).max(1);
     let place = |index: usize| {

@@ -1,4 +1,4 @@
-//! Scenes of two kinds of discs, without gravity.
+//! Scenes without gravity with two kinds of discs.
 
 use super::placing::{Area, lattice};
 use super::random::Random;
@@ -13,10 +13,10 @@ const COVERAGE: f32 = 0.3;
 /// Densities of the gases on the left and on the right.
 const DENSITIES: [f32; 2] = [1.0, 8.0];
 
-/// Their fastest discs at the start, px/s.
+/// Maximum speeds of both at the start, px/s.
 const SPEEDS: [f32; 2] = [400.0, 60.0];
 
-/// The walls, whose speed lies between.
+/// Target speed of the walls, between both.
 const WALLS: Thermostat = Thermostat { speed: 180.0, rate: 0.2 };
 
 pub fn thermostat_view(n: usize) -> Area {
@@ -24,7 +24,7 @@ pub fn thermostat_view(n: usize) -> Area {
     [0.0, 0.0, 1.6 * height, height]
 }
 
-/// Half of the discs on either side.
+/// Half of the discs are on either side.
 pub fn thermostat(n: usize, random: &mut Random) -> Start {
     let area = thermostat_view(n);
     let [min_x, min_y, max_x, max_y] = area;
@@ -41,11 +41,11 @@ pub fn thermostat(n: usize, random: &mut Random) -> Start {
     Start::new(particles, settings).with(Force::Thermostat(WALLS))
 }
 
-/// The disc whose walk is watched, and those that jostle it.
+/// Radii of the large disc and of the small discs around it.
 const LARGE: f32 = 36.0;
 const SMALL: f32 = 3.0;
 
-/// Share of the area that the gas covers, and its fastest disc, px/s.
+/// Fraction of the area that the gas covers, and its maximum speed at the start, px/s.
 const THIN: f32 = 0.2;
 const SPEED: f32 = 500.0;
 
@@ -69,7 +69,7 @@ pub fn brownian(n: usize, random: &mut Random) -> Start {
     Start::new(particles, boxed(area))
 }
 
-/// `count` places on a lattice that leaves a circle free.
+/// `count` positions on a lattice outside of a circle.
 fn around(
     count: usize,
     area: Area,

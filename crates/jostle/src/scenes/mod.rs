@@ -1,11 +1,11 @@
-//! Seeded scenes by name, the same for tests, benchmarks and the simulator.
+//! Named scenes from a seed, the same for tests, benchmarks and the simulator.
 //!
-//! Lengths are pixels, times seconds, y grows downwards; a step is 1/60 s. Every
-//! scene takes any number of particles: its size follows. Immovable discs come in
-//! addition, and first.
+//! Lengths are in pixels, times in seconds, y grows downwards; a step is 1/60 s. The size of a
+//! scene depends on its number of particles. Immovable discs are additional and have the first
+//! rows.
 
 mod falling;
-mod fountain;
+mod emitters;
 mod galton;
 mod games;
 mod gases;
@@ -27,31 +27,31 @@ use crate::forces::motor::turn;
 use crate::particles::Particles;
 use crate::walls::Wall;
 use crate::world::{Defaults, World, WorldSettings};
-pub use fountain::{Nozzle, fountains};
+pub use emitters::{Emitter, emitters};
 pub use galton::{GaltonBoard, galton_board};
 pub use list::SCENES;
 pub use placing::wall;
 use random::Random;
 
-/// The step that scenes are made for, seconds.
+/// The length of a step in seconds for which scenes are designed.
 pub const STEP: f64 = 1.0 / 60.0;
 
-/// Most particles that a scene is made with.
+/// Maximum number of particles of a scene.
 const MAX_COUNT: usize = 100_000_000;
 
 /// A named scene.
 pub struct Scene {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// Particles where none are asked for.
+    /// Default number of particles.
     pub default_count: usize,
-    /// What to look at, in two sentences.
+    /// A description in two sentences.
     pub about: &'static str,
     make: fn(usize, &mut Random) -> Start,
     view: fn(usize) -> [f32; 4],
 }
 
-/// What a scene begins with.
+/// The initial state of a scene.
 struct Start {
     particles: Particles,
     settings: WorldSettings,
@@ -69,7 +69,7 @@ impl Start {
         self
     }
 
-    /// Adds walls from corner to corner.
+    /// Adds walls between consecutive corners.
     fn walled(mut self, corners: &[[f32; 2]]) -> Self {
         self.walls.extend(corners.windows(2).map(|ends| Wall::new([ends[0], ends[1]])));
         self
@@ -85,7 +85,7 @@ pub fn find(name: &str) -> Result<&'static Scene> {
 }
 
 impl Scene {
-    /// Its world with `count` particles (`None`: as many as suit it).
+    /// Its world with `count` particles (`None`: the default number).
     pub fn create(&self, count: Option<usize>, seed: u64) -> Result<World> {
         let count = self.count(count)?;
         let start = (self.make)(count, &mut Random::new(seed));
@@ -97,7 +97,7 @@ impl Scene {
         Ok(world)
     }
 
-    /// The part of its world to look at: min x, min y, max x, max y.
+    /// The rectangle to display: min x, min y, max x, max y.
     pub fn view(&self, count: Option<usize>) -> Result<[f32; 4]> {
         Ok((self.view)(self.count(count)?))
     }
@@ -110,7 +110,7 @@ impl Scene {
     }
 }
 
-/// The coefficient of friction of all particles; 0 if they differ.
+/// The common coefficient of friction of all particles; 0 if they differ.
 fn common_friction(all: &Particles) -> f32 {
     let first = all.spin(0).friction;
     if all.spins.iter().all(|spin| spin.friction == first) { first } else { 0.0 }
@@ -127,12 +127,12 @@ fn area_of(radius: f32) -> f32 {
     std::f32::consts::PI * radius * radius
 }
 
-/// Side of the square of which `covered` is the share `coverage`.
-fn side_for(covered: f32, coverage: f32, least: f32) -> f32 {
-    (covered / coverage).sqrt().max(least)
+/// Side of the square of which the area `covered` is the fraction `coverage`, at least `min`.
+fn side_for(covered: f32, coverage: f32, min: f32) -> f32 {
+    (covered / coverage).sqrt().max(min)
 }
 
-/// The default rules inside four walls.
+/// Default settings with a rectangular container.
 fn boxed([min_x, min_y, max_x, max_y]: [f32; 4]) -> WorldSettings {
     let container = Container::Box { min: [min_x, min_y], max: [max_x, max_y] };
     WorldSettings { container, ..WorldSettings::default() }

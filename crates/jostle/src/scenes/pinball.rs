@@ -1,4 +1,4 @@
-//! A pinball table whose flippers beat by themselves. y grows downwards.
+//! Scene: a pinball table whose flippers are driven by motors.
 
 use super::machines::MOTOR;
 use super::placing::{Area, immovable, lattice};
@@ -9,12 +9,12 @@ use crate::particles::Particles;
 use crate::walls::Wall;
 use crate::world::WorldSettings;
 
-/// Width and height of a table for this many balls; tables for more are larger.
+/// Width and height of a table for this number of balls; tables for more balls are larger.
 const TABLE: [f32; 2] = [300.0, 500.0];
 const BALLS: f32 = 12.0;
 const BALL: f32 = 7.0;
 
-/// Places and radii of the bumpers, in widths of the table.
+/// Positions and radii of the bumpers, in widths of the table.
 const BUMPERS: [([f32; 2], f32); 7] = [
     ([0.30, 0.52], 0.075),
     ([0.70, 0.52], 0.075),
@@ -25,8 +25,8 @@ const BUMPERS: [([f32; 2], f32); 7] = [
     ([0.50, 1.08], 0.03),
 ];
 
-/// The left half of the table's outline, in widths of the table: the rounded top, and the guide
-/// that leads to the flipper.
+/// The left half of the outline of the table, in widths of the table: the rounded top, and the
+/// guide above the flipper.
 const TOP: [[f32; 2]; 5] = [[0.0, 0.3], [0.03, 0.17], [0.1, 0.07], [0.2, 0.015], [0.3, 0.0]];
 const GUIDE: [[f32; 2]; 3] = [[0.0, 1.15], [PIVOT[0], PIVOT[1]], [PIVOT[0], TABLE[1] / TABLE[0]]];
 
@@ -38,17 +38,17 @@ const PIVOT: [f32; 2] = [0.28, 1.36];
 const FLIPPER: f32 = 0.155;
 const FLIPPER_RADII: [f32; 2] = [0.024, 0.012];
 
-/// Discs of a flipper, the angle by which it points down at first, and that by which it turns.
+/// Number of discs of a flipper, its initial angle below the horizontal, and its angle of rotation.
 const FLIPPER_DISCS: usize = 12;
 const REST_ANGLE: f64 = 0.45;
 const SWING: f32 = 0.9;
 
-/// Seconds of a beat of the flippers, and of one of the floor between them, which throws balls back.
+/// Periods in seconds of the flippers, and of the floor between them, which throws balls back.
 const FLIPPER_PERIOD: f32 = 0.5;
 const FLOOR_PERIOD: f32 = 0.2;
 const FLOOR_SPEED: f32 = 700.0;
 
-/// The factor by which a table is larger.
+/// Factor of all lengths.
 fn scale(n: usize) -> f32 {
     (n as f32 / BALLS).sqrt().max(1.0)
 }
@@ -61,7 +61,7 @@ pub fn pinball_view(n: usize) -> Area {
     [0.0, 0.0, width(n), scale(n) * TABLE[1]]
 }
 
-/// `n` balls; bumpers and flippers before them.
+/// Bumpers and flippers, then `n` balls.
 pub fn pinball(n: usize, random: &mut Random) -> Start {
     let width = width(n);
     let mut particles = Particles::default();
@@ -85,7 +85,7 @@ pub fn pinball(n: usize, random: &mut Random) -> Start {
     }
     start.walls.iter_mut().for_each(|wall| wall.restitution = 0.7);
     let floor = start.walls.len() as u32;
-    // A little shorter than the way between the guides, so that it touches neither.
+    // Slightly shorter than the distance between the guides, so that it touches neither.
     let (y, inset) = (0.96 * scale(n) * TABLE[1], 0.3 * BALL);
     let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
     start.walls.push(Wall::new(ends.map(|x| [x, y])));
@@ -98,7 +98,7 @@ pub fn pinball(n: usize, random: &mut Random) -> Start {
     }))
 }
 
-/// Its image on the right half, if `is_right`.
+/// The mirror image of a point on the right half, if `is_right`.
 fn mirrored([x, y]: [f32; 2], is_right: bool) -> [f32; 2] {
     if is_right { [1.0 - x, y] } else { [x, y] }
 }

@@ -1,25 +1,26 @@
-//! Places for discs, without overlap as far as there is room.
+//! Positions of discs: lattices, random positions without overlap, and walls of discs.
 
 use std::collections::HashMap;
 
 use super::random::Random;
 use crate::error::{Error, Result};
-use crate::particles::{Particles, check_radii, check_vectors};
+use crate::forces::check_pair;
+use crate::particles::{Particles, check_radii};
 
 /// A rectangle: min x, min y, max x, max y.
 pub type Area = [f32; 4];
 
-/// Tries before a disc is put down wherever it fell.
+/// Attempts to find a free position before an overlap is accepted.
 const TRIES: usize = 200;
 
-/// From bead to bead of a wall, in radii: the bumps are 2 % of a radius high.
+/// Distance between the discs of a wall, in radii: its surface is flat up to 2 % of a radius.
 const BEAD_STEP: f32 = 0.4;
 
-/// Most beads of one wall.
+/// Maximum number of discs of a wall.
 const MAX_BEADS: f64 = 1e6;
 
-/// `count` places on a square lattice that fills `area`, each moved by up to
-/// `jitter` along both axes.
+/// `count` positions on a square lattice that fills `area`, each displaced by up to `jitter` along
+/// both axes.
 pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Vec<[f32; 2]> {
     let [width, height] = [area[2] - area[0], area[3] - area[1]];
     let columns = ((count as f32 * width / height).sqrt().ceil() as usize).max(1);
@@ -32,16 +33,16 @@ pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Ve
     (0..count).map(place).collect()
 }
 
-/// The centres of beads of `radius` in a straight line, so close that what slides along
-/// them feels a smooth wall. The ends are beads too.
+/// The centres of discs of `radius` in a straight line from `start` to `end`, so close that
+/// particles slide along them as along a smooth wall.
 pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>> {
-    check_vectors("start", &[start]).map_err(|_| no_end("start", start))?;
-    check_vectors("end", &[end]).map_err(|_| no_end("end", end))?;
+    check_pair("start", start)?;
+    check_pair("end", end)?;
     if check_radii(&[radius]).is_err() || radius == 0.0 {
         return Err(Error::of("radius", radius, "it must be finite and more than 0"));
     }
-    let way = [0, 1].map(|k| f64::from(end[k]) - f64::from(start[k]));
-    let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
+    let offset = [0, 1].map(|k| f64::from(end[k]) - f64::from(start[k]));
+    let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
     let steps = (length / (f64::from(BEAD_STEP) * f64::from(radius))).ceil();
     if steps >= MAX_BEADS {
         let rule =
@@ -50,22 +51,18 @@ pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>
     }
     let bead = |index: u32| {
         let share = f64::from(index) / steps.max(1.0);
-        [0, 1].map(|k| (f64::from(start[k]) + way[k] * share) as f32)
+        [0, 1].map(|k| (f64::from(start[k]) + offset[k] * share) as f32)
     };
     Ok((0..=steps as u32).map(bead).collect())
 }
 
-fn no_end(argument: &'static str, [x, y]: [f32; 2]) -> Error {
-    Error::of(argument, format!("({x}, {y})"), "both coordinates must be finite and within ±1e18")
-}
-
-/// Beads along walls from corner to corner.
+/// The discs of walls between consecutive corners.
 pub fn walls(corners: &[[f32; 2]], radius: f32) -> Vec<[f32; 2]> {
     let sides = corners.windows(2);
     sides.flat_map(|ends| wall(ends[0], ends[1], radius).unwrap_or_default()).collect()
 }
 
-/// Discs of one radius that nothing moves.
+/// Immovable discs of equal radius.
 pub fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
     let len = places.len();
     let mut discs = Particles::new(places, vec![[0.0; 2]; len], vec![radius; len], 1.0);
@@ -73,9 +70,9 @@ pub fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
     discs
 }
 
-/// Random places in `area`, one for each radius, free of overlap as long as there
-/// is room: the largest are put down first, and each looks for company only in a
-/// grid of its own size and in those of the larger ones.
+/// Random positions in `area`, one for each radius, without overlap unless [`TRIES`] attempts fail.
+/// Larger discs are placed first. Discs of similar size have a grid of their own, and each disc is
+/// tested against the grids of its own size and of larger sizes.
 pub fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> {
     let mut by_size: Vec<usize> = (0..radii.len()).collect();
     by_size.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
@@ -106,7 +103,7 @@ pub fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> 
     places
 }
 
-/// Discs of about one size, by cells as wide as the largest disc.
+/// A uniform grid of discs of similar size; cells are as wide as the largest disc.
 struct Grid {
     largest: f32,
     cells: HashMap<(i32, i32), Vec<usize>>,
@@ -128,8 +125,8 @@ impl Grid {
             (y - 1..=y + 1).flat_map(|row| (x - 1..=x + 1).map(move |column| (column, row)));
         around.filter_map(|cell| self.cells.get(&cell)).flatten().all(|&other| {
             let offset = [0, 1].map(|k| places[other][k] - place[k]);
-            let reach = radii[other] + radius;
-            offset[0] * offset[0] + offset[1] * offset[1] >= reach * reach
+            let radius_sum = radii[other] + radius;
+            offset[0] * offset[0] + offset[1] * offset[1] >= radius_sum * radius_sum
         })
     }
 }

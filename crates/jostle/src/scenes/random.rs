@@ -1,14 +1,13 @@
-//! Seeded numbers that are the same on every platform.
+//! Random numbers from a seed, the same on every platform.
 
 use crate::forces::chance::mixed;
 
-/// SplitMix64 (G. Steele et al., *Fast Splittable Pseudorandom Number Generators*,
-/// 2014): small, fast and good enough to scatter discs.
+/// SplitMix64 (G. Steele et al., *Fast Splittable Pseudorandom Number Generators*, 2014).
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// Numbers that follow from `seed` alone.
+    /// A generator with a seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -18,7 +17,7 @@ impl Random {
         mixed(self.0)
     }
 
-    /// Uniform in [0, 1), with all 24 bits of a float32.
+    /// Uniform in [0, 1), with 24 bits.
     pub fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1u64 << 24) as f32
     }
@@ -28,13 +27,12 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// A whole number from `low` to `high`, both included.
+    /// A uniform integer from `low` to `high`, inclusive.
     pub fn whole(&mut self, low: u32, high: u32) -> f32 {
         (low + (self.next() >> 32) as u32 % (high - low + 1)) as f32
     }
 
-    /// Uniform in the unit disc, by rejection: a library sine would differ
-    /// between platforms.
+    /// Uniform in the unit disc, by rejection, because a library sine differs between platforms.
     pub fn in_disc(&mut self) -> [f32; 2] {
         loop {
             let point = [self.between(-1.0, 1.0), self.between(-1.0, 1.0)];

@@ -1,4 +1,4 @@
-//! An hourglass.
+//! Scene: an hourglass.
 
 use super::placing::Area;
 use super::random::Random;
@@ -9,36 +9,36 @@ use crate::world::WorldSettings;
 /// Radii of the grains.
 const GRAINS: [f32; 2] = [2.7, 3.3];
 
-/// Width of the neck for 2,000 grains, and the narrowest.
+/// Width of the neck for 2,000 grains, and its minimum.
 const NECK: f32 = 23.5;
 
-/// Layers, and by how much each is heavier than the one below: only so that they can be
-/// told apart.
+/// Number of layers, and the factor between their densities, which differ only to distinguish the
+/// layers.
 const LAYERS: usize = 6;
 const HEAVIER: f32 = 0.04;
 
-/// From grain to grain at the start.
+/// Distance between grains at the start.
 const PITCH: f32 = 2.02 * GRAINS[1];
 
-/// The walls of the glass, which are the same above and below y = 0.
+/// The walls of the glass, symmetric about y = 0.
 struct Glass {
-    /// Half the width of the bulbs.
+    /// Half width of the bulbs.
     half_width: f32,
-    /// Half the width of the neck.
+    /// Half width of the neck.
     half_neck: f32,
-    /// Where the neck widens.
+    /// |y| at which the neck begins to widen.
     neck_end: f32,
-    /// Where the bulb is as wide as it gets.
+    /// |y| at which the bulb has its full width.
     shoulder: f32,
-    /// Its floor.
+    /// |y| of the floor.
     end: f32,
 }
 
 impl Glass {
     fn of(n: usize) -> Self {
         let scale = (n as f32 / 2000.0).sqrt().max(0.35);
-        // The flow grows with the neck's width to the power 1.5: so every glass takes
-        // about the same time. A neck narrower than this would jam.
+        // The flow is proportional to the width of the neck to the power 1.5, so every glass takes
+        // about the same time. A neck below the minimum width would jam.
         let neck = (NECK * scale * scale.sqrt()).max(NECK);
         let half_width = 150.0 * scale;
         let half_neck = neck / 2.0;
@@ -49,14 +49,14 @@ impl Glass {
         glass
     }
 
-    /// Half the free width at a height.
+    /// Half of the inner width at a height.
     fn half_free(&self, y: f32) -> f32 {
         let slope = (self.half_width - self.half_neck) / (self.shoulder - self.neck_end);
         let sloping = self.half_neck + (y - self.neck_end).max(0.0) * slope;
         sloping.min(self.half_width)
     }
 
-    /// Rows of grains that fill a bulb from the neck on: heights and numbers.
+    /// Rows of grains that fill a bulb, starting at the neck: heights and numbers of grains.
     fn rows(&self, n: usize) -> Vec<(f32, usize)> {
         let mut rows = Vec::new();
         let (mut left, mut y) = (n, self.neck_end + GRAINS[1]);
@@ -70,7 +70,7 @@ impl Glass {
         rows
     }
 
-    /// One bulb after the other, all around.
+    /// The closed outline of both bulbs.
     fn corners(&self) -> Vec<[f32; 2]> {
         let Self { half_width, half_neck, neck_end, shoulder, end } = *self;
         let right = [[half_width, end], [half_width, shoulder], [half_neck, neck_end]];

@@ -1,4 +1,4 @@
-//! Bodies of discs and springs.
+//! Scene: soft bodies, a cloth and a chain of discs and springs.
 
 use super::placing::Area;
 use super::random::Random;
@@ -8,57 +8,57 @@ use crate::particles::Particles;
 use crate::space::Id;
 use crate::world::WorldSettings;
 
-/// Particles of one room, which holds a cloth, a chain and some bodies. Where more are
-/// asked for, rooms stand side by side and their walls are left out.
+/// Number of particles of one cell, which has a cloth, a chain and some bodies. Larger scenes have
+/// several cells side by side, without walls between them.
 const ROOM_COUNT: usize = 800;
 const ROOM: [f32; 2] = [1000.0, 625.0];
 
-/// Radius of the discs in bodies and their distance at rest: a gap to squeeze.
+/// Radius of the discs in bodies, and their distance at rest, with a gap for compression.
 const DISC: f32 = 6.0;
 const PITCH: f32 = 14.0;
 
-/// Bodies: their discs, and the square of the reach from the middle one, in pitches, within
-/// which a triangular lattice has so many. These are the roundest.
+/// Bodies: the number of discs, and the squared radius, in pitches, of the circle that contains
+/// this number of points of a triangular lattice.
 const BODIES: [(usize, f32); 4] = [(85, 21.0), (31, 7.0), (55, 13.0), (19, 4.0)];
 const SMALLEST: (usize, f32) = (7, 1.0);
 const SINGLE: (usize, f32) = (1, 0.0);
 
-/// Their fastest at the start, px/s, and the lower hem of the cloth.
+/// Maximum speed at the start, px/s, of bodies and of the lower edge of the cloth.
 const SPEED: f32 = 250.0;
-const SWAY: f32 = 320.0;
+const CLOTH_SPEED: f32 = 320.0;
 
-/// The same for cloth and chain.
+/// Radii and distances of the discs of the cloth and of the chain, and the radius of the last disc.
 const THREAD: f32 = 3.5;
 const MESH: f32 = 9.5;
 const LINK: f32 = 4.5;
 const LINK_PITCH: f32 = 9.5;
 const BOB: f32 = 24.0;
 
-/// Shares of the particles in the cloth and in the chain.
+/// Fractions of the particles in the cloth and in the chain.
 const IN_CLOTH: f32 = 0.34;
 const IN_CHAIN: f32 = 0.058;
 
-/// A way of tying: the square of the angular frequency of one disc on one spring, and
-/// the share of critical damping.
+/// A kind of springs: the squared angular frequency of one disc on one spring, and the damping
+/// ratio.
 #[derive(Clone, Copy)]
-struct Tie {
+struct SpringKind {
     stiffness: f32,
     damping: f32,
 }
 
-const FLESH: Tie = Tie { stiffness: 1000.0, damping: 0.04 };
-const CLOTH: Tie = Tie { stiffness: 20_000.0, damping: 0.02 };
-const SHEAR: Tie = Tie { stiffness: 800.0, damping: 0.02 };
-const CHAIN: Tie = Tie { stiffness: 60_000.0, damping: 0.05 };
+const BODY: SpringKind = SpringKind { stiffness: 1000.0, damping: 0.04 };
+const CLOTH: SpringKind = SpringKind { stiffness: 20_000.0, damping: 0.02 };
+const SHEAR: SpringKind = SpringKind { stiffness: 800.0, damping: 0.02 };
+const CHAIN: SpringKind = SpringKind { stiffness: 60_000.0, damping: 0.05 };
 
-/// Discs and the springs between them, as they are put together.
+/// Discs and springs under construction.
 #[derive(Default)]
-struct Tissue {
+struct SoftBodies {
     particles: Particles,
     springs: Vec<Spring>,
 }
 
-impl Tissue {
+impl SoftBodies {
     /// Adds a disc and returns its row.
     fn disc(&mut self, place: [f32; 2], velocity: [f32; 2], radius: f32, density: f32) -> u32 {
         let row = self.particles.len() as u32;
@@ -66,8 +66,8 @@ impl Tissue {
         row
     }
 
-    /// Ties two discs at their present distance.
-    fn tie(&mut self, a: u32, b: u32, tie: Tie) {
+    /// Adds a spring between two discs with their present distance as rest length.
+    fn connect(&mut self, a: u32, b: u32, kind: SpringKind) {
         let [p, q] = [a, b].map(|row| self.particles.positions[row as usize]);
         let offset = [q[0] - p[0], q[1] - p[1]];
         let masses = [a, b].map(|row| self.particles.masses[row as usize]);
@@ -75,20 +75,20 @@ impl Tissue {
         self.springs.push(Spring {
             pair: [a, b].map(Id::from),
             length: (offset[0] * offset[0] + offset[1] * offset[1]).sqrt(),
-            stiffness: tie.stiffness * mass,
-            damping: 2.0 * tie.damping * tie.stiffness.sqrt() * mass,
+            stiffness: kind.stiffness * mass,
+            damping: 2.0 * kind.damping * kind.stiffness.sqrt() * mass,
             max_stretch: f32::INFINITY,
         });
     }
 
-    /// A sheet that hangs from its first row, which nothing moves.
+    /// A cloth that hangs from its first row, which is immovable.
     fn cloth(&mut self, [columns, rows]: [usize; 2], corner: [f32; 2]) {
         let first = self.particles.len();
         let row_of = |column: usize, row: usize| (first + row * columns + column) as u32;
         for row in 0..rows {
             for column in 0..columns {
                 let place = [corner[0] + column as f32 * MESH, corner[1] + row as f32 * MESH];
-                let sway = SWAY * row as f32 / rows as f32;
+                let sway = CLOTH_SPEED * row as f32 / rows as f32;
                 let disc = self.disc(place, [sway, 0.0], THREAD, 1.0);
                 self.particles.movable[disc as usize] = row > 0;
             }
@@ -97,19 +97,19 @@ impl Tissue {
             let this = row_of(column, row);
             let (right, down) = (column + 1 < columns, row + 1 < rows);
             if right {
-                self.tie(this, row_of(column + 1, row), CLOTH);
+                self.connect(this, row_of(column + 1, row), CLOTH);
             }
             if down {
-                self.tie(this, row_of(column, row + 1), CLOTH);
+                self.connect(this, row_of(column, row + 1), CLOTH);
             }
             if right && down {
-                self.tie(this, row_of(column + 1, row + 1), SHEAR);
-                self.tie(row_of(column + 1, row), row_of(column, row + 1), SHEAR);
+                self.connect(this, row_of(column + 1, row + 1), SHEAR);
+                self.connect(row_of(column + 1, row), row_of(column, row + 1), SHEAR);
             }
         }
     }
 
-    /// Links from an immovable one outwards, and a heavy bob at the end.
+    /// A chain from an immovable disc to a heavy one at the end.
     fn chain(&mut self, links: usize, anchor: [f32; 2], along: [f32; 2]) {
         let mut last = self.disc(anchor, [0.0; 2], LINK, 2.0);
         self.particles.movable[last as usize] = false;
@@ -119,13 +119,13 @@ impl Tissue {
             let place = [0, 1].map(|k| anchor[k] + along[k] * way);
             let radius = if end { BOB } else { LINK };
             let next = self.disc(place, [0.0; 2], radius, 2.0);
-            self.tie(last, next, CHAIN);
+            self.connect(last, next, CHAIN);
             last = next;
         }
     }
 
-    /// A round body on a triangular lattice. Springs to the nearest hold it together, cross
-    /// springs to the second nearest keep its area.
+    /// A round body on a triangular lattice, with springs between nearest neighbours and, for its
+    /// shear stiffness, between second neighbours.
     fn body(&mut self, square: f32, center: [f32; 2], velocity: [f32; 2], density: f32) {
         let first = self.particles.len();
         let most = (2.0 * square.sqrt()) as i32 + 1;
@@ -143,16 +143,16 @@ impl Tissue {
                 let [p, q] = [a, b].map(|row| self.particles.positions[row]);
                 let offset = [q[0] - p[0], q[1] - p[1]];
                 let square = offset[0] * offset[0] + offset[1] * offset[1];
-                // The second nearest are √3 away, the third 2.
+                // Second neighbours are at the distance √3, third ones at 2.
                 if square < 3.5 * PITCH * PITCH {
-                    self.tie(a as u32, b as u32, FLESH);
+                    self.connect(a as u32, b as u32, BODY);
                 }
             }
         }
     }
 }
 
-/// Rooms along x and y, and the size of each.
+/// Number of cells along x and y, and the size of each.
 fn rooms(n: usize) -> ([usize; 2], [f32; 2]) {
     let count = (n / ROOM_COUNT).max(1);
     let columns = (1..).find(|columns| columns * columns >= count).unwrap_or(1);
@@ -165,11 +165,11 @@ pub fn springs_view(n: usize) -> Area {
     [0.0, 0.0, rooms[0] as f32 * size[0], rooms[1] as f32 * size[1]]
 }
 
-/// `n` particles in all, those included that hold cloths and chains.
+/// `n` particles in all, including the immovable ones of cloths and chains.
 pub fn springs(n: usize, random: &mut Random) -> Start {
     let (rooms, size) = rooms(n);
     let count = (n / ROOM_COUNT).max(1);
-    let mut tissue = Tissue::default();
+    let mut tissue = SoftBodies::default();
     for room in 0..count {
         let corner = [(room % rooms[0]) as f32 * size[0], (room / rooms[0]) as f32 * size[1]];
         furnish(n * (room + 1) / count - n * room / count, corner, size, &mut tissue, random);
@@ -183,9 +183,15 @@ pub fn springs(n: usize, random: &mut Random) -> Start {
     Start::new(tissue.particles, settings).with(Force::Springs(Springs(tissue.springs)))
 }
 
-/// Fills a room with `n` particles: the cloth on the left, the chain on the right, and
-/// bodies on shelves below.
-fn furnish(n: usize, corner: [f32; 2], size: [f32; 2], tissue: &mut Tissue, random: &mut Random) {
+/// Fills a cell with `n` particles: the cloth on the left, the chain on the right, and rows of
+/// bodies below.
+fn furnish(
+    n: usize,
+    corner: [f32; 2],
+    size: [f32; 2],
+    tissue: &mut SoftBodies,
+    random: &mut Random,
+) {
     let at = |x: f32, y: f32| [corner[0] + x * size[0], corner[1] + y * size[1]];
     let before = tissue.particles.len();
     let columns = (0.6 * IN_CLOTH * n as f32).sqrt() as usize;

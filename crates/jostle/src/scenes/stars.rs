@@ -1,4 +1,4 @@
-//! Dust that becomes stars.
+//! Scene: a cloud of dust collapses under its gravitation, and grains that touch merge.
 
 use super::Start;
 use super::placing::Area;
@@ -7,39 +7,39 @@ use crate::forces::{Force, Gravitation};
 use crate::particles::Particles;
 use crate::world::{OnTouch, WorldSettings};
 
-/// Number and radius of the dust, and the radius of its cloud.
+/// Number and radius of the grains, and the radius of the cloud.
 const DUST_COUNT: f32 = 10_000.0;
 const DUST: f32 = 0.5;
 const CLOUD: f32 = 400.0;
 
-/// The constant of gravitation for so much dust.
+/// The gravitational constant for this number of grains.
 const G: f32 = 70.0;
 
-/// Share of the speed at which the cloud would carry itself, so it falls in slowly.
+/// Fraction of the circular orbital speed, so that the cloud contracts slowly.
 const TURN: f32 = 0.85;
 
-/// Within this share of the radius it turns like one piece.
+/// Fraction of the radius within which the rotation is rigid.
 const CORE: f32 = 0.1;
 
-/// Speed at random, as a share of the turning.
-const UNREST: f32 = 0.07;
+/// Random speed as a fraction of the orbital speed.
+const RANDOM_SPEED: f32 = 0.07;
 
-/// Everything grows with the root of the number.
+/// Factor of all lengths, proportional to the square root of the number.
 fn scale(n: usize) -> f32 {
     (n as f32 / DUST_COUNT).sqrt().max(0.02)
 }
 
 pub fn stars_view(n: usize) -> Area {
-    let reach = 1.15 * CLOUD * scale(n);
-    [-reach, -reach, reach, reach]
+    let half = 1.15 * CLOUD * scale(n);
+    [-half, -half, half, half]
 }
 
 pub fn stars(n: usize, random: &mut Random) -> Start {
     let cloud = CLOUD * scale(n);
-    // The larger the cloud, the stronger the pull: every cloud takes the same time.
+    // Gravitation grows with the size of the cloud, so every cloud takes the same time.
     let g = G * scale(n);
     let mass = n as f32 * DUST * DUST;
-    // The mass within a radius grows with the radius, so one speed carries all.
+    // The mass within a radius is proportional to it, so the orbital speed is constant.
     let speed = TURN * (g * mass / cloud).sqrt();
     let (mut places, mut velocities) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for _ in 0..n {
@@ -47,7 +47,7 @@ pub fn stars(n: usize, random: &mut Random) -> Start {
         let length = (x * x + y * y).sqrt();
         places.push([x, y].map(|v| v * length * cloud));
         let turn = speed / length.max(CORE.sqrt());
-        let [u, v] = random.in_disc().map(|v| v * UNREST * speed);
+        let [u, v] = random.in_disc().map(|v| v * RANDOM_SPEED * speed);
         velocities.push([u - y * turn, v + x * turn]);
     }
     let particles = Particles::new(places, velocities, vec![DUST; n], 1.0);

@@ -1,9 +1,10 @@
-//! Pairs of float32 that lie apart in memory, read into vectors and written from them.
+//! Gather and scatter: pairs of float32 are read from scattered places into vectors, and written.
 //!
-//! Each pair is one word, which is read and written as a whole, so that threads may share them. The
-//! instructions of the processor that gather and scatter are slower than single reads and writes.
+//! Each pair is one word, which is read and written atomically, so that threads may share the
+//! column. Single reads and writes are faster than the gather and scatter instructions of the
+//! processor.
 #![allow(unsafe_code)]
-// The compiler knows that SSE2 is there and calls for no `unsafe` where the others need it.
+// The functions use `unsafe` for all instructions; those of SSE2 do not need it.
 #![allow(unused_unsafe)]
 
 use std::arch::asm;
@@ -12,7 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::LANES;
 
-// SAFETY of all below: all places are below the length of the column, and the processor has the instructions.
+// SAFETY of all below: all places are below the length of the column, and the processor has the
+// instructions.
 
 /// The pair at the place of a lane.
 #[inline(always)]
@@ -31,7 +33,7 @@ unsafe fn set_one(pair: f64, to: &[AtomicU64], places: &[u32; LANES], lane: usiz
     }
 }
 
-/// The pairs of a lane and of the next.
+/// The pairs of two consecutive lanes.
 #[inline(always)]
 unsafe fn two(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m128d {
     unsafe { _mm_set_pd(one(from, places, lane + 1), one(from, places, lane)) }
@@ -69,8 +71,8 @@ pub unsafe fn scatter_128(
     }
 }
 
-/// As [`two`], with AVX: without a detour over the integer registers, on which the compiler insists for
-/// atomic words. On x86 each of these reads is a relaxed atomic load.
+/// As [`two`], with AVX, without integer registers, which the compiler uses for atomic words. On
+/// x86 each of these reads is a relaxed atomic load.
 #[inline(always)]
 unsafe fn two_avx(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m128d {
     let [first, second] = [places[lane % LANES], places[(lane + 1) % LANES]];
@@ -89,7 +91,7 @@ unsafe fn two_avx(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m
     pairs
 }
 
-/// The reverse: two relaxed atomic stores.
+/// As [`set_two`], with AVX: two relaxed atomic stores.
 #[inline(always)]
 unsafe fn set_two_avx(pairs: __m128d, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
     let [first, second] = [places[lane % LANES], places[(lane + 1) % LANES]];
@@ -106,7 +108,7 @@ unsafe fn set_two_avx(pairs: __m128d, to: &[AtomicU64], places: &[u32; LANES], l
     }
 }
 
-/// The pairs of a lane, of the next, and of those four lanes on.
+/// The pairs of the lanes `lane`, `lane + 1`, `lane + 4` and `lane + 5`.
 #[inline(always)]
 unsafe fn four(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m256d {
     unsafe { _mm256_set_m128d(two_avx(from, places, lane + 4), two_avx(from, places, lane)) }
@@ -144,7 +146,7 @@ pub unsafe fn scatter_256(
     }
 }
 
-/// The pairs of a lane, of the next, and of those four, eight and twelve lanes on.
+/// The pairs of the lanes `lane + k` and `lane + k + 1` for k = 0, 4, 8 and 12.
 #[inline(always)]
 unsafe fn eight(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m512 {
     unsafe {

@@ -1,8 +1,8 @@
-//! Sixteen numbers at a time, by the widest vector instructions of the machine.
+//! SIMD: blocks of sixteen numbers, with the widest vector instructions of the processor.
 //!
-//! A kernel is written once, as [`Work`] over any [`Simd`]; which one it gets is
-//! decided while the program runs, so one build is fast on every processor. No
-//! operation is fused or reordered, so all give the same bits.
+//! A kernel is written once, as [`Work`] that is generic over [`Simd`]. The implementation is
+//! chosen at run time (dynamic dispatch by CPU features), so one build is fast on every
+//! processor. No operation is fused or reordered, so all implementations give the same bits.
 
 #[allow(dead_code, reason = "x86-64 uses its packing only; the tests compare with the rest")]
 mod portable;
@@ -23,7 +23,7 @@ pub fn first_lanes(count: usize) -> u32 {
     if count < LANES { (1 << count) - 1 } else { (1 << LANES) - 1 }
 }
 
-/// Calls `act` with the lane of every bit that is set, lowest first.
+/// Calls `act` with the index of every set bit, lowest first.
 #[inline(always)]
 pub fn for_each_lane(mut bits: u32, mut act: impl FnMut(usize)) {
     while bits != 0 {
@@ -32,71 +32,71 @@ pub fn for_each_lane(mut bits: u32, mut act: impl FnMut(usize)) {
     }
 }
 
-/// The [`LANES`] items of `column` from `start`. Panics where they are not there.
+/// The [`LANES`] items of `column` from `start`. Panics if the column is shorter.
 #[inline(always)]
 pub fn block<V>(column: &[V], start: usize) -> &[V; LANES] {
     column[start..].first_chunk().expect("columns carry spare rows")
 }
 
-/// As [`block`], to be written.
+/// As [`block`], mutable.
 #[inline(always)]
 pub fn block_mut<V>(column: &mut [V], start: usize) -> &mut [V; LANES] {
     column[start..].first_chunk_mut().expect("columns carry spare rows")
 }
 
-/// The two float32 in a word.
+/// The two float32 of the word at `place`.
 #[inline(always)]
 pub fn numbers_at(from: &[AtomicU64], place: u32) -> [f32; 2] {
     let word = from[place as usize].load(Ordering::Relaxed);
     [word as u32, (word >> 32) as u32].map(f32::from_bits)
 }
 
-/// Replaces the two float32 in a word.
+/// Replaces the two float32 of the word at `place`.
 #[inline(always)]
 pub fn set_numbers_at(to: &[AtomicU64], place: u32, numbers: [f32; 2]) {
     let [a, b] = numbers.map(|number| u64::from(number.to_bits()));
     to[place as usize].store(a | b << 32, Ordering::Relaxed);
 }
 
-/// The places of [`LANES`] pairs in columns of words. The largest is known, so that all are tested
-/// at once.
+/// The places of [`LANES`] pairs in columns of words. The largest is stored, so that one test is
+/// sufficient for all.
 #[derive(Clone, Copy, Debug)]
 pub struct PairPlaces {
     places: [[u32; LANES]; 2],
-    most: u32,
+    largest: u32,
 }
 
 impl PairPlaces {
     /// The places of the first and of the second of each pair.
     pub fn new(places: [[u32; LANES]; 2]) -> Self {
-        let most = places.as_flattened().iter().copied().fold(0, u32::max);
-        Self { places, most }
+        let largest = places.as_flattened().iter().copied().fold(0, u32::max);
+        Self { places, largest }
     }
 
-    /// Those of the first (k = 0) or of the second (k = 1).
+    /// The places of the first (k = 0) or of the second (k = 1) of each pair.
     #[inline(always)]
     pub fn of(&self, k: usize) -> &[u32; LANES] {
         &self.places[k]
     }
 
-    /// The same. Panics unless all are below `len`.
+    /// As [`of`](Self::of). Panics unless all places are below `len`.
     #[inline(always)]
     fn below(&self, len: usize, k: usize) -> &[u32; LANES] {
-        assert!((self.most as usize) < len, "a place is too large");
+        assert!((self.largest as usize) < len, "a place is too large");
         &self.places[k]
     }
 }
 
-/// The vector instructions of one kind of processor, on blocks of [`LANES`] numbers.
-/// A value of such a type exists only where the processor has them.
+/// Operations on blocks of [`LANES`] numbers by one set of vector instructions. A value of such a
+/// type exists only if the processor has these instructions.
 pub trait Simd<T: Number>: Copy {
     /// [`LANES`] numbers in registers.
     type Block: Copy;
-    /// The same number in every lane.
+    /// A block of equal numbers.
     fn splat(self, value: T) -> Self::Block;
-    /// Numbers from memory.
+    /// Loads a block.
     fn load(self, from: &[T; LANES]) -> Self::Block;
-    /// Numbers to memory.
+    /// Stores a block.
     fn store(self, block: Self::Block, to: &mut [T; LANES]);
     /// a + b.
     fn add(self, a: Self::Block, b: Self::Block) -> Self::Block;
@@ -108,19 +108,19 @@ pub trait Simd<T: Number>: Copy {
     fn div(self, a: Self::Block, b: Self::Block) -> Self::Block;
     /// √a.
     fn sqrt(self, a: Self::Block) -> Self::Block;
-    /// The larger in each lane.
-    fn most(self, a: Self::Block, b: Self::Block) -> Self::Block;
-    /// The smaller in each lane.
-    fn least(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// The larger number in each lane.
+    fn max(self, a: Self::Block, b: Self::Block) -> Self::Block;
+    /// The smaller number in each lane.
+    fn min(self, a: Self::Block, b: Self::Block) -> Self::Block;
     /// |a − b|.
     fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block;
-    /// A bit for each lane in which both are below 0. No lane may hold −0.
+    /// A bit for each lane in which both are below 0. No lane may be −0.
     fn both_negative(self, a: Self::Block, b: Self::Block) -> u32;
     /// A bit for each lane in which a < b.
     fn less(self, a: Self::Block, b: Self::Block) -> u32;
     /// A bit for each lane in which a ≤ b.
     fn at_most(self, a: Self::Block, b: Self::Block) -> u32;
-    /// a in lanes whose bit is set, b in the others.
+    /// a in lanes whose bit is set, b in the others (blend).
     fn choose(self, bits: u32, a: Self::Block, b: Self::Block) -> Self::Block;
     /// The first and the second numbers of the words at the places of the k-th of each pair.
     #[inline(always)]
@@ -132,7 +132,8 @@ pub trait Simd<T: Number>: Copy {
         }
         columns.map(|column| self.load(&column))
     }
-    /// Writes words to these places. Of several with the same place one is written.
+    /// Writes words to the places of the k-th of each pair. Of several words with the same place
+    /// one is written.
     #[inline(always)]
     fn scatter(self, blocks: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
         let mut columns = [[T::default(); LANES]; 2];
@@ -141,27 +142,28 @@ pub trait Simd<T: Number>: Copy {
             set_numbers_at(to, place, [columns[0][lane].single(), columns[1][lane].single()]);
         }
     }
-    /// The numbers whose bit is set, side by side; what lies behind them is unspecified.
+    /// Writes the numbers whose bit is set, contiguously (stream compaction). Numbers after these
+    /// are unspecified.
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]);
-    /// Says that items of `column` will be read soon. Nothing but time depends on it.
-    fn expect<V>(self, column: &[V]);
-    /// The pairs of `first` with the integers whose bit is set; what lies behind them is unspecified.
+    /// Prefetches `column` into the cache.
+    fn prefetch<V>(self, column: &[V]);
+    /// Writes the pairs of `first` with those of `others` whose bit is set, as [`Simd::pack`].
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
-    /// The pairs of `first` with `start` + lane for every bit that is set, likewise.
+    /// Writes the pairs of `first` with `start` + lane for every set bit, as [`Simd::pack`].
     fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
-    /// `first` + lane for every bit that is set, side by side, as in [`Simd::pack`].
+    /// Writes `first` + lane for every set bit, as [`Simd::pack`].
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]);
 }
 
-/// Something to be done with the widest instructions there are.
+/// A computation that is generic over the vector instructions.
 pub trait Work<T: Number> {
-    /// What comes of it.
+    /// Its result.
     type Out;
-    /// Does it. To be inlined, with everything that calls `simd`.
+    /// Computes the result. Must be inlined, with every function that calls `simd`.
     fn run<S: Simd<T>>(self, simd: S) -> Self::Out;
 }
 
-/// A type of number that the vector instructions know.
+/// A type of numbers with vector instructions.
 pub trait Number:
     Copy
     + Default
@@ -175,7 +177,7 @@ pub trait Number:
     + Sync
     + 'static
 {
-    /// Does `work` with the widest instructions of the machine.
+    /// Runs `work` with the widest instructions of the processor.
     fn with_widest<W: Work<Self>>(work: W) -> W::Out;
     /// The square root.
     fn root(self) -> Self;
@@ -210,10 +212,10 @@ macro_rules! number {
 number!(f32);
 number!(f64);
 
-/// Kinds of vector instructions, narrowest first.
+/// Sets of vector instructions, narrowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Instructions {
-    /// What every processor of its family has.
+    /// Instructions of every processor of the architecture.
     Portable,
     /// x86-64 of about 2013 and later.
     Avx2,
@@ -225,10 +227,10 @@ const KINDS: [Instructions; 3] = [Instructions::Portable, Instructions::Avx2, In
 
 static LIMIT: AtomicU8 = AtomicU8::new(Instructions::Avx512 as u8);
 
-/// Uses nothing wider than `most` from now on, in the whole process. For measurements and
-/// tests: the answers are the same.
-pub fn limit(most: Instructions) {
-    LIMIT.store(most as u8, Ordering::Relaxed);
+/// Sets the widest instructions that the process uses from now on. For measurements and tests;
+/// results do not depend on it.
+pub fn limit(widest: Instructions) {
+    LIMIT.store(widest as u8, Ordering::Relaxed);
 }
 
 /// The instructions in use.
@@ -244,7 +246,7 @@ pub fn widest() -> Instructions {
 mod tests {
     use super::*;
 
-    /// What every operation makes of two blocks.
+    /// The results of all operations on two blocks.
     struct All<T>([T; LANES], [T; LANES]);
 
     impl<T: Number> Work<T> for All<T> {
@@ -263,8 +265,8 @@ mod tests {
                 simd.add(a, b),
                 simd.sub(a, b),
                 simd.mul(a, b),
-                simd.most(a, b),
-                simd.least(a, b),
+                simd.max(a, b),
+                simd.min(a, b),
                 simd.distance(a, b),
                 simd.div(a, b),
                 simd.sqrt(simd.mul(a, a)),
@@ -288,10 +290,9 @@ mod tests {
         }
     }
 
-    /// What plain arrays give, which other processors use, is what the instructions of this
-    /// one give.
+    /// The portable implementation and the instructions of this processor give the same results.
     #[test]
-    fn all_kinds_of_instructions_agree() {
+    fn all_sets_of_instructions_agree() {
         let number = |lane: usize| ((lane * 37 + 11) % 23) as f32 - 11.5;
         let a: [f32; LANES] = std::array::from_fn(number);
         let b: [f32; LANES] = std::array::from_fn(|lane| number(LANES - lane) * 0.3);

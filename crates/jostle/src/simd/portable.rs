@@ -1,12 +1,12 @@
-//! Blocks as plain arrays: the compiler makes of them what the target has.
+//! Blocks as arrays, which the compiler vectorizes for the target.
 
 use super::{LANES, Number, Simd, for_each_lane};
 
-/// No instructions but those that every processor of the family has.
+/// Instructions of every processor of the architecture.
 #[derive(Clone, Copy)]
 pub struct Portable;
 
-/// Packs by walking along the bits.
+/// [`Simd::pack`], one set bit after the other.
 #[inline(always)]
 pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
     let mut count = 0;
@@ -16,7 +16,7 @@ pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
     });
 }
 
-/// Packs the numbers from `first` by walking along the bits.
+/// [`Simd::pack_places`], one set bit after the other.
 #[inline(always)]
 pub fn pack_places(first: u32, bits: u32, to: &mut [u32; LANES]) {
     let mut count = 0;
@@ -26,7 +26,7 @@ pub fn pack_places(first: u32, bits: u32, to: &mut [u32; LANES]) {
     });
 }
 
-/// Pairs of `first` with some others by walking along the bits.
+/// [`Simd::pair_with`], one set bit after the other.
 #[inline(always)]
 pub fn pair_with(first: u32, other: impl Fn(usize) -> u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
     let mut count = 0;
@@ -81,11 +81,11 @@ impl<T: Number> Simd<T> for Portable {
         a.map(T::root)
     }
     #[inline(always)]
-    fn most(self, a: Self::Block, b: Self::Block) -> Self::Block {
+    fn max(self, a: Self::Block, b: Self::Block) -> Self::Block {
         both(a, b, |a, b| if a > b { a } else { b })
     }
     #[inline(always)]
-    fn least(self, a: Self::Block, b: Self::Block) -> Self::Block {
+    fn min(self, a: Self::Block, b: Self::Block) -> Self::Block {
         both(a, b, |a, b| if a < b { a } else { b })
     }
     #[inline(always)]
@@ -112,7 +112,7 @@ impl<T: Number> Simd<T> for Portable {
         std::array::from_fn(chosen)
     }
     #[inline(always)]
-    fn expect<V>(self, _column: &[V]) {}
+    fn prefetch<V>(self, _column: &[V]) {}
     #[inline(always)]
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]) {
         pack(&from, bits, to);

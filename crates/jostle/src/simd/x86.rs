@@ -1,11 +1,11 @@
 //! SSE2, AVX2 and AVX-512, with [`gather`](super::gather) the only unsafe code of the core.
 //!
-//! Two reasons make it sound. A token ([`Avx2`], [`Avx512`]) is made only in
-//! [`with_avx2`] and [`with_avx512`], after the processor was asked; so whoever holds
-//! one may use its instructions. Every x86-64 processor has SSE2. And loads and stores go
-//! through references to arrays of exactly the length that they touch.
+//! It is sound for two reasons. A token ([`Avx2`], [`Avx512`]) is created only in [`with_avx2`]
+//! and [`with_avx512`], after a check of the CPU features, so its instructions exist. Every
+//! x86-64 processor has SSE2. Loads and stores use references to arrays of exactly the length
+//! that they access.
 #![allow(unsafe_code)]
-// The compiler knows that SSE2 is there and calls for no `unsafe` where the others need it.
+// The macros use `unsafe` for all instructions; those of SSE2 do not need it.
 #![allow(unused_unsafe)]
 
 use std::arch::x86_64::*;
@@ -14,16 +14,16 @@ use std::sync::atomic::AtomicU64;
 use super::gather;
 use super::{Instructions, LANES, Number, PairPlaces, Simd, Work, portable};
 
-/// What every x86-64 processor has. Without it the compiler would turn each block into vector
-/// instructions by itself, which gives slower code and takes it several times longer.
+/// SSE2, which every x86-64 processor has. Auto-vectorized code would be slower, and would take
+/// several times longer to compile.
 #[derive(Clone, Copy)]
 pub struct Sse2;
 
-/// Proof that the processor has AVX2 and what came before it.
+/// A token: the processor has AVX2, BMI1, BMI2 and POPCNT.
 #[derive(Clone, Copy)]
 pub struct Avx2(());
 
-/// Proof that the processor has AVX-512 (F, VL, BW, DQ) and what came before it.
+/// A token: the processor has AVX-512 (F, VL, BW, DQ) and the features of [`Avx2`].
 #[derive(Clone, Copy)]
 pub struct Avx512(());
 
@@ -44,7 +44,7 @@ pub fn widest() -> Instructions {
     }
 }
 
-/// Does `work` with AVX2.
+/// Runs `work` with AVX2.
 #[inline]
 pub fn with_avx2<T: Number, W: Work<T>>(work: W) -> W::Out
 where
@@ -62,7 +62,7 @@ where
     unsafe { inner(work) }
 }
 
-/// Does `work` with AVX-512.
+/// Runs `work` with AVX-512.
 #[inline]
 pub fn with_avx512<T: Number, W: Work<T>>(work: W) -> W::Out
 where
@@ -80,7 +80,7 @@ where
     unsafe { inner(work) }
 }
 
-/// Does `work` with SSE2.
+/// Runs `work` with SSE2.
 #[inline(never)]
 pub fn with_sse2<T: Number, W: Work<T>>(work: W) -> W::Out
 where
@@ -89,14 +89,14 @@ where
     work.run(Sse2)
 }
 
-/// Bytes that come from memory together.
+/// Bytes of a cache line.
 const CACHE_LINE: usize = 64;
 
-/// Implements [`Simd`] but for packing: registers `$k` of `$each` numbers. Written out, not in
-/// loops, which would take most of the compiler's time.
+/// Implements [`Simd`] except for packing, with registers `$k` of `$each` numbers. Unrolled: loops
+/// would take most of the compile time.
 macro_rules! arithmetic {
     ($t:ty, [$($k:literal)*] of $each:literal in $register:ty, $splat:ident, $load:ident,
-     $store:ident, $add:ident, $sub:ident, $mul:ident, $most:ident, $least:ident, $less:expr,
+     $store:ident, $add:ident, $sub:ident, $mul:ident, $max:ident, $min:ident, $less:expr,
      $abs:expr, $negative:expr, $div:ident, $sqrt:ident, $at_most:expr, $choose:expr) => {
         type Block = [$register; LANES / $each];
 
@@ -143,14 +143,14 @@ macro_rules! arithmetic {
             unsafe { [$($sqrt(a[$k])),*] }
         }
         #[inline(always)]
-        fn most(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        fn max(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            unsafe { [$($most(a[$k], b[$k])),*] }
+            unsafe { [$($max(a[$k], b[$k])),*] }
         }
         #[inline(always)]
-        fn least(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        fn min(self, a: Self::Block, b: Self::Block) -> Self::Block {
             // SAFETY: as above.
-            unsafe { [$($least(a[$k], b[$k])),*] }
+            unsafe { [$($min(a[$k], b[$k])),*] }
         }
         #[inline(always)]
         fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
@@ -158,9 +158,9 @@ macro_rules! arithmetic {
             [$($abs(self, difference[$k])),*]
         }
         #[inline(always)]
-        fn expect<V>(self, column: &[V]) {
+        fn prefetch<V>(self, column: &[V]) {
             for line in column.chunks(CACHE_LINE / size_of::<V>()) {
-                // SAFETY: every processor has the instruction; no address is wrong for it.
+                // SAFETY: every processor has the instruction, and any address is valid for it.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
             }
         }
@@ -183,7 +183,7 @@ macro_rules! arithmetic {
     };
 }
 
-/// Packs in memory: there is no instruction for it.
+/// Packs in memory, because there is no instruction for it.
 macro_rules! pack_one_by_one {
     ($t:ty) => {
         #[inline(always)]

@@ -184,7 +184,7 @@ impl Changes {
     }
 
     /// Bytes of memory that they keep, used or not.
-    pub(super) fn kept_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let words = self.slots.capacity() + self.leaving.capacity();
         4 * (words + 2 * self.found.capacity()) + self.changed.capacity()
     }

@@ -345,11 +345,10 @@ impl<T: Scalar> Layers<T> {
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
-        let rows = match (a == b, mask) {
-            (true, None) => pairs::within(&first.tree, left),
-            (true, Some(mask)) => pairs::within_mask(&first.tree, mask, left),
-            (false, None) => pairs::between(&first.tree, &second.tree, left),
-            (false, Some(mask)) => pairs::between_mask(&first.tree, &second.tree, mask, left),
+        let rows = if a == b {
+            pairs::within(&first.tree, mask, left)
+        } else {
+            pairs::between(&first.tree, &second.tree, mask, left)
         };
         let rows = rows.map_err(|error| of_all(error, max_pairs))?;
         let mut pulse = Pulse::current();
@@ -412,8 +411,8 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Bytes of memory that they keep, used or not.
-    pub(super) fn kept_bytes(&self) -> usize {
-        let of_layer = |layer: &Layer<T>| layer.tree.kept_bytes() + 4 * layer.slots.capacity();
+    pub(super) fn memory_bytes(&self) -> usize {
+        let of_layer = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
         let words = self.fresh.capacity() * 4 + self.home.capacity() + self.listed.capacity();
         let boxes = self.shapes.boxes.as_ref().map_or(0, Vec::capacity);
         let shapes = (self.shapes.centers.capacity() * 3 + boxes * 4) * size_of::<T>();

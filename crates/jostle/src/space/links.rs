@@ -172,7 +172,7 @@ impl Links {
     }
 
     /// Bytes of memory that they keep, used or not.
-    pub(super) fn kept_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let words = self.free.capacity() + self.heads.capacity();
         self.records.capacity() * size_of::<Record>() + words * size_of::<u32>()
     }

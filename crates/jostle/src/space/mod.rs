@@ -259,11 +259,11 @@ impl<T: Scalar> Space<T> {
     }
 
     /// Bytes of memory that it keeps, used or not.
-    pub fn kept_bytes(&self) -> usize {
-        self.slots.kept_bytes()
-            + self.layers.kept_bytes()
-            + self.touching.kept_bytes()
-            + self.changes.kept_bytes()
+    pub fn memory_bytes(&self) -> usize {
+        self.slots.memory_bytes()
+            + self.layers.memory_bytes()
+            + self.touching.memory_bytes()
+            + self.changes.memory_bytes()
     }
 
     /// Says what is wrong with it, if anything is. For tests: it looks at everything.

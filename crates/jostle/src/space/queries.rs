@@ -58,12 +58,12 @@ impl<T: Scalar> Space<T> {
             for &slot in &fresh {
                 pulse.check(1)?;
                 let shape = self.slots.shape(slot);
-                if selects(mask, shape.category) && region.touches(&shape) {
+                if selects(mask, shape.category) && region.overlaps(&shape) {
                     memory::push(&mut all.ids, self.slots.id(slot))?;
                 }
             }
             if all.ids.len() > MOST_IDS {
-                return Err(Error::TooManyIds { most: MOST_IDS });
+                return Err(Error::TooManyIds { limit: MOST_IDS });
             }
             sorting::sort(&mut all.ids[start..], &mut pulse)?;
             all.offsets.push(all.ids.len());
@@ -102,7 +102,7 @@ impl<T: Scalar> Space<T> {
         for index in self.layers.indices() {
             let (tree, slot) = self.layers.layer(index);
             let id_of = |place| slot(tree.rows()[place]).map(|slot| self.slots.id(slot) as u64);
-            best.look(tree, point, mask, &id_of);
+            best.search(tree, point, mask, &id_of);
         }
     }
 
@@ -127,7 +127,7 @@ impl<T: Scalar> Space<T> {
         for index in self.layers.indices() {
             let (tree, slot) = self.layers.layer(index);
             let id_of = |place| slot(tree.rows()[place]).map(|slot| self.slots.id(slot) as u64);
-            best.look(tree, mask, &id_of);
+            best.search(tree, mask, &id_of);
         }
     }
 

@@ -361,7 +361,7 @@ impl<T: Scalar> Slots<T> {
     }
 
     /// Bytes of memory that they keep, used or not.
-    pub(super) fn kept_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let corners = self.mins.capacity() + self.maxes.capacity();
         let numbers = 2 * corners + self.radii.capacity();
         let halves = 2 * self.half_sizes.capacity();

@@ -167,9 +167,9 @@ impl Touching {
     }
 
     /// Bytes of memory that they keep, used or not.
-    pub(super) fn kept_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let keys = self.list.capacity() + self.spare.capacity();
-        let links = self.links.as_ref().map_or(0, Links::kept_bytes);
+        let links = self.links.as_ref().map_or(0, Links::memory_bytes);
         keys * size_of::<Key>()
             + self.starts.capacity() * size_of::<u32>()
             + self.paired.capacity()
@@ -247,7 +247,7 @@ mod tests {
             let difference =
                 touching.compare(slots, &is_changed(slots, MANY as usize), found).unwrap();
             touching.change(difference);
-            (touching.links.is_some(), touching.kept_bytes())
+            (touching.links.is_some(), touching.memory_bytes())
         };
         update(&all, &pairs);
         let (linked, full) = update(&[5], &pairs[4..6]);

@@ -6,7 +6,7 @@ use super::moving::Clock;
 use super::{FIRST, Part, Walls};
 use crate::container::size;
 use crate::error::{Error, Result};
-use crate::geometry::{Cover, Shape};
+use crate::geometry::{Bounds, Shape};
 use crate::motion::exact;
 use crate::pairs::{self, Filters, JoinScratch};
 use crate::particles::Particles;
@@ -81,7 +81,7 @@ impl Near {
         };
         *found = pairs
             .map_err(|error| match error {
-                Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
+                Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { limit: max_pairs },
                 other => other,
             })?
             .pairs;
@@ -386,7 +386,7 @@ impl Walls {
         mut act: impl FnMut(u32),
     ) {
         let margin = margin + MARGIN * size(min, 0.0).max(size(max, 0.0));
-        let bounds = Cover::of(&Shape {
+        let bounds = Bounds::of(&Shape {
             min: min.map(|v| v as f32),
             max: max.map(|v| v as f32),
             half_size: [0.0; 2],

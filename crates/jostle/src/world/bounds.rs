@@ -13,7 +13,7 @@ use super::{MAX_CANDIDATES, OnTouch, World};
 use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::events::{Bounds, NearPair, Outside};
-use crate::geometry::{Cover, Shape};
+use crate::geometry::{self, Shape};
 use crate::interrupt::Pulse;
 use crate::parallel;
 use crate::particles::Particles;
@@ -293,7 +293,7 @@ impl<'a> StepBounds<'a> {
             self.container.reach().min(self.spacing.max(self.particles.radii[index as usize]));
         let count = (displacement / f64::from(size)).ceil().max(1.0);
         if count > MOST_CIRCLES {
-            return Err(Error::TooManyCandidates { most: MOST_NEW });
+            return Err(Error::TooManyCandidates { limit: MOST_NEW });
         }
         let interval = (end - time) / count;
         let radius = self.particles.radii[index as usize];
@@ -374,7 +374,7 @@ impl StepBounds<'_> {
     ) -> Result<()> {
         let Grown { circles, tree, .. } = &*self.grown;
         let trees = [self.tree, tree];
-        let largest = trees.map(|tree| tree.covers().first().map_or(0.0, |root| root.radius));
+        let largest = trees.map(|tree| tree.bounds().first().map_or(0.0, |root| root.radius));
         let largest = largest[0].max(largest[1]);
         let mut pulse = Pulse::current();
         for circle in &circles[first..] {
@@ -383,7 +383,7 @@ impl StepBounds<'_> {
             for image in self.tiles(circle.radius + largest) {
                 let offset = self.container.offset(image).map(|v| v as f32);
                 let center = [0, 1].map(|k| circle.center[k] - offset[k]);
-                let of = Cover::of(&Shape {
+                let of = geometry::Bounds::of(&Shape {
                     min: center,
                     max: center,
                     half_size: [0.0; 2],
@@ -413,7 +413,7 @@ impl StepBounds<'_> {
                 pulse.check(work)?;
             }
             if pairs.len() > MOST_NEW {
-                return Err(Error::TooManyCandidates { most: MOST_NEW });
+                return Err(Error::TooManyCandidates { limit: MOST_NEW });
             }
         }
         Ok(())

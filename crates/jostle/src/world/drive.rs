@@ -31,7 +31,7 @@ impl World {
                 }
                 before.particles.push((place, all.velocities[place], all.spin(place).velocity));
                 let position = exact(all.positions[place], all.residuals[place]);
-                let offset = self.settings.container.short_way(drive.offset(position));
+                let offset = self.settings.container.minimum_image(drive.offset(position));
                 all.velocities[place] = drive.velocity_at(offset);
                 all.set_angular_velocity(place, drive.angular_velocity);
             }

@@ -3,10 +3,10 @@
 use super::given::add_given;
 use super::{World, WorldSettings};
 use crate::container::Container;
+use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
 use crate::flow::{Flow, Kick};
-use crate::forces::{self, Bodies, Force, springs::Sprung};
-use crate::groups::Groups;
+use crate::forces::{self, Bodies, Force, springs::SpringSolver};
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{self, Particles};
@@ -14,7 +14,7 @@ use crate::particles::{self, Particles};
 /// Scratch of the forces; unused in a world without them.
 #[derive(Debug, Default)]
 pub(super) struct ForceMemory {
-    pub(super) all: forces::Memory,
+    pub(super) all: forces::Scratch,
     /// The place of each row, where forces name particles.
     pub(super) places: Vec<u32>,
     /// Positions of the particles in the middle of the sub-step.
@@ -25,8 +25,8 @@ pub(super) struct ForceMemory {
     /// Estimated displacements by springs; empty if there are none.
     pub(super) reaches: Vec<f32>,
     /// Islands of particles connected by springs.
-    pub(super) groups: Groups,
-    pub(super) sprung: Sprung,
+    pub(super) groups: DisjointSets,
+    pub(super) sprung: SpringSolver,
 }
 
 impl ForceMemory {

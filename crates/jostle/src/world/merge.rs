@@ -7,8 +7,8 @@
 
 use super::World;
 use crate::container::Container;
+use crate::disjoint_sets::DisjointSets;
 use crate::forces;
-use crate::groups::Groups;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
@@ -93,7 +93,7 @@ impl World {
 
     /// Merges each island of these pairs of places; returns whether any merged.
     fn merge_touching(&mut self, touching: &[[u32; 2]]) -> bool {
-        let mut groups = Groups::default();
+        let mut groups = DisjointSets::default();
         groups.reset(self.len());
         touching.iter().for_each(|&[a, b]| groups.join(a, b));
         let mut members: Vec<[u32; 2]> =
@@ -173,7 +173,7 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         let own = f64::from(all.masses[place]);
         let radius = f64::from(all.radii[place]);
         let offset = [0, 1].map(|k| f64::from(all.positions[place][k]) - origin[k]);
-        let offset = container.short_way(offset);
+        let offset = container.minimum_image(offset);
         mass += own;
         square += radius * radius;
         bounce += own * f64::from(all.restitutions[place]);
@@ -236,7 +236,7 @@ fn spin_of(all: &Particles, places: &[usize], container: &Container, radius: f32
     for &place in places {
         let (own, spin) = (f64::from(all.masses[place]), all.spin(place));
         let offset = [0, 1].map(|k| f64::from(all.positions[place][k]) - origin[k]);
-        let ([x, y], [u, v]) = (container.short_way(offset), velocity(place));
+        let ([x, y], [u, v]) = (container.minimum_image(offset), velocity(place));
         let own_radius = f64::from(all.radii[place]);
         mass += own;
         friction += own * f64::from(spin.friction);

@@ -50,7 +50,7 @@ pub(super) fn list(
             (false, false) => pairs::places_between(tree, tree, image, Filters::Apply, max, join),
         };
         let mut found = found.map_err(|error| match error {
-            Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { most: max_pairs },
+            Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { limit: max_pairs },
             other => other,
         })?;
         if !is_within {

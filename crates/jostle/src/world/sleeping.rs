@@ -14,9 +14,9 @@ use std::ops::Range;
 
 use super::asleep::{Island, Sleepers};
 use super::{OnTouch, World};
+use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces::Force;
-use crate::groups::Groups;
 use crate::parallel;
 use crate::particles::Particles;
 
@@ -111,7 +111,7 @@ impl Default for IslandMotion {
 /// Scratch.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    groups: Groups,
+    groups: DisjointSets,
     /// The squares of the mean speeds of each particle over their limits: in the previous quarter
     /// and in this one.
     squares: Vec<[f32; 2]>,

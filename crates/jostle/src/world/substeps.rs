@@ -284,7 +284,7 @@ impl World {
             let pair = [a.min(b), a.max(b)];
             let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
             let offset = [0, 1].map(|k| q[k] - p[k]);
-            let nearest = settings.container.short_way(offset);
+            let nearest = settings.container.minimum_image(offset);
             (pair, [0, 1].map(|k| (nearest[k] - offset[k]) as f32), impulses)
         });
         self.contacts.keep_lasting(touched, particles, particles.len());

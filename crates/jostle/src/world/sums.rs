@@ -81,7 +81,7 @@ impl World {
         let energy = |place: usize| {
             let position = bodies.positions[place];
             let offset = [0, 1].map(|k| pole[k] - position[k]);
-            let offset = forces::nearest(&bodies.container, offset);
+            let offset = bodies.container.minimum_image_within(offset);
             let mass = f64::from(bodies.masses[place]);
             mass * forces::attractor::energy(attractor, offset, bodies.radii[place])
         };

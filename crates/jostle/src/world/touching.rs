@@ -85,7 +85,7 @@ impl World {
             }
             let [p, q] = [a, b].map(|at| exact(all.positions[at], all.residuals[at]));
             let reach = f64::from(all.radii[a]) + f64::from(all.radii[b]);
-            let [x, y] = container.short_way([q[0] - p[0], q[1] - p[1]]);
+            let [x, y] = container.minimum_image([q[0] - p[0], q[1] - p[1]]);
             let near = reach + tolerance(size(p, reach).max(size(q, reach)), reach);
             x * x + y * y <= near * near
         };

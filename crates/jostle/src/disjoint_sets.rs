@@ -1,17 +1,20 @@
-//! Islands: sets that are joined pair by pair (disjoint-set union).
+//! Disjoint-set union (union-find), which finds the islands of touching bodies.
+//!
+//! Path halving: R. E. Tarjan and J. van Leeuwen, *Worst-case Analysis of Set Union Algorithms*,
+//! Journal of the ACM 31 (1984).
 
-/// The set of each of the numbers below a length.
+/// A partition of the integers below a length into disjoint sets.
 #[derive(Debug, Default)]
-pub struct Groups(Vec<u32>);
+pub struct DisjointSets(Vec<u32>);
 
-impl Groups {
-    /// Begins with a set for each number below `len`.
+impl DisjointSets {
+    /// Makes `len` sets, one for each integer below `len`.
     pub fn reset(&mut self, len: usize) {
         self.0.clear();
         self.0.extend(0..len as u32);
     }
 
-    /// The least member of the set of `item`.
+    /// The smallest member of the set of `item`.
     pub fn root(&mut self, item: u32) -> u32 {
         let parents = &mut self.0;
         let mut item = item as usize;
@@ -22,7 +25,7 @@ impl Groups {
         item as u32
     }
 
-    /// Makes the sets of `a` and `b` one.
+    /// Merges the sets of `a` and `b`.
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);
