@@ -1,5 +1,7 @@
 //! What the events of a window lead to: trajectories and bounces.
 
+use std::cmp::Ordering;
+
 use super::Outside;
 use super::friction::Turning;
 use crate::trajectory::{Segment, Vector};
@@ -42,6 +44,32 @@ pub struct Bounce {
     pub impulses: [f32; 2],
     /// The course of one of the discs.
     pub course: u32,
+}
+
+impl Bounce {
+    /// The order of two bounces: by their pairs, those of the same pair by the rest, because sums of
+    /// impulses depend on the order.
+    pub fn order(&self, other: &Self) -> Ordering {
+        let pair = |of: &Self| u64::from(of.pair[0]) << 32 | u64::from(of.pair[1]);
+        let rest = |of: &Self| (of.code, of.impulses.map(f32::to_bits));
+        pair(self).cmp(&pair(other)).then_with(|| rest(self).cmp(&rest(other)))
+    }
+}
+
+/// Inserts sorted bounces into sorted ones.
+pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) {
+    let Some(&last) = more.last() else { return };
+    let mut before = all.len();
+    all.resize(before + more.len(), last);
+    let mut end = all.len();
+    for bounce in more.iter().rev() {
+        while before > 0 && all[before - 1].order(bounce).is_gt() {
+            (before, end) = (before - 1, end - 1);
+            all[end] = all[before];
+        }
+        end -= 1;
+        all[end] = *bounce;
+    }
 }
 
 /// The courses of some discs.

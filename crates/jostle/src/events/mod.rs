@@ -561,9 +561,12 @@ impl Events {
         }
         self.again.retain(AGAIN, &self.course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
-            self.bounced.extend(&history.bounces);
             self.exhausted.extend(&history.exhausted);
         }
+        // Those of one window are sorted, for the most part.
+        self.blocks.iter().for_each(|block| self.bounced.extend(&block.history.bounces));
+        self.again.bounces.sort_unstable_by(Bounce::order);
+        history::insert(&mut self.bounced, &self.again.bounces);
     }
 }
 
@@ -637,6 +640,7 @@ impl Block {
             scratch,
         };
         simulation.run(&self.first, &[]);
+        self.history.bounces.sort_unstable_by(Bounce::order);
         if window.flight.keeps_starts() {
             // The discs are in the cache now. Those that are simulated again are moved again.
             self.move_discs(window, course_of);

@@ -210,6 +210,7 @@ struct Memory {
     sensed: search::Lists,
     /// Those that overlap at the beginning of a step in which nothing can rest.
     overlaps: search::Lists,
+    overlap_parts: Vec<Vec<[u32; 2]>>,
     /// The candidate pairs of a world whose particles merge.
     meetings: Vec<merge::Meeting>,
     kicks: Vec<Kick>,

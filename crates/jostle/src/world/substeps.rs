@@ -22,6 +22,9 @@ use super::bounds::StepBounds;
 /// Overlap, as a share of the sum of radii, from which positions are corrected where nothing rests.
 const OVERLAP: f32 = 0.003;
 
+/// Candidate pairs that one thread tests for overlap at a time.
+const FILTERED: usize = 1 << 14;
+
 impl World {
     /// Whether all collisions are elastic, so that nothing comes to rest.
     pub(super) fn is_elastic(&self) -> bool {
@@ -54,8 +57,18 @@ impl World {
     pub(super) fn prepare(&mut self) {
         let threads = self.threads();
         let may_rest = self.may_rest();
-        let Memory { tree, pairs, sensed, overlaps, meetings, moving, exhausted, events, .. } =
-            &mut self.memory;
+        let Memory {
+            tree,
+            pairs,
+            sensed,
+            overlaps,
+            overlap_parts,
+            meetings,
+            moving,
+            exhausted,
+            events,
+            ..
+        } = &mut self.memory;
         if !self.particles.sensors.is_empty() {
             let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
             take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
@@ -87,12 +100,19 @@ impl World {
         overlaps.resize_with(pairs.len(), Default::default);
         for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
             *image_of_list = *image;
-            list.clear();
-            for &pair in pairs {
-                if overlap(pair, *image) {
-                    list.push(pair);
+            let count = pairs.len().div_ceil(FILTERED);
+            overlap_parts.resize_with(overlap_parts.len().max(count), Vec::new);
+            let parts = overlap_parts.iter_mut().zip(pairs.chunks(FILTERED));
+            parallel::for_each(threads, parts, |(part, pairs)| {
+                part.clear();
+                for &pair in pairs {
+                    if overlap(pair, *image) {
+                        part.push(pair);
+                    }
                 }
-            }
+            });
+            list.clear();
+            list.extend(overlap_parts[..count].iter().flatten());
             list.sort_unstable();
         }
         self.contacts.collect(overlaps, particles, moving, restitution, tree.rows(), threads);
@@ -247,12 +267,10 @@ impl World {
         memory.exhausted.extend(exhausted);
         memory.exhausted.sort_unstable();
         self.stats.unresolved = memory.exhausted.len() as u64;
-        // Sums of impulses depend on their order, so equal numbers decide the rest.
-        let pair = |of: &Bounce| u64::from(of.pair[0]) << 32 | u64::from(of.pair[1]);
-        let rest = |of: &Bounce| (of.code, of.impulses.map(f32::to_bits));
-        let order =
-            |a: &Bounce, b: &Bounce| pair(a).cmp(&pair(b)).then_with(|| rest(a).cmp(&rest(b)));
-        memory.events.bounced.sort_unstable_by(order);
+        let bounced = &mut memory.events.bounced;
+        if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
+            bounced.sort_unstable_by(Bounce::order);
+        }
         let bounced = &memory.events.bounced;
         for of in bounced.iter().filter(|of| of.impulses[0] > 0.0) {
             let Collisions { pairs, walls } = &mut memory.collisions;
