@@ -17,10 +17,11 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="limits and /proc are
 # Reactions take 0.05 s on a quiet machine; a busy one gets more.
 SOON = 1.0
 
-# One leaf holds everything, in one strip, so each of these calls tests everything and takes seconds.
+# One leaf holds everything, in one strip: each of these calls tests everything and takes seconds.
 ALL = 10**6
 POINTS = np.random.default_rng(0).random((400_000, 2)) * (1, 0)
 SOME = POINTS[:100_000]
+BESIDE = np.array((1e-9, 0))
 COINCIDENT = np.zeros((20_000, 2))
 
 
@@ -46,7 +47,7 @@ LONG: dict[str, Callable[[int], Callable[[], object]]] = {
     "contacts": lambda t: one_leaf(t).contacts,
     "rects": lambda t: lambda tree=one_leaf(t, SOME): tree.query_rect(np.hstack([SOME, SOME])),
     "circles": lambda t: lambda tree=one_leaf(t, SOME): tree.query_circle(SOME, 1e-9),
-    "points": lambda t: lambda tree=one_leaf(t, SOME): tree.query_point(SOME + (1e-9, 0)),
+    "points": lambda t: lambda tree=one_leaf(t, SOME): tree.query_point(SOME + BESIDE),
     "polygons": lambda t: (
         lambda tree=one_leaf(t, SOME): tree.query_polygon(
             SOME[:, None] + [(0, 0), (1e-9, 0), (0, 1e-9)]
