@@ -172,7 +172,7 @@ def test_a_single_collision_in_box2d_is_elastic(pixels: float, substeps: int) ->
     pytest.importorskip("pyb2d3")
     two = np.array([(30, 50), (70, 54)], np.float32), np.array([(80, 0), (0, 0)], np.float32)
     sizes = np.array([5, 6], np.float32), np.array([20, 70], np.float32)
-    start = step_rivals.Reference(*two, *sizes, (0, 0, 100, 100), (0, 0), 1.0, substeps)
+    start = step_rivals.InitialState(*two, *sizes, (0, 0, 100, 100), (0, 0), 1.0, substeps)
     running = step_rivals.box2d_world(start, 1, pixels)
     for _ in range(40):
         running.frames["batch"]()
