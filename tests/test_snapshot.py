@@ -201,7 +201,7 @@ def test_a_file_is_replaced_by_a_whole_one(tmp_path: Path) -> None:
 
 
 def test_other_threads_run_meanwhile() -> None:
-    world = jostle.scenes.create("gas", n=200_000)
+    world = jostle.scenes.create("gas", n=500_000)
     ticks = 0
     done = threading.Event()
 
@@ -211,12 +211,16 @@ def test_other_threads_run_meanwhile() -> None:
             ticks += 1
             time.sleep(0)
 
+    def ticks_during_a_call() -> int:
+        before = ticks
+        jostle.World.restore(world.snapshot())
+        return ticks - before
+
     thread = threading.Thread(target=tick)
     thread.start()
-    before = ticks
-    data = world.snapshot()
-    jostle.World.restore(data)
-    during = ticks - before
-    done.set()
-    thread.join()
-    assert during > 0
+    try:
+        # Two may happen between the calls; on a busy machine a thread may wait for its turn.
+        assert any(ticks_during_a_call() > 10 for _ in range(20))
+    finally:
+        done.set()
+        thread.join()
