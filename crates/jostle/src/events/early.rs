@@ -52,6 +52,38 @@ pub struct Now {
     sizes: f32,
 }
 
+impl Now {
+    /// A disc that begins a segment.
+    #[inline(always)]
+    pub fn of(segment: &Segment, radius: f64) -> Self {
+        let position = segment.position.map(|v| v as f32);
+        Self {
+            position,
+            velocity: segment.velocity.map(|v| v as f32),
+            radius: radius as f32,
+            falls: segment.falls,
+            sizes: length(position),
+        }
+    }
+
+    /// False only if two discs certainly neither touch now nor in the next `span` seconds, without
+    /// events.
+    #[inline(always)]
+    pub fn may_meet(&self, other: &Self, image: [f32; 2], span: f32) -> bool {
+        let reach = self.radius + other.radius;
+        let passing = Passing {
+            offset: [0, 1].map(|k| other.position[k] - self.position[k] + image[k]),
+            velocity: [0, 1].map(|k| other.velocity[k] - self.velocity[k]),
+            reach,
+            sizes: self.sizes
+                + other.sizes
+                + (length(self.velocity) + length(other.velocity)) * span
+                + reach,
+        };
+        !passing.is_far(span) | (self.falls != other.falls)
+    }
+}
+
 impl Window<'_> {
     /// False only if two discs certainly do not meet along their first segments.
     #[inline(always)]
@@ -84,19 +116,6 @@ impl Window<'_> {
         rests(own) & rests(other) & is_slow & is_apart
     }
 
-    /// A disc that begins a segment.
-    #[inline(always)]
-    pub fn now(&self, index: u32, segment: &Segment) -> Now {
-        let position = segment.position.map(|v| v as f32);
-        Now {
-            position,
-            velocity: segment.velocity.map(|v| v as f32),
-            radius: self.starts[index as usize].radius,
-            falls: segment.falls,
-            sizes: length(position),
-        }
-    }
-
     /// A disc on its first segment at `time`.
     #[inline(always)]
     pub fn first_at(&self, index: u32, time: f32) -> Now {
@@ -110,23 +129,6 @@ impl Window<'_> {
             falls,
             sizes: length(position) + (length(velocity) + length(gained)) * time,
         }
-    }
-
-    /// False only if two discs certainly neither touch now nor in the next `span` seconds, without
-    /// events.
-    #[inline(always)]
-    pub fn may_meet_within(&self, own: &Now, other: &Now, image: [f32; 2], span: f32) -> bool {
-        let reach = own.radius + other.radius;
-        let passing = Passing {
-            offset: [0, 1].map(|k| other.position[k] - own.position[k] + image[k]),
-            velocity: [0, 1].map(|k| other.velocity[k] - own.velocity[k]),
-            reach,
-            sizes: own.sizes
-                + other.sizes
-                + (length(own.velocity) + length(other.velocity)) * span
-                + reach,
-        };
-        !passing.is_far(span) | (own.falls != other.falls)
     }
 
     /// False only if a disc certainly does not touch a wall in the next `span` seconds, without
@@ -169,4 +171,62 @@ fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
 #[inline(always)]
 fn length([x, y]: [f32; 2]) -> f32 {
     x.abs() + y.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::trajectory::Relative;
+
+    /// A vector of any direction and of a length between powers of ten.
+    fn vector(exponents: std::ops::Range<f64>) -> impl Strategy<Value = [f64; 2]> {
+        (0.0..std::f64::consts::TAU, exponents).prop_map(|(angle, exponent)| {
+            [angle.cos(), angle.sin()].map(|v| v * 10f64.powf(exponent))
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        /// Two discs are led to a point at which their distance is a share of the sum of radii: near
+        /// and far from the origin, slow and fast, with parallel velocities, and points.
+        #[test]
+        fn what_touches_is_never_left_out(
+            place in vector(-2.0..6.0),
+            [v, w] in [vector(-3.0..5.0), vector(-3.0..5.0)],
+            drift in prop_oneof![Just(1.0), Just(1e-4), Just(0.0)],
+            radii in prop_oneof![Just([0.0f32; 2]), Just([1.0; 2]), Just([0.01, 3.0])],
+            direction in vector(0.0..1e-9),
+            (share, when) in (0.0..1.0, 0.0..1.0),
+        ) {
+            let (span, reach) = (1.0, f64::from(radii[0]) + f64::from(radii[1]));
+            let w = [0, 1].map(|k| v[k] + drift * w[k]);
+            let meeting = [place, [0, 1].map(|k| place[k] + share * reach * direction[k])];
+            let segments = [(v, meeting[0]), (w, meeting[1])].map(|(velocity, at)| Segment {
+                time: 0.0,
+                position: [0, 1].map(|k| at[k] - velocity[k] * when * span),
+                velocity,
+                falls: false,
+            });
+            let relative = Relative::of(&segments[0], &segments[1], [0.0; 2], [0.0; 2]);
+            if relative.touches(reach, span) {
+                let [own, other] = [0, 1].map(|k| Now::of(&segments[k], f64::from(radii[k])));
+                prop_assert!(own.may_meet(&other, [0.0; 2], span as f32));
+                prop_assert!(other.may_meet(&own, [0.0; 2], span as f32));
+            }
+        }
+    }
+
+    #[test]
+    fn discs_that_pass_far_away_are_left_out() {
+        let segment = |position, velocity| Segment { time: 0.0, position, velocity, falls: false };
+        let own = Now::of(&segment([0.0, 0.0], [1.0, 0.0]), 1.0);
+        let other = Now::of(&segment([10.0, 2.1], [-9.0, 0.0]), 1.0);
+        assert!(!own.may_meet(&other, [0.0; 2], 2.0));
+        let nearer = Now::of(&segment([10.0, 1.9], [-9.0, 0.0]), 1.0);
+        assert!(own.may_meet(&nearer, [0.0; 2], 2.0));
+        assert!(!own.may_meet(&nearer, [0.0; 2], 0.1));
+    }
 }

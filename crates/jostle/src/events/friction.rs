@@ -182,7 +182,8 @@ impl Window<'_> {
         f64::from(self.flight.spins.velocity(index)) * self.radius(index)
     }
 
-    fn radius(&self, index: u32) -> f64 {
+    /// Radius of a disc.
+    pub fn radius(&self, index: u32) -> f64 {
         f64::from(self.starts[index as usize].radius)
     }
 }

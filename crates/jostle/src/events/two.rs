@@ -2,6 +2,7 @@
 //!
 //! The result has the same bits as that of [`Simulation::happen`], without its lists.
 
+use super::early::Now;
 use super::history::Bounce;
 use super::impulses::{self, Touch};
 use super::neighbors::opposite;
@@ -77,7 +78,7 @@ impl Simulation<'_> {
         let span = (window.end - time) as f32;
         for k in [0, 1] {
             let (own, partner) = (discs[k], discs[1 - k]);
-            let own_now = window.now(own, &new[k]);
+            let own_now = Now::of(&new[k], window.radius(own));
             if window.may_touch_wall(&own_now, span) {
                 let contacts = &mut self.scratch.contacts;
                 window.each_touched_wall(own, &now[k], contacts, |_| are_alone = false);
@@ -96,12 +97,12 @@ impl Simulation<'_> {
                     let there = match self.number(other) {
                         Some(number) => {
                             let segment = &self.history.courses[number as usize].segment;
-                            window.now(other, &segment.moved(time, window.gravity()))
+                            Now::of(&segment.moved(time, window.gravity()), window.radius(other))
                         }
                         None => window.first_at(other, time as f32),
                     };
                     let image = image.map(|v| v as f32);
-                    if !window.may_meet_within(&own_now, &there, image, span) {
+                    if !own_now.may_meet(&there, image, span) {
                         return;
                     }
                     let Some((_, segment, count)) = self.current(other) else { return };
