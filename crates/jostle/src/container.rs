@@ -285,6 +285,18 @@ impl Container {
         })
     }
 
+    /// What has to be added to an offset between two positions to make it the minimum image. The
+    /// offset is computed only where it matters.
+    #[inline(always)]
+    pub fn nearest_image(&self, offset: impl FnOnce() -> [f64; 2]) -> [f32; 2] {
+        if !matches!(self, Self::Torus { .. }) {
+            return [0.0; 2];
+        }
+        let offset = offset();
+        let nearest = self.minimum_image(offset);
+        [0, 1].map(|k| (nearest[k] - offset[k]) as f32)
+    }
+
     /// The minimum image of an offset between two positions within the torus, in float32.
     #[inline(always)]
     pub fn minimum_image_within(&self, offset: [f32; 2]) -> [f32; 2] {

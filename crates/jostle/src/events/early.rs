@@ -4,10 +4,11 @@ use super::flight::{DEFERRED, Start, Window};
 use crate::container::Container;
 use crate::trajectory::Segment;
 
-/// Relative error, with a large reserve, of the tests in float32.
+/// Relative error, with a large reserve, of the squares of distances in float32.
 pub const MARGIN: f32 = 1e-4;
 
-/// Relative error of positions in float32, with a reserve.
+/// Relative error of positions and displacements in float32, and of what counts as touching, with a
+/// reserve.
 const ROUNDING: f32 = 1e-6;
 
 /// The straight motion of one disc against another.
@@ -33,11 +34,13 @@ impl Passing {
         square > self.reach * self.reach + self.error(qq)
     }
 
-    /// Upper bound of the error of the square of a distance.
+    /// Upper bound of the error of the square of a distance near the sum of the radii. `square` is
+    /// that at the beginning: until the closest approach no term of a later one is larger.
     #[inline(always)]
     fn error(&self, square: f32) -> f32 {
-        let rounding = ROUNDING * self.sizes;
-        MARGIN * (square + self.reach * self.sizes) + rounding * rounding
+        // An error d of the distance r makes one of (2 r + d) d of the square.
+        let rounding = 2.0 * ROUNDING * self.sizes;
+        MARGIN * square + (2.0 * self.reach + rounding) * rounding
     }
 }
 
@@ -50,6 +53,15 @@ pub struct Now {
     falls: bool,
     /// Upper bound of the numbers from which the position was computed.
     sizes: f32,
+}
+
+impl Start {
+    /// The disc as it begins.
+    #[inline(always)]
+    fn now(&self) -> Now {
+        let Self { position, velocity, radius, falls, .. } = *self;
+        Now { position, velocity, radius, falls, sizes: length(position) }
+    }
 }
 
 impl Now {
@@ -66,12 +78,11 @@ impl Now {
         }
     }
 
-    /// False only if two discs certainly neither touch now nor in the next `span` seconds, without
-    /// events.
+    /// The motion of another disc against this one for `span` seconds.
     #[inline(always)]
-    pub fn may_meet(&self, other: &Self, image: [f32; 2], span: f32) -> bool {
+    fn passing(&self, other: &Self, image: [f32; 2], span: f32) -> Passing {
         let reach = self.radius + other.radius;
-        let passing = Passing {
+        Passing {
             offset: [0, 1].map(|k| other.position[k] - self.position[k] + image[k]),
             velocity: [0, 1].map(|k| other.velocity[k] - self.velocity[k]),
             reach,
@@ -79,8 +90,14 @@ impl Now {
                 + other.sizes
                 + (length(self.velocity) + length(other.velocity)) * span
                 + reach,
-        };
-        !passing.is_far(span) | (self.falls != other.falls)
+        }
+    }
+
+    /// False only if two discs certainly neither touch now nor in the next `span` seconds, without
+    /// events.
+    #[inline(always)]
+    pub fn may_meet(&self, other: &Self, image: [f32; 2], span: f32) -> bool {
+        !self.passing(other, image, span).is_far(span) | (self.falls != other.falls)
     }
 }
 
@@ -88,14 +105,9 @@ impl Window<'_> {
     /// False only if two discs certainly do not meet along their first segments.
     #[inline(always)]
     pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
-        let reach = own.radius + other.radius;
-        let passing = Passing {
-            offset: [0, 1].map(|k| other.position[k] - own.position[k] + image[k]),
-            velocity: [0, 1].map(|k| other.velocity[k] - own.velocity[k]),
-            reach,
-            sizes: length(own.position) + reach,
-        };
-        let is_near = !passing.is_far(self.end as f32) | (own.falls != other.falls);
+        let span = self.end as f32;
+        let passing = own.now().passing(&other.now(), image, span);
+        let is_near = !passing.is_far(span) | (own.falls != other.falls);
         if self.flight.is_elastic { is_near } else { is_near & !self.defers(own, other, &passing) }
     }
 

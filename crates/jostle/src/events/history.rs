@@ -85,6 +85,10 @@ pub struct History {
     pub bounces: Vec<Bounce>,
     /// Discs that leave their bounds.
     pub outside: Vec<Outside>,
+    /// The courses of discs that had too many events.
+    pub stopped: Vec<u32>,
+    /// Whether courses were removed from `course_of`, because their discs are simulated again.
+    pub has_removed: bool,
     /// Discs that had too many events.
     pub exhausted: Vec<u32>,
 }
@@ -97,6 +101,8 @@ impl History {
         self.ended.clear();
         self.bounces.clear();
         self.outside.clear();
+        self.stopped.clear();
+        self.has_removed = false;
         self.exhausted.clear();
     }
 
@@ -106,11 +112,11 @@ impl History {
         let courses = &self.courses;
         let is_valid =
             |number: u32| course_of[courses[number as usize].index as usize] == mark | number;
-        self.bounces.retain(|bounce| is_valid(bounce.course));
-        let stopped = |&number: &u32| courses[number as usize].stopped.is_some();
-        let exhausted =
-            (0..courses.len() as u32).filter(stopped).filter(|&number| is_valid(number));
-        self.exhausted.extend(exhausted.map(|number| courses[number as usize].index));
+        if self.has_removed {
+            self.bounces.retain(|bounce| is_valid(bounce.course));
+        }
+        let exhausted = self.stopped.iter().filter(|&&number| is_valid(number));
+        self.exhausted.extend(exhausted.map(|&number| courses[number as usize].index));
     }
 
     /// The course that stands for the island of a course.

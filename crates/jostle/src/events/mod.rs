@@ -202,6 +202,7 @@ impl Events {
         self.find_first_impacts_of_later(&window);
         let (reaches, most) = (bounds.reaches(), window.starts.len().max(FEW) / DISCS_PER_IMPACT);
         self.each_block(&window, reaches, |block, mut arguments| {
+            block.load_starts(&arguments);
             let near = &mut arguments.scratch.near;
             block.find_first_impacts(&window, arguments.neighbors, near);
             block.find_first_wall_impacts(&window);
@@ -427,12 +428,15 @@ impl Events {
     fn reopen(&mut self, window: &Window<'_>, all: bool) {
         let Self { course_of, blocks, again, size, conflicts, discs, .. } = self;
         discs.clear();
+        let had_conflicts = if all { &again.courses[..] } else { &[] };
+        let reopened: Vec<u32> = had_conflicts.iter().map(|course| course.index).collect();
         let mut reopen = |index: u32| {
             let (history, mark) = match course_of[index as usize] {
                 NONE => return discs.push(index),
-                number if number & AGAIN != 0 => (&*again, AGAIN),
-                _ => (&blocks[index as usize / *size].history, 0),
+                number if number & AGAIN != 0 => (&mut *again, AGAIN),
+                _ => (&mut blocks[index as usize / *size].history, 0),
             };
+            history.has_removed = true;
             history.each_of_island(course_of[index as usize] & !AGAIN, |number| {
                 let member = history.courses[number as usize].index;
                 let course = &mut course_of[member as usize];
@@ -442,10 +446,7 @@ impl Events {
                 }
             });
         };
-        conflicts.iter().flatten().for_each(|&index| reopen(index));
-        if all {
-            again.courses.iter().for_each(|course| reopen(course.index));
-        }
+        conflicts.iter().flatten().chain(&reopened).for_each(|&index| reopen(index));
         discs.retain(|&index| window.starts[index as usize].is_movable);
         discs.sort_unstable();
         discs.dedup();
@@ -594,6 +595,11 @@ impl Block {
                 })
             });
         }
+    }
+
+    fn load_starts(&self, arguments: &Arguments<'_>) {
+        let range = self.range.start as usize..self.range.end as usize;
+        cache::load(&arguments.window.starts[range]);
     }
 
     /// Loads into the cache what events need of a few discs each, in the order of time.

@@ -299,6 +299,7 @@ impl Neighbors {
     /// Loads the neighbours of the discs of a block into the cache.
     pub fn load(&self, number: usize) {
         cache::load(&self.blocks[number].all);
+        cache::load(&self.blocks[number].starts);
     }
 
     /// The number of the image of a list of candidate pairs.

@@ -485,7 +485,7 @@ impl Simulation<'_> {
     /// Lets a disc continue on a new segment.
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
         let (window, most) = (self.window, self.most_events());
-        let History { courses, ended, outside, .. } = &mut *self.history;
+        let History { courses, ended, outside, stopped, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
@@ -494,6 +494,7 @@ impl Simulation<'_> {
         if course.count >= most {
             // Gravity would accelerate it without end if it stood still in each step.
             course.stopped = Some(new.velocity);
+            stopped.push(number);
             course.segment.velocity = [0.0; 2];
             course.segment.falls = false;
         }

@@ -300,10 +300,11 @@ impl World {
         let touched = pairs.chain(sensed).chain(memory.touched_before.iter().copied());
         let touched = touched.map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
-            let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
-            let offset = [0, 1].map(|k| q[k] - p[k]);
-            let nearest = settings.container.minimum_image(offset);
-            (pair, [0, 1].map(|k| (nearest[k] - offset[k]) as f32), impulses)
+            let image = settings.container.nearest_image(|| {
+                let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
+                [0, 1].map(|k| q[k] - p[k])
+            });
+            (pair, image, impulses)
         });
         self.contacts.keep_lasting(touched, particles, particles.len());
         self.contacts.each(threads, |contact| contact.measure(motions));
