@@ -19,6 +19,7 @@ mod sensed;
 mod simulation;
 mod two;
 
+use std::hint::black_box;
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -386,6 +387,7 @@ impl Events {
         bounds: &mut dyn Bounds,
     ) -> Result<()> {
         self.reopen(window, all);
+        self.load_near(window);
         let stop = Stop::current();
         let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
         let base = self.again.courses.len() as u32;
@@ -421,6 +423,16 @@ impl Events {
         self.outside.append(&mut self.again.outside);
         self.grow(window, bounds)?;
         self.find_meeting_new(window)
+    }
+
+    /// Loads the first segments of the discs that are simulated again, and of their neighbours, into
+    /// the cache. They are far from each other in memory, and the processor waits for many of these
+    /// reads at once.
+    fn load_near(&self, window: &Window<'_>) {
+        for &disc in &self.discs {
+            let near = self.neighbors.at_start(disc).iter().map(|neighbor| neighbor.index);
+            near.chain([disc]).for_each(|index| _ = black_box(window.starts[index as usize].radius));
+        }
     }
 
     /// Removes the courses of the discs of the conflicts, and of all that depend on theirs, and

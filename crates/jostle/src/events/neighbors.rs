@@ -246,7 +246,7 @@ impl Neighbors {
 
     /// The neighbours of a disc that were found first.
     #[inline(always)]
-    fn at_start(&self, disc: u32) -> &[Neighbor] {
+    pub fn at_start(&self, disc: u32) -> &[Neighbor] {
         self.blocks[disc as usize / self.size].of(disc)
     }
 
@@ -329,17 +329,17 @@ impl Neighbors {
                 (a, Neighbor { index: b, image }),
                 (b, Neighbor { index: a, image: opposite(image) }),
             ];
+            if self.is_near_at_start(&both[0]) {
+                continue;
+            }
             new.push(both[usize::from(b < a)]);
-            if lasts && !self.is_near_at_start(&both[0]) {
+            if lasts {
                 self.lasting.extend(both);
             }
         }
         new.sort_unstable_by_key(key);
         new.dedup_by_key(|pair| key(pair));
-        new.retain(|pair| {
-            let is_later = self.later.binary_search_by_key(&key(pair), key).is_ok();
-            !is_later && !self.is_near_at_start(pair)
-        });
+        new.retain(|pair| self.later.binary_search_by_key(&key(pair), key).is_err());
         for &(a, Neighbor { index: b, image }) in new.iter() {
             self.later.push((a, Neighbor { index: b, image }));
             self.later.push((b, Neighbor { index: a, image: opposite(image) }));
