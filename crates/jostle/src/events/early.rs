@@ -203,7 +203,8 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
         /// Two discs are led to a point at which their distance is a share of the sum of radii: near
-        /// and far from the origin, slow and fast, with parallel velocities, and points.
+        /// and far from the origin, slow and fast, with parallel velocities, and points; within a
+        /// torus and across its seam.
         #[test]
         fn what_touches_is_never_left_out(
             place in vector(-2.0..6.0),
@@ -211,22 +212,27 @@ mod tests {
             drift in prop_oneof![Just(1.0), Just(1e-4), Just(0.0)],
             radii in prop_oneof![Just([0.0f32; 2]), Just([1.0; 2]), Just([0.01, 3.0])],
             direction in vector(0.0..1e-9),
+            image in prop_oneof![Just([0.0; 2]), vector(0.0..6.0)],
             (share, when) in (0.0..1.0, 0.0..1.0),
         ) {
             let (span, reach) = (1.0, f64::from(radii[0]) + f64::from(radii[1]));
             let w = [0, 1].map(|k| v[k] + drift * w[k]);
             let meeting = [place, [0, 1].map(|k| place[k] + share * reach * direction[k])];
-            let segments = [(v, meeting[0]), (w, meeting[1])].map(|(velocity, at)| Segment {
+            // Offsets between a torus and its images are numbers in float32.
+            let image = image.map(|v| v as f32);
+            let seam = image.map(f64::from);
+            let starts = [(v, meeting[0], [0.0; 2]), (w, meeting[1], seam)];
+            let segments = starts.map(|(velocity, at, seam)| Segment {
                 time: 0.0,
-                position: [0, 1].map(|k| at[k] - velocity[k] * when * span),
+                position: [0, 1].map(|k| at[k] - velocity[k] * when * span - seam[k]),
                 velocity,
                 falls: false,
             });
-            let relative = Relative::of(&segments[0], &segments[1], [0.0; 2], [0.0; 2]);
+            let relative = Relative::of(&segments[0], &segments[1], seam, [0.0; 2]);
             if relative.touches(reach, span) {
                 let [own, other] = [0, 1].map(|k| Now::of(&segments[k], f64::from(radii[k])));
-                prop_assert!(own.may_meet(&other, [0.0; 2], span as f32));
-                prop_assert!(other.may_meet(&own, [0.0; 2], span as f32));
+                prop_assert!(own.may_meet(&other, image, span as f32));
+                prop_assert!(other.may_meet(&own, image.map(|v| -v), span as f32));
             }
         }
     }

@@ -431,7 +431,8 @@ impl Events {
     fn load_near(&self, window: &Window<'_>) {
         for &disc in &self.discs {
             let near = self.neighbors.at_start(disc).iter().map(|neighbor| neighbor.index);
-            near.chain([disc]).for_each(|index| _ = black_box(window.starts[index as usize].radius));
+            near.chain([disc])
+                .for_each(|index| _ = black_box(window.starts[index as usize].radius));
         }
     }
 
