@@ -3508,7 +3508,15 @@ class Springs:
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs__(self) -> tuple[NDArray[Any], ...]: ...
+    def __getnewargs__(
+        self,
+    ) -> tuple[
+        _Pairs,
+        NDArray[np.float32],
+        NDArray[np.float32],
+        NDArray[np.float32],
+        NDArray[np.float32],
+    ]: ...
 
 @final
 class Motor:
@@ -3604,7 +3612,7 @@ class Motor:
         """Period in seconds; None if the motion is not reversed."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[_Ids], dict[str, object]]: ...
 
 @final
 class Thermostat:

@@ -35,6 +35,11 @@ class Contacts(NamedTuple):
         Unit vectors from i to j.
     depths : ndarray of float32 or float64, shape (m,)
         Penetration along the normal, in units of length.
+
+    See Also
+    --------
+    jostle.Quadtree.contacts : Returns it.
+    WorldContacts : The contacts of particles, with impulses.
     """
 
     pairs: NDArray[np.int64]
@@ -54,6 +59,10 @@ class Hits(NamedTuple):
         Index of the first id of each query; the last is the total number of ids.
     ids : ndarray of int64, shape (m,)
         Ids of shapes.
+
+    See Also
+    --------
+    jostle.Quadtree.query_rect : Returns it for many rectangles.
     """
 
     offsets: NDArray[np.int64]
@@ -90,6 +99,10 @@ class Neighbors(NamedTuple):
         found.
     ids : ndarray of int64, shape (k,) or (points, k)
         Ids of the shapes; -1 if fewer than k are found.
+
+    See Also
+    --------
+    jostle.Quadtree.nearest : Returns it.
     """
 
     distances: NDArray[np.floating[Any]]
@@ -107,6 +120,11 @@ class RayHit(NamedTuple):
         Id of the shape; -1 if nothing is hit.
     distance : float
         Distance to its surface, in units of length; infinity if nothing is hit.
+
+    See Also
+    --------
+    jostle.Quadtree.raycast : Returns it for one ray.
+    RayHits : The result for many rays.
     """
 
     id: int
@@ -124,6 +142,11 @@ class RayHits(NamedTuple):
         Ids of the shapes; -1 where nothing is hit.
     distances : ndarray of float32 or float64, shape (k,)
         Distances to their surfaces; infinity where nothing is hit.
+
+    See Also
+    --------
+    jostle.Quadtree.raycast : Returns it for many rays.
+    RayHit : The result for one ray.
     """
 
     ids: NDArray[np.int64]
@@ -136,13 +159,17 @@ class Nodes(NamedTuple):
     Attributes
     ----------
     boxes : ndarray of float64, shape (k, 4)
-        min_x, min_y, max_x, max_y.
+        Sides min_x, min_y, max_x, max_y.
     depths : ndarray of int64, shape (k,)
         Subdivisions above each box.
     counts : ndarray of int64, shape (k,)
         Shapes in each box and its descendants.
     is_leaf : ndarray of bool, shape (k,)
         Whether the box did not split.
+
+    See Also
+    --------
+    jostle.Quadtree.nodes : Returns it.
     """
 
     boxes: NDArray[np.float64]
@@ -164,6 +191,11 @@ class Stats(NamedTuple):
         Subdivisions above the deepest box.
     tests : int
         Shapes or pairs of shapes that were tested.
+
+    See Also
+    --------
+    jostle.Quadtree.stats : Returns it.
+    WorldStats : The same for a step of a `World`.
     """
 
     nodes: int
@@ -192,8 +224,8 @@ class WorldContacts(NamedTuple):
 
     See Also
     --------
-    jostle.World.contacts
-    WallContacts
+    jostle.World.contacts : Returns it.
+    WallContacts : Contacts with walls.
 
     Examples
     --------
@@ -235,8 +267,8 @@ class WallContacts(NamedTuple):
 
     See Also
     --------
-    jostle.World.wall_contacts
-    WorldContacts
+    jostle.World.wall_contacts : Returns it.
+    WorldContacts : Contacts of two particles.
 
     Examples
     --------
@@ -275,7 +307,8 @@ class WorldEvents(NamedTuple):
 
     See Also
     --------
-    jostle.World.events
+    jostle.World.events : Returns it.
+    jostle.Events : The same for the shapes of a `Space`.
     """
 
     entered: NDArray[np.int64]
@@ -295,7 +328,7 @@ class WorldCollisions(NamedTuple):
 
     See Also
     --------
-    jostle.World.collisions
+    jostle.World.collisions : Returns it.
     """
 
     pairs: int
@@ -338,9 +371,9 @@ class GaltonBoard(NamedTuple):
     bin_edges : ndarray of float32, shape (rows + 2,)
         Edges of the bins along x, ascending.
     bin_top : float
-        y of the open top of the bins.
+        The y of the open top of the bins.
     floor : float
-        y of the bottom of the bins.
+        The y of the bottom of the bins.
     ball_radius : float
         Radius of the balls.
     """

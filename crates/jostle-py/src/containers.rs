@@ -21,6 +21,11 @@ use crate::error::refused;
 /// ValueError
 ///     If a side is not finite or min is not below max.
 ///
+/// See Also
+/// --------
+/// Circle, Torus : Other containers.
+/// World.walls : Line segments anywhere.
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -108,6 +113,10 @@ impl PyBox {
 /// ValueError
 ///     If a number is not finite or the radius not above 0.
 ///
+/// See Also
+/// --------
+/// Box, Torus : Other containers.
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -172,6 +181,10 @@ impl PyCircle {
 ///     If an argument is not a number.
 /// ValueError
 ///     If a side is not finite and above 0.
+///
+/// See Also
+/// --------
+/// Box, Circle : Containers with walls.
 ///
 /// Examples
 /// --------

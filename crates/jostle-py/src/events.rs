@@ -18,6 +18,11 @@ use crate::space::PySpace;
 /// Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
 /// for every pair in the space; to avoid it, read the other attributes by name.
 ///
+/// See Also
+/// --------
+/// Space.update : Returns it.
+/// WorldEvents : The same for particles.
+///
 /// Examples
 /// --------
 /// >>> import jostle

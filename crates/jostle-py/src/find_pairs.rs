@@ -28,7 +28,7 @@ use crate::shapes::{Rows, Shapes};
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
-///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
 ///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
 ///     width and height. The four numbers are compared without rounding:
@@ -65,6 +65,11 @@ use crate::shapes::{Rows, Shapes};
 /// MemoryError
 ///     If there is no memory for the pairs.
 ///
+/// See Also
+/// --------
+/// Quadtree : A tree of the same shapes, for several queries.
+/// Space : Shapes that move, with ids and events.
+///
 /// Notes
 /// -----
 /// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
@@ -75,6 +80,11 @@ use crate::shapes::{Rows, Shapes};
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
 /// is at most an eighth of the largest number of the type, a box at most twice as wide and
 /// high as that.
+///
+/// References
+/// ----------
+/// T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using R-trees*,
+/// SIGMOD (1993): the traversal of two trees at once.
 ///
 /// Examples
 /// --------

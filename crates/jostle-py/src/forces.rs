@@ -40,6 +40,11 @@ use crate::motor::PyMotor;
 /// ValueError
 ///     If a number is not finite, or there is no such law.
 ///
+/// See Also
+/// --------
+/// Gravitation : Attraction between all particles.
+/// World.force : Forces from NumPy.
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -275,6 +280,10 @@ impl PyGravitation {
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a shape is wrong or a number is out of range; the message says which.
+///
+/// See Also
+/// --------
+/// Attractor : A force towards a point.
 ///
 /// Examples
 /// --------

@@ -33,7 +33,7 @@ use crate::shapes::{Rows, Shapes};
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
-///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
 ///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
 ///     width and height. The four numbers are compared without rounding:
@@ -64,6 +64,12 @@ use crate::shapes::{Rows, Shapes};
 /// ValueError
 ///     If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 ///
+/// See Also
+/// --------
+/// find_pairs : The pairs alone, in one call.
+/// Space : Shapes that are added, moved and removed.
+/// World.quadtree : A tree of particles.
+///
 /// Notes
 /// -----
 /// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
@@ -74,6 +80,12 @@ use crate::shapes::{Rows, Shapes};
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
 /// is at most an eighth of the largest number of the type, a box at most twice as wide and
 /// high as that.
+///
+/// References
+/// ----------
+/// H. Samet, *Foundations of Multidimensional and Metric Data Structures* (2006), chapter 1.4.
+/// T. Karras, *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*, High
+/// Performance Graphics (2012).
 ///
 /// Examples
 /// --------
@@ -215,6 +227,11 @@ impl PyQuadtree {
     /// ValueError
     ///     If more than `max_pairs` pairs overlap.
     ///
+    /// See Also
+    /// --------
+    /// contacts : The same with normals and depths.
+    /// find_pairs : The pairs of arrays, without a tree.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -263,6 +280,8 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// Contacts
+    ///     Three arrays:
+    ///
     ///     pairs : ndarray of int64, shape (m, 2)
     ///         As from :meth:`pairs`, in the order of the tree.
     ///     normals : ndarray of the tree's dtype, shape (m, 2)
@@ -278,6 +297,11 @@ impl PyQuadtree {
     ///     If more than `max_pairs` pairs overlap.
     /// MemoryError
     ///     If there is no memory for the contacts.
+    ///
+    /// See Also
+    /// --------
+    /// pairs : The pairs alone.
+    /// World.contacts : The contacts of particles, with impulses.
     ///
     /// Examples
     /// --------
@@ -303,6 +327,8 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// Nodes
+    ///     Four arrays:
+    ///
     ///     boxes : ndarray of float64, shape (k, 4)
     ///         min_x, min_y, max_x, max_y of each box. It contains the centres of its
     ///         shapes; a shape may extend beyond it. Quarters without shapes
@@ -317,6 +343,10 @@ impl PyQuadtree {
     ///
     ///     Parents precede their children; the first box is the root. A tree
     ///     without shapes has no boxes.
+    ///
+    /// See Also
+    /// --------
+    /// stats : The number of boxes and their depth.
     ///
     /// Examples
     /// --------
@@ -336,6 +366,10 @@ impl PyQuadtree {
     /// split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
     /// the last query tested, against another shape or against the query; 0 before
     /// the first query).
+    ///
+    /// See Also
+    /// --------
+    /// nodes : The boxes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tests = self.tests.load(Ordering::Relaxed);

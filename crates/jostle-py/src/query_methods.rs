@@ -95,7 +95,7 @@ macro_rules! query_methods {
             /// Parameters
             /// ----------
             /// rect : array_like, shape (4,) or (k, 4)
-            ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            ///     Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
             ///     `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
             ///     `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
             ///     in a list.
@@ -113,6 +113,11 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a number is not finite, a minimum is above its maximum, or there are more
             ///     than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_circle, query_polygon : Other regions.
+            /// query_point : The shapes that contain a point.
             ///
             /// Notes
             /// -----
@@ -165,6 +170,11 @@ macro_rules! query_methods {
             ///     If a number is not finite, a radius is out of range, or there are more than
             ///     134217728 ids.
             ///
+            /// See Also
+            /// --------
+            /// query_rect, query_polygon : Other regions.
+            /// nearest : The shapes nearest to a point, with distances.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -208,6 +218,11 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a coordinate is not finite, or there are more than 134217728 ids.
             ///
+            /// See Also
+            /// --------
+            /// query_circle : The shapes near a point.
+            /// nearest : The shapes nearest to a point.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -247,6 +262,10 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a polygon has fewer than three corners, is not convex or has no area, if a
             ///     coordinate is not finite, or there are more than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_rect, query_circle : Other regions.
             ///
             /// Examples
             /// --------
@@ -298,6 +317,15 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a coordinate is not finite, k is less than 1, k times the number of points is
             ///     more than 134217728, or `max_distance` is negative.
+            ///
+            /// See Also
+            /// --------
+            /// query_circle : All shapes within a distance.
+            /// raycast : The first shape in a direction.
+            ///
+            /// References
+            /// ----------
+            /// N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
             ///
             /// Examples
             /// --------
@@ -354,6 +382,11 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
             ///
+            /// See Also
+            /// --------
+            /// circle_cast : The first shape that a moving disc hits.
+            /// nearest : The nearest shape in any direction.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -402,6 +435,10 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
             ///     `max_distance` is negative.
+            ///
+            /// See Also
+            /// --------
+            /// raycast : The same for a point.
             ///
             /// Examples
             /// --------

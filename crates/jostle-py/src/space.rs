@@ -50,6 +50,11 @@ use crate::shapes::{Places, Where};
 /// ValueError
 ///     If a setting is out of range.
 ///
+/// See Also
+/// --------
+/// Quadtree : An index of shapes that do not change.
+/// World : Particles that move and collide; in other libraries this may be called a space.
+///
 /// Notes
 /// -----
 /// Where ids are an argument, one id may be given instead of an array; then the other arguments
@@ -132,7 +137,7 @@ impl PySpace {
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
     ///     Half widths and half heights. If omitted, the shapes are circles.
     /// boxes : array_like, shape (k, 4) or (4,), optional
-    ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+    ///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
     ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
     ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
     ///     x, y, width and height. The four numbers are compared without rounding: boxes that share
@@ -158,6 +163,13 @@ impl PySpace {
     /// ValueError
     ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
     ///     or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
+    ///
+    /// See Also
+    /// --------
+    /// move : Change centres or boxes.
+    /// resize : Change radii or half sizes.
+    /// set_filter : Change categories and masks.
+    /// remove : Remove shapes.
     ///
     /// Examples
     /// --------
@@ -215,7 +227,7 @@ impl PySpace {
     ///     ``center ± half_size`` from then on, with half the size of its box, and its sides are
     ///     rounded. Give `boxes` to keep them exact.
     /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
-    ///     In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+    ///     In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
     ///     as in :meth:`add`. The size may change too. Radii stay the same.
     ///
     /// Raises
@@ -226,6 +238,11 @@ impl PySpace {
     /// ValueError
     ///     If an id does not exist or is given twice, a coordinate is not finite, or a
     ///     minimum is above its maximum; then nothing moves.
+    ///
+    /// See Also
+    /// --------
+    /// resize : Change radii or half sizes.
+    /// update : The pairs that enter and leave by it.
     ///
     /// Examples
     /// --------
@@ -279,6 +296,10 @@ impl PySpace {
     ///     If an id does not exist or is given twice, or a size is not finite or out of
     ///     range; then nothing changes.
     ///
+    /// See Also
+    /// --------
+    /// move : Change centres or boxes.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -323,6 +344,10 @@ impl PySpace {
     ///     If an id does not exist or is given twice, or a set of bits has more than 32;
     ///     then nothing changes.
     ///
+    /// See Also
+    /// --------
+    /// categories, masks : The present ones.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -361,6 +386,10 @@ impl PySpace {
     /// ValueError
     ///     If an id does not exist or is given twice; then none is removed.
     ///
+    /// See Also
+    /// --------
+    /// add : Add shapes.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -390,6 +419,8 @@ impl PySpace {
     /// Returns
     /// -------
     /// Events
+    ///     Three arrays:
+    ///
     ///     entered, stayed, left : ndarray of int64, shape (m, 2)
     ///         Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
     ///         shapes. `stayed` is computed when it is first read.
@@ -398,6 +429,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If there are more than `max_pairs`; then the call has no effect.
+    ///
+    /// See Also
+    /// --------
+    /// pairs : All overlapping pairs, without events.
     ///
     /// Examples
     /// --------
@@ -445,6 +480,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If more than `max_pairs` pairs overlap.
+    ///
+    /// See Also
+    /// --------
+    /// update : The pairs that entered and left.
     ///
     /// Examples
     /// --------
@@ -495,6 +534,11 @@ impl PySpace {
     /// ValueError
     ///     If an id does not exist.
     ///
+    /// See Also
+    /// --------
+    /// boxes : Sides instead of centres.
+    /// half_sizes, radii : The sizes.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -524,6 +568,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// boxes : Sides, without rounding.
+    /// radii : The radii.
     #[pyo3(signature = (ids=None))]
     fn half_sizes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_rows(py, space, ids, |shape| shape.core_half_size()))
@@ -546,6 +595,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// centers, half_sizes : The same as centres and half sizes.
     ///
     /// Examples
     /// --------
@@ -575,6 +628,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// half_sizes : Half widths and half heights.
     #[pyo3(signature = (ids=None))]
     fn radii<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => match read(py, space, ids, |shape| shape.radius)? {
@@ -599,6 +656,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// masks : The categories that each shape may pair with.
+    /// set_filter : Change them.
     #[pyo3(signature = (ids=None))]
     fn categories<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.category))
@@ -620,6 +682,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// categories : The categories of each shape.
+    /// set_filter : Change them.
     #[pyo3(signature = (ids=None))]
     fn masks<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.mask))

@@ -159,6 +159,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// in: Particulate Two-Phase Flow (1993), for friction in bounces.
 /// E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
 /// resting contacts.
+/// B. D. Lubachevsky, *How to Simulate Billiards and Similar Systems*, Journal of Computational
+/// Physics 94 (1991), for collisions in the order of time.
 ///
 /// Examples
 /// --------
@@ -318,6 +320,12 @@ impl PyWorld {
     /// KeyboardInterrupt
     ///     After Ctrl-C, within a fraction of a second also during a long step.
     ///
+    /// See Also
+    /// --------
+    /// events : The pairs that began and ceased to touch.
+    /// contacts, wall_contacts : What touched, with impulses.
+    /// profile : The time of each stage.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -347,6 +355,7 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+    ///     Centres in units of length, and velocities in units of length per second.
     /// radii : array_like, a number or shape (k,), optional
     ///     Required if no number was given for all particles.
     /// masses : array_like, a number or shape (k,), optional
@@ -358,12 +367,15 @@ impl PyWorld {
     ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
     ///     of all contacts anyway.
     /// movable : array_like of bool, one or shape (k,), default True
+    ///     Whether contacts and forces can change the velocity.
     /// friction : array_like, a number or shape (k,), optional
     ///     0.0 if no number was given for all particles.
     /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+    ///     In radians and in radians per second, positive from +x to +y.
     /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     1 and all bits if no number was given for all particles.
     /// sensors : array_like of bool, one or shape (k,), default False
+    ///     Whether the particle is a sensor.
     ///
     /// Returns
     /// -------
@@ -375,6 +387,11 @@ impl PyWorld {
     /// ------
     /// TypeError, ValueError
     ///     As for a new world; then nothing is added.
+    ///
+    /// See Also
+    /// --------
+    /// set : Change particles.
+    /// remove : Remove particles.
     ///
     /// Examples
     /// --------
@@ -448,6 +465,11 @@ impl PyWorld {
     /// ValueError
     ///     If an id does not exist or is given twice; then none is removed.
     ///
+    /// See Also
+    /// --------
+    /// add : Add particles.
+    /// rows : The rows that the others have then.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -465,24 +487,35 @@ impl PyWorld {
 
     /// Change some columns of some particles.
     ///
+    /// Columns that are omitted stay the same. The arguments are those of :meth:`add`.
+    ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
     ///     The particles, each at most once.
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
+    ///     Centres in units of length, and velocities in units of length per second.
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
+    ///     Whether contacts and forces can change the velocity.
     /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+    ///     Coefficients of friction; radians, and radians per second.
     /// categories, masks : array_like of int, a number or shape (k,), optional
+    ///     Bit sets of 32 bits.
     /// sensors : array_like of bool, one or shape (k,), optional
-    ///     Omitted columns stay the same.
+    ///     Whether the particle is a sensor.
     ///
     /// Raises
     /// ------
     /// TypeError, ValueError
     ///     As for a new world, or if an id does not exist or is given twice; then nothing
     ///     is changed.
+    ///
+    /// See Also
+    /// --------
+    /// add : Add particles.
+    /// rows : The rows of ids in the columns.
     ///
     /// Examples
     /// --------
@@ -1018,6 +1051,11 @@ impl PyWorld {
     }
 
     /// The region of the particles: a Box, Circle, Torus or None.
+    ///
+    /// See Also
+    /// --------
+    /// walls : Line segments.
+    /// container_restitution : The coefficients of its sides.
     #[getter]
     fn container(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         containers::show(py, self.rules(py)?.container)
@@ -1290,6 +1328,10 @@ impl PyWorld {
 
     /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
     /// for the latter.
+    ///
+    /// See Also
+    /// --------
+    /// step : Advances the simulation.
     #[getter]
     fn substeps(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.state(py)?.world.substeps())
@@ -1389,6 +1431,12 @@ impl PyWorld {
     /// its end, negative for pairs that had separated, and the sums of the impulses of the step
     /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
     /// `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+    ///
+    /// See Also
+    /// --------
+    /// wall_contacts : The contacts with walls.
+    /// events : The pairs that began and ceased to touch.
+    /// Quadtree.contacts : The overlaps of shapes.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let touches = self.long(py, |state| state.world.contacts())?;
@@ -1511,6 +1559,10 @@ impl PyWorld {
     }
 
     /// Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
+    ///
+    /// See Also
+    /// --------
+    /// potential_energy : The energy of gravity and forces.
     #[getter]
     fn kinetic_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.kinetic_energy())
@@ -1520,6 +1572,10 @@ impl PyWorld {
     /// attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
     /// springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
     /// Barnes and Hut's method if there are many particles).
+    ///
+    /// See Also
+    /// --------
+    /// kinetic_energy : The energy of motion.
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.potential_energy())
@@ -1533,6 +1589,10 @@ impl PyWorld {
 
     /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
     /// "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+    ///
+    /// See Also
+    /// --------
+    /// stats : The work of the last step, in numbers.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (times, forces) = {
@@ -1551,6 +1611,10 @@ impl PyWorld {
     /// The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
     /// `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
     /// that had too many collisions and stood still for the rest of the step.
+    ///
+    /// See Also
+    /// --------
+    /// profile : The time of each stage.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();
@@ -1563,6 +1627,10 @@ impl PyWorld {
     /// -------
     /// int
     ///     The same for the same particles, on every machine.
+    ///
+    /// See Also
+    /// --------
+    /// snapshot : The whole state.
     ///
     /// Examples
     /// --------
@@ -1581,6 +1649,11 @@ impl PyWorld {
     /// bytes
     ///     Particles, settings, forces, the time, and the resting contacts, the same bytes on
     ///     every machine. A world that `restore` makes from them continues with the same bits.
+    ///
+    /// See Also
+    /// --------
+    /// restore : Makes a world from the bytes.
+    /// save : Writes them into a file.
     ///
     /// Examples
     /// --------
@@ -1603,10 +1676,12 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// data : bytes, bytearray or memoryview
+    ///     The bytes.
     ///
     /// Returns
     /// -------
     /// World
+    ///     A world that continues with the same bits.
     ///
     /// Raises
     /// ------
@@ -1614,6 +1689,10 @@ impl PyWorld {
     ///     If `data` is not bytes.
     /// ValueError
     ///     If they are not from `snapshot`, or are truncated or damaged.
+    ///
+    /// See Also
+    /// --------
+    /// snapshot : Returns the bytes.
     ///
     /// Examples
     /// --------
@@ -1650,6 +1729,11 @@ impl PyWorld {
     /// OSError
     ///     If the file cannot be written; then an existing one is unchanged.
     ///
+    /// See Also
+    /// --------
+    /// load : Reads the file.
+    /// snapshot : The same in memory.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle, os, tempfile
@@ -1667,10 +1751,12 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// path : str or os.PathLike
+    ///     The file.
     ///
     /// Returns
     /// -------
     /// World
+    ///     A world that continues with the same bits.
     ///
     /// Raises
     /// ------
@@ -1679,6 +1765,10 @@ impl PyWorld {
     /// ValueError
     ///     If it does not contain a world, or is truncated or damaged; the message names the
     ///     file.
+    ///
+    /// See Also
+    /// --------
+    /// save : Writes the file.
     ///
     /// Examples
     /// --------
