@@ -2,14 +2,15 @@
 
 Every public name of the library and of its adapters is checked: sections and their order,
 parameters documented in the order of the signature, each with a type and a description, and what a
-function returns. The compiled module has to be built and installed first (make setup): its
-signatures are those of the stub, because the compiled ones have no types.
+function returns. The compiled module has to be built and installed first (make setup). Its
+signatures are read from the stub, which says which functions return nothing.
 """
 
 from __future__ import annotations
 
 import ast
 import inspect
+import os
 import sys
 from collections.abc import Iterator
 from importlib import import_module
@@ -20,6 +21,8 @@ from typing import Any, NamedTuple
 
 from numpydoc.docscrape import get_doc_object
 from numpydoc.validate import ERROR_MSGS, Validator, validate
+
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 ROOT = Path(__file__).parents[1]
 STUB = ROOT / "python" / "jostle" / "_core.pyi"
@@ -119,7 +122,7 @@ def public_names(module: ModuleType) -> Iterator[Name]:
 
 
 def declared(body: list[ast.stmt], prefix: str = "") -> Iterator[tuple[str, Signature]]:
-    """Yield the functions, methods and classes of the stub; a class has the arguments of `__new__`."""
+    """Yield the functions, methods and classes of the stub; `__new__` stands for its class."""
     for node in body:
         if isinstance(node, ast.ClassDef):
             yield from declared(node.body, f"{prefix}{node.name}.")
@@ -165,7 +168,8 @@ def findings() -> Iterator[str]:
 def main() -> int:
     """Print all findings; return 1 if there are any."""
     found = list(findings())
-    print(*found, sep="\n" if found else "")
+    for message in found:
+        print(message)
     return 1 if found else 0
 
 

@@ -24,6 +24,7 @@ BESIDE_THE_LIBRARY = [
     "test_interrupt.py",
     "test_inlined.py",
     "test_layers.py",
+    "test_numpydoc.py",
     "test_resting.py",
     "test_stub.py",
     "test_tune.py",

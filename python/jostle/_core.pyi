@@ -166,7 +166,7 @@ def find_pairs(
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
         are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
         width and height. The four numbers are compared without rounding:
@@ -203,6 +203,11 @@ def find_pairs(
     MemoryError
         If there is no memory for the pairs.
 
+    See Also
+    --------
+    Quadtree : A tree of the same shapes, for several queries.
+    Space : Shapes that move, with ids and events.
+
     Notes
     -----
     Arithmetic is float32 if every given array is float32, otherwise float64. A plain
@@ -213,6 +218,11 @@ def find_pairs(
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
     is at most an eighth of the largest number of the type, a box at most twice as wide and
     high as that.
+
+    References
+    ----------
+    T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using R-trees*,
+    SIGMOD (1993): the traversal of two trees at once.
 
     Examples
     --------
@@ -325,7 +335,7 @@ class Quadtree:
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
         are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
         width and height. The four numbers are compared without rounding:
@@ -356,6 +366,12 @@ class Quadtree:
     ValueError
         If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 
+    See Also
+    --------
+    find_pairs : The pairs alone, in one call.
+    Space : Shapes that are added, moved and removed.
+    World.quadtree : A tree of particles.
+
     Notes
     -----
     Arithmetic is float32 if every given array is float32, otherwise float64. A plain
@@ -366,6 +382,12 @@ class Quadtree:
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
     is at most an eighth of the largest number of the type, a box at most twice as wide and
     high as that.
+
+    References
+    ----------
+    H. Samet, *Foundations of Multidimensional and Metric Data Structures* (2006), chapter 1.4.
+    T. Karras, *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*, High
+    Performance Graphics (2012).
 
     Examples
     --------
@@ -442,6 +464,11 @@ class Quadtree:
         ValueError
             If more than `max_pairs` pairs overlap.
 
+        See Also
+        --------
+        contacts : The same with normals and depths.
+        find_pairs : The pairs of arrays, without a tree.
+
         Examples
         --------
         >>> import jostle
@@ -462,6 +489,8 @@ class Quadtree:
         Returns
         -------
         Contacts
+            Three arrays:
+
             pairs : ndarray of int64, shape (m, 2)
                 As from :meth:`pairs`, in the order of the tree.
             normals : ndarray of the tree's dtype, shape (m, 2)
@@ -477,6 +506,11 @@ class Quadtree:
             If more than `max_pairs` pairs overlap.
         MemoryError
             If there is no memory for the contacts.
+
+        See Also
+        --------
+        pairs : The pairs alone.
+        World.contacts : The contacts of particles, with impulses.
 
         Examples
         --------
@@ -497,7 +531,7 @@ class Quadtree:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
             `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
             `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
             in a list.
@@ -515,6 +549,11 @@ class Quadtree:
         ValueError
             If a number is not finite, a minimum is above its maximum, or there are more
             than 134217728 ids.
+
+        See Also
+        --------
+        query_circle, query_polygon : Other regions.
+        query_point : The shapes that contain a point.
 
         Notes
         -----
@@ -572,6 +611,11 @@ class Quadtree:
             If a number is not finite, a radius is out of range, or there are more than
             134217728 ids.
 
+        See Also
+        --------
+        query_rect, query_polygon : Other regions.
+        nearest : The shapes nearest to a point, with distances.
+
         Examples
         --------
         >>> import jostle
@@ -624,6 +668,11 @@ class Quadtree:
         ValueError
             If a coordinate is not finite, or there are more than 134217728 ids.
 
+        See Also
+        --------
+        query_circle : The shapes near a point.
+        nearest : The shapes nearest to a point.
+
         Examples
         --------
         >>> import jostle
@@ -663,6 +712,10 @@ class Quadtree:
         ValueError
             If a polygon has fewer than three corners, is not convex or has no area, if a
             coordinate is not finite, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        query_rect, query_circle : Other regions.
 
         Examples
         --------
@@ -723,6 +776,15 @@ class Quadtree:
             If a coordinate is not finite, k is less than 1, k times the number of points is
             more than 134217728, or `max_distance` is negative.
 
+        See Also
+        --------
+        query_circle : All shapes within a distance.
+        raycast : The first shape in a direction.
+
+        References
+        ----------
+        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
+
         Examples
         --------
         >>> import jostle
@@ -767,6 +829,11 @@ class Quadtree:
         ------
         ValueError
             If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
+
+        See Also
+        --------
+        circle_cast : The first shape that a moving disc hits.
+        nearest : The nearest shape in any direction.
 
         Examples
         --------
@@ -849,6 +916,10 @@ class Quadtree:
             If a number is not finite, a direction is (0, 0), a radius is out of range, or
             `max_distance` is negative.
 
+        See Also
+        --------
+        raycast : The same for a point.
+
         Examples
         --------
         >>> import jostle
@@ -912,6 +983,8 @@ class Quadtree:
         Returns
         -------
         Nodes
+            Four arrays:
+
             boxes : ndarray of float64, shape (k, 4)
                 min_x, min_y, max_x, max_y of each box. It contains the centres of its
                 shapes; a shape may extend beyond it. Quarters without shapes
@@ -926,6 +999,10 @@ class Quadtree:
 
             Parents precede their children; the first box is the root. A tree
             without shapes has no boxes.
+
+        See Also
+        --------
+        stats : The number of boxes and their depth.
 
         Examples
         --------
@@ -944,6 +1021,10 @@ class Quadtree:
         split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
         the last query tested, against another shape or against the query; 0 before
         the first query).
+
+        See Also
+        --------
+        nodes : The boxes.
         """
     def __len__(self) -> int: ...
 
@@ -977,6 +1058,11 @@ class Space:
         If an argument has the wrong type.
     ValueError
         If a setting is out of range.
+
+    See Also
+    --------
+    Quadtree : An index of shapes that do not change.
+    World : Particles that move and collide; in other libraries this may be called a space.
 
     Notes
     -----
@@ -1026,7 +1112,7 @@ class Space:
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
             Half widths and half heights. If omitted, the shapes are circles.
         boxes : array_like, shape (k, 4) or (4,), optional
-            min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+            Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
             Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
             are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
             x, y, width and height. The four numbers are compared without rounding: boxes that share
@@ -1052,6 +1138,13 @@ class Space:
         ValueError
             If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
             or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
+
+        See Also
+        --------
+        move : Change centres or boxes.
+        resize : Change radii or half sizes.
+        set_filter : Change categories and masks.
+        remove : Remove shapes.
 
         Examples
         --------
@@ -1156,7 +1249,7 @@ class Space:
             ``center ± half_size`` from then on, with half the size of its box, and its sides are
             rounded. Give `boxes` to keep them exact.
         boxes : array_like, shape (k, 4), or (4,) for one id, optional
-            In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+            In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
             as in :meth:`add`. The size may change too. Radii stay the same.
 
         Raises
@@ -1167,6 +1260,11 @@ class Space:
         ValueError
             If an id does not exist or is given twice, a coordinate is not finite, or a
             minimum is above its maximum; then nothing moves.
+
+        See Also
+        --------
+        resize : Change radii or half sizes.
+        update : The pairs that enter and leave by it.
 
         Examples
         --------
@@ -1207,6 +1305,10 @@ class Space:
             If an id does not exist or is given twice, or a size is not finite or out of
             range; then nothing changes.
 
+        See Also
+        --------
+        move : Change centres or boxes.
+
         Examples
         --------
         >>> import jostle
@@ -1238,6 +1340,10 @@ class Space:
             If an id does not exist or is given twice, or a set of bits has more than 32;
             then nothing changes.
 
+        See Also
+        --------
+        categories, masks : The present ones.
+
         Examples
         --------
         >>> import jostle
@@ -1261,6 +1367,10 @@ class Space:
             If `ids` does not hold integers.
         ValueError
             If an id does not exist or is given twice; then none is removed.
+
+        See Also
+        --------
+        add : Add shapes.
 
         Examples
         --------
@@ -1286,6 +1396,8 @@ class Space:
         Returns
         -------
         Events
+            Three arrays:
+
             entered, stayed, left : ndarray of int64, shape (m, 2)
                 Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
                 shapes. `stayed` is computed when it is first read.
@@ -1294,6 +1406,10 @@ class Space:
         ------
         ValueError
             If there are more than `max_pairs`; then the call has no effect.
+
+        See Also
+        --------
+        pairs : All overlapping pairs, without events.
 
         Examples
         --------
@@ -1337,6 +1453,10 @@ class Space:
         ValueError
             If more than `max_pairs` pairs overlap.
 
+        See Also
+        --------
+        update : The pairs that entered and left.
+
         Examples
         --------
         >>> import jostle
@@ -1357,7 +1477,7 @@ class Space:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
             `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
             `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
             in a list.
@@ -1375,6 +1495,11 @@ class Space:
         ValueError
             If a number is not finite, a minimum is above its maximum, or there are more
             than 134217728 ids.
+
+        See Also
+        --------
+        query_circle, query_polygon : Other regions.
+        query_point : The shapes that contain a point.
 
         Notes
         -----
@@ -1433,6 +1558,11 @@ class Space:
             If a number is not finite, a radius is out of range, or there are more than
             134217728 ids.
 
+        See Also
+        --------
+        query_rect, query_polygon : Other regions.
+        nearest : The shapes nearest to a point, with distances.
+
         Examples
         --------
         >>> import jostle
@@ -1486,6 +1616,11 @@ class Space:
         ValueError
             If a coordinate is not finite, or there are more than 134217728 ids.
 
+        See Also
+        --------
+        query_circle : The shapes near a point.
+        nearest : The shapes nearest to a point.
+
         Examples
         --------
         >>> import jostle
@@ -1526,6 +1661,10 @@ class Space:
         ValueError
             If a polygon has fewer than three corners, is not convex or has no area, if a
             coordinate is not finite, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        query_rect, query_circle : Other regions.
 
         Examples
         --------
@@ -1587,6 +1726,15 @@ class Space:
             If a coordinate is not finite, k is less than 1, k times the number of points is
             more than 134217728, or `max_distance` is negative.
 
+        See Also
+        --------
+        query_circle : All shapes within a distance.
+        raycast : The first shape in a direction.
+
+        References
+        ----------
+        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
+
         Examples
         --------
         >>> import jostle
@@ -1632,6 +1780,11 @@ class Space:
         ------
         ValueError
             If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
+
+        See Also
+        --------
+        circle_cast : The first shape that a moving disc hits.
+        nearest : The nearest shape in any direction.
 
         Examples
         --------
@@ -1715,6 +1868,10 @@ class Space:
             If a number is not finite, a direction is (0, 0), a radius is out of range, or
             `max_distance` is negative.
 
+        See Also
+        --------
+        raycast : The same for a point.
+
         Examples
         --------
         >>> import jostle
@@ -1791,6 +1948,11 @@ class Space:
         ValueError
             If an id does not exist.
 
+        See Also
+        --------
+        boxes : Sides instead of centres.
+        half_sizes, radii : The sizes.
+
         Examples
         --------
         >>> import jostle
@@ -1817,6 +1979,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        boxes : Sides, without rounding.
+        radii : The radii.
         """
     def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
         """Return boxes: the sides of the shapes without their radii.
@@ -1836,6 +2003,10 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        centers, half_sizes : The same as centres and half sizes.
 
         Examples
         --------
@@ -1863,6 +2034,10 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        half_sizes : Half widths and half heights.
         """
     @overload
     def radii(self, ids: _IdList | None = None) -> NDArray[np.floating[Any]]: ...
@@ -1886,6 +2061,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        masks : The categories that each shape may pair with.
+        set_filter : Change them.
         """
     @overload
     def categories(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
@@ -1909,6 +2089,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        categories : The categories of each shape.
+        set_filter : Change them.
         """
     @overload
     def masks(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
@@ -1930,6 +2115,11 @@ class Events:
     Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
     Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
     for every pair in the space; to avoid it, read the other attributes by name.
+
+    See Also
+    --------
+    Space.update : Returns it.
+    WorldEvents : The same for particles.
 
     Examples
     --------
@@ -2089,6 +2279,8 @@ class World:
     in: Particulate Two-Phase Flow (1993), for friction in bounces.
     E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
     resting contacts.
+    B. D. Lubachevsky, *How to Simulate Billiards and Similar Systems*, Journal of Computational
+    Physics 94 (1991), for collisions in the order of time.
 
     Examples
     --------
@@ -2167,6 +2359,12 @@ class World:
         KeyboardInterrupt
             After Ctrl-C, within a fraction of a second also during a long step.
 
+        See Also
+        --------
+        events : The pairs that began and ceased to touch.
+        contacts, wall_contacts : What touched, with impulses.
+        profile : The time of each stage.
+
         Examples
         --------
         >>> import jostle
@@ -2202,6 +2400,7 @@ class World:
         Parameters
         ----------
         positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+            Centres in units of length, and velocities in units of length per second.
         radii : array_like, a number or shape (k,), optional
             Required if no number was given for all particles.
         masses : array_like, a number or shape (k,), optional
@@ -2213,12 +2412,15 @@ class World:
             1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
             of all contacts anyway.
         movable : array_like of bool, one or shape (k,), default True
+            Whether contacts and forces can change the velocity.
         friction : array_like, a number or shape (k,), optional
             0.0 if no number was given for all particles.
         angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+            In radians and in radians per second, positive from +x to +y.
         categories, masks : array_like of int, a number or shape (k,), optional
             1 and all bits if no number was given for all particles.
         sensors : array_like of bool, one or shape (k,), default False
+            Whether the particle is a sensor.
 
         Returns
         -------
@@ -2230,6 +2432,11 @@ class World:
         ------
         TypeError, ValueError
             As for a new world; then nothing is added.
+
+        See Also
+        --------
+        set : Change particles.
+        remove : Remove particles.
 
         Examples
         --------
@@ -2312,6 +2519,11 @@ class World:
         ValueError
             If an id does not exist or is given twice; then none is removed.
 
+        See Also
+        --------
+        add : Add particles.
+        rows : The rows that the others have then.
+
         Examples
         --------
         >>> import jostle
@@ -2342,24 +2554,35 @@ class World:
     ) -> None:
         """Change some columns of some particles.
 
+        Columns that are omitted stay the same. The arguments are those of :meth:`add`.
+
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
             The particles, each at most once.
         positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
+            Centres in units of length, and velocities in units of length per second.
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
+            Whether contacts and forces can change the velocity.
         friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+            Coefficients of friction; radians, and radians per second.
         categories, masks : array_like of int, a number or shape (k,), optional
+            Bit sets of 32 bits.
         sensors : array_like of bool, one or shape (k,), optional
-            Omitted columns stay the same.
+            Whether the particle is a sensor.
 
         Raises
         ------
         TypeError, ValueError
             As for a new world, or if an id does not exist or is given twice; then nothing
             is changed.
+
+        See Also
+        --------
+        add : Add particles.
+        rows : The rows of ids in the columns.
 
         Examples
         --------
@@ -2700,7 +2923,13 @@ class World:
     def restitution(self, value: _Number) -> None: ...
     @property
     def container(self) -> _Container | None:
-        """The region of the particles: a Box, Circle, Torus or None."""
+        """The region of the particles: a Box, Circle, Torus or None.
+
+        See Also
+        --------
+        walls : Line segments.
+        container_restitution : The coefficients of its sides.
+        """
     @container.setter
     def container(self, value: _Container | None) -> None: ...
     @property
@@ -2880,6 +3109,10 @@ class World:
     def substeps(self) -> int:
         """Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
         for the latter.
+
+        See Also
+        --------
+        step : Advances the simulation.
         """
     @substeps.setter
     def substeps(self, value: SupportsIndex | None) -> None: ...
@@ -2960,6 +3193,12 @@ class World:
         its end, negative for pairs that had separated, and the sums of the impulses of the step
         along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
         `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+
+        See Also
+        --------
+        wall_contacts : The contacts with walls.
+        events : The pairs that began and ceased to touch.
+        Quadtree.contacts : The overlaps of shapes.
         """
     @property
     def wall_contacts(self) -> WallContacts:
@@ -3059,13 +3298,22 @@ class World:
         """Sum of mass times velocity, (x, y)."""
     @property
     def kinetic_energy(self) -> float:
-        """Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2."""
+        """Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
+
+        See Also
+        --------
+        potential_energy : The energy of gravity and forces.
+        """
     @property
     def potential_energy(self) -> float:
         """Energy of all movable particles in the fields of gravity (0 at the origin) and of
         attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
         springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
         Barnes and Hut's method if there are many particles).
+
+        See Also
+        --------
+        kinetic_energy : The energy of motion.
         """
     @property
     def time(self) -> float:
@@ -3074,12 +3322,20 @@ class World:
     def profile(self) -> dict[str, float]:
         """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
         "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+
+        See Also
+        --------
+        stats : The work of the last step, in numbers.
         """
     @property
     def stats(self) -> WorldStats:
         """The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
         `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
         that had too many collisions and stood still for the rest of the step.
+
+        See Also
+        --------
+        profile : The time of each stage.
         """
     def state_hash(self) -> int:
         """Return a 64-bit hash of all particles.
@@ -3088,6 +3344,10 @@ class World:
         -------
         int
             The same for the same particles, on every machine.
+
+        See Also
+        --------
+        snapshot : The whole state.
 
         Examples
         --------
@@ -3105,6 +3365,11 @@ class World:
             Particles, settings, forces, the time, and the resting contacts, the same bytes on
             every machine. A world that `restore` makes from them continues with the same bits.
 
+        See Also
+        --------
+        restore : Makes a world from the bytes.
+        save : Writes them into a file.
+
         Examples
         --------
         >>> import jostle
@@ -3121,10 +3386,12 @@ class World:
         Parameters
         ----------
         data : bytes, bytearray or memoryview
+            The bytes.
 
         Returns
         -------
         World
+            A world that continues with the same bits.
 
         Raises
         ------
@@ -3132,6 +3399,10 @@ class World:
             If `data` is not bytes.
         ValueError
             If they are not from `snapshot`, or are truncated or damaged.
+
+        See Also
+        --------
+        snapshot : Returns the bytes.
 
         Examples
         --------
@@ -3156,6 +3427,11 @@ class World:
         OSError
             If the file cannot be written; then an existing one is unchanged.
 
+        See Also
+        --------
+        load : Reads the file.
+        snapshot : The same in memory.
+
         Examples
         --------
         >>> import jostle, os, tempfile
@@ -3171,10 +3447,12 @@ class World:
         Parameters
         ----------
         path : str or os.PathLike
+            The file.
 
         Returns
         -------
         World
+            A world that continues with the same bits.
 
         Raises
         ------
@@ -3183,6 +3461,10 @@ class World:
         ValueError
             If it does not contain a world, or is truncated or damaged; the message names the
             file.
+
+        See Also
+        --------
+        save : Writes the file.
 
         Examples
         --------
@@ -3211,6 +3493,11 @@ class Box:
         If an argument is not a number.
     ValueError
         If a side is not finite or min is not below max.
+
+    See Also
+    --------
+    Circle, Torus : Other containers.
+    World.walls : Line segments anywhere.
 
     Examples
     --------
@@ -3257,6 +3544,10 @@ class Circle:
     ValueError
         If a number is not finite or the radius not above 0.
 
+    See Also
+    --------
+    Box, Torus : Other containers.
+
     Examples
     --------
     >>> import jostle
@@ -3292,6 +3583,10 @@ class Torus:
         If an argument is not a number.
     ValueError
         If a side is not finite and above 0.
+
+    See Also
+    --------
+    Box, Circle : Containers with walls.
 
     Examples
     --------
@@ -3339,6 +3634,11 @@ class Attractor:
         If not exactly one of `point` and `particle` is given, or it does not hold numbers.
     ValueError
         If a number is not finite, or there is no such law.
+
+    See Also
+    --------
+    Gravitation : Attraction between all particles.
+    World.force : Forces from NumPy.
 
     Examples
     --------
@@ -3467,6 +3767,10 @@ class Springs:
         If an argument has the wrong type.
     ValueError
         If a shape is wrong or a number is out of range; the message says which.
+
+    See Also
+    --------
+    Attractor : A force towards a point.
 
     Examples
     --------
@@ -3810,6 +4114,11 @@ def scene_names() -> list[str]:
     list of str
         Their names.
 
+    See Also
+    --------
+    create : The world of a scene.
+    describe : A description of a scene.
+
     Examples
     --------
     >>> import jostle
@@ -3834,6 +4143,10 @@ def describe_scene(name: str) -> str:
     ------
     ValueError
         If there is no such scene.
+
+    See Also
+    --------
+    names : All scenes.
 
     Examples
     --------
@@ -3867,6 +4180,12 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
     ValueError
         If there is no such scene, or `n` or `seed` is out of range.
 
+    See Also
+    --------
+    view : The part of it to display.
+    default_count : The default number of particles.
+    describe : A description.
+
     Examples
     --------
     >>> import jostle
@@ -3889,12 +4208,16 @@ def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float,
     Returns
     -------
     tuple of float
-        min_x, min_y, max_x, max_y, in pixels.
+        Sides min_x, min_y, max_x, max_y, in pixels.
 
     Raises
     ------
     ValueError
         If there is no such scene or `n` is out of range.
+
+    See Also
+    --------
+    create : The world of the scene.
 
     Examples
     --------
@@ -3920,6 +4243,10 @@ def scene_default_count(name: str) -> int:
     ------
     ValueError
         If there is no such scene.
+
+    See Also
+    --------
+    create : The world of the scene.
 
     Examples
     --------
@@ -3949,6 +4276,10 @@ def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]:
     ValueError
         If `n` is out of range.
 
+    See Also
+    --------
+    create : The world of the scene.
+
     Examples
     --------
     >>> import jostle
@@ -3968,12 +4299,16 @@ def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
     Returns
     -------
     GaltonBoard
-        rows, bin_edges, bin_top, floor and ball_radius.
+        With rows, bin_edges, bin_top, floor and ball_radius.
 
     Raises
     ------
     ValueError
         If `n` is out of range.
+
+    See Also
+    --------
+    create : The world of the scene.
 
     Examples
     --------
@@ -4007,6 +4342,10 @@ def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float3
     ValueError
         If a number is not finite, `radius` is not above 0, or the wall would have more than a
         million discs.
+
+    See Also
+    --------
+    jostle.polyline : Walls without discs, for `World.walls`.
 
     Examples
     --------

@@ -99,8 +99,8 @@ one. Brute force finds both overlaps, the tree one. And the result depends on th
 >>> [name for name in vars(Simulation) if not name.startswith("_")]
 ['of', 'frame', 'grab', 'drag_to', 'release']
 
-**11. It is slow.** Because of the limit of subdivisions the number of tests grows with the square of
-the number of balls. Brute force makes 124,750 tests for 500 balls:
+**11. It is slow.** Because of the limit of subdivisions the number of tests grows with the square
+of the number of balls. Brute force makes 124,750 tests for 500 balls:
 
 >>> settle(500).tests, settle(1000).tests, settle(2000).tests, settle(4000).tests
 (1157, 4176, 17072, 68661)
