@@ -1,4 +1,4 @@
-"""What the adapters gain: the same calls on the other library and on jostle.
+"""Times of the adapters: the same calls of the other library and of jostle.
 
 .venv/bin/python benchmarks/adapters.py pyqtree
 .venv-arcade/bin/python benchmarks/adapters.py arcade
@@ -20,7 +20,7 @@ Timed = tuple[str, Callable[[], Any]]
 
 
 def milliseconds(act: Callable[[], Any]) -> float:
-    """The best of a few rounds: what others do on the machine only adds to it."""
+    """Return the minimum of a few rounds in milliseconds: other processes only increase a time."""
     times = []
     for _ in range(ROUNDS):
         start = time.perf_counter()
@@ -42,7 +42,7 @@ def boxes(n: int) -> list[tuple[float, ...]]:
 
 
 def measure_pyqtree(n: int) -> None:
-    """Fill an index, ask it once for each box, and move every tenth box."""
+    """Fill an index, query it once for each box, and move every tenth box."""
     from jostle.pyqtree import Index
 
     table = boxes(n)
@@ -81,7 +81,7 @@ def measure_pyqtree(n: int) -> None:
 
 
 def measure_arcade(n: int) -> None:
-    """All pairs of turned squares in a frame in which every one has moved."""
+    """Find all pairs of rotated squares after every one has moved."""
     os.environ["ARCADE_HEADLESS"] = "True"
     import arcade
 

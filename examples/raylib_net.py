@@ -1,6 +1,6 @@
-"""Discs drift, and lines join the near ones: raylib_net.py [--frames N] [--out picture.png].
+"""Moving discs, and lines between near ones: raylib_net.py [--frames N] [--out picture.png].
 
-The mouse lights up what is around it.
+The discs near the mouse are bright.
 """
 
 import argparse
