@@ -19,7 +19,7 @@ STEP = 1 / 60
 
 
 def pile() -> jostle.World:
-    """Discs that lean on each other, with a force and unlike settings."""
+    """Discs in resting contact, with a force and various settings."""
     world = jostle.scenes.create("pile", n=200)
     world.forces = [
         jostle.Springs([(3, 4), (5, 6)], 20, 5, damping=0.1, max_stretch=[1e-3, 500]),

@@ -1,4 +1,4 @@
-"""What a type checker makes of a query: one or many, by the type of its arguments."""
+"""Types of queries: one or many, by the type of the arguments."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -88,7 +88,7 @@ def many_by_sequences(
 
 
 def any_is_left_open(tree: Quadtree, given: dict[str, Any]) -> None:
-    """What is Any may be one or many, so the answer is used as either."""
+    """An argument of type Any may be one or many, so the answer is used as either."""
     loaded = np.load("centers.npy")
     assert_type(tree.query_rect(loaded), Any)
     assert_type(tree.query_circle(loaded, 1.0), Any)
@@ -116,7 +116,7 @@ def any_beside_an_array_is_many(tree: Quadtree, given: Any, single: NDArray[np.f
 def any_within_a_sequence_can_be_used(
     tree: Quadtree, given: dict[str, Any], rows: list[Any], single: NDArray[np.float32]
 ) -> None:
-    """pyright takes a pair for one and a list for many; mypy answers Any."""
+    """For pyright a pair is one and a list is many; mypy infers Any."""
     print(tree.query_point((given["x"], given["y"])).tolist())
     print(tree.query_point(tuple(single)).tolist())
     print(tree.raycast((given["x"], 0), (1, 0)).distance)
@@ -126,7 +126,7 @@ def any_within_a_sequence_can_be_used(
 
 
 def hits(tree: Quadtree, centers: Any) -> Hits:
-    """An answer to a question of any type may be given a type."""
+    """The answer to a query of type Any can be given a type."""
     found: Hits = tree.query_circle(centers, 1.0)
     return found
 
