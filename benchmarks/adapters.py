@@ -115,7 +115,7 @@ def measure_arcade(n: int) -> None:
     acts: list[Timed] = [
         ("move, no collisions", lambda: moved(plain)),
         ("arcade, a spatial hash", lambda: one_by_one(hashed, 1)),
-        ("jostle.arcade, a snapshot asked for each sprite", from_a_snapshot),
+        ("jostle.arcade, a query of a snapshot for each sprite", from_a_snapshot),
         ("jostle.arcade, selfcollide", lambda: jostle.arcade.selfcollide(moved(plain))),
     ]
     if n <= 1_000:

@@ -165,7 +165,7 @@ def hard_cases(rows: list[Row]) -> str:
     return table(["scene", "ms", "", "beside"], lines)
 
 
-def living(rows: list[Row]) -> str:
+def dynamic(rows: list[Row]) -> str:
     """Return the time of each call of a frame."""
     lines = (
         [row["scene"], row["call"], *(figure(1e3 * float(row[at])) for at in ("low_s", "median_s"))]
@@ -220,7 +220,7 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
             ("query-rays", "rays"),
         )
     },
-    "space": ("space", living),
+    "space": ("space", dynamic),
     "sprites": ("sprites", sprites),
 }
 

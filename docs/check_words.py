@@ -18,6 +18,20 @@ SOURCES = ("*.rs", "*.py", "*.pyi", "*.md", "*.toml")
 EXEMPT = ("docs/check_words.py", "tests/test_words.py")  # they name the words
 
 EVERYWHERE = {
+    r"beside the window": "on a worker thread",
+    r"_?deeds?": "command",
+    r"hands": "Interaction; references, parameters",
+    r"backdrop": "background rendering",
+    r"under way": "in progress, current",
+    r"give up|gives up": "cancel, discard",
+    r"let go of|lets go": "release",
+    r"a person": "the user",
+    r"once more": "again",
+    r"next to nothing": "almost no time",
+    r"ways to come": "swept bounds",
+    r"what comes of it": "its result",
+    r"lean(?:s|ing)? on": "rest on, resting contact",
+    r"are as far": "at equal distances",
     r"what hangs together": "island (disjoint-set union)",
     r"what leans|leaning on": "resting contact",
     r"softly started": "warm starting",
@@ -39,26 +53,39 @@ EVERYWHERE = {
 }
 
 # Words that other parts of the project still contain, or use in another sense. A folder is added
-# to APP when it is clean; a word moves to EVERYWHERE when all folders are.
+# to APP or TEXTS when it is clean; a word moves to EVERYWHERE when all folders are.
 IN_APP = {
-    r"beside the window": "on a worker thread",
-    r"_?deeds?": "command",
     r"(?<!resize_)grip": "drag state",
     r"beads": "discs of a wall",
-    r"backdrop": "background rendering",
-    r"under way": "in progress, current",
-    r"give up|gives up": "cancel, discard",
-    r"let go of|lets go": "release",
     r"(?:any|some|every)body": "the user, the caller",
-    r"a person": "the user",
     r"is gone|are gone": "does not exist",
     r"asked for|asks for": "requested",
     r"frames a second|steps a second|ms a step": "per second, per step",
     r"told apart|tells apart": "distinguished, significantly different",
     r"the last half minute": "rewind, the last 30 s",
-    r"once more": "again",
 }
 APP = ("python/jostle/app/", "python/jostle/tune/", "python/jostle/bench/", "python/jostle/cli.py")
+
+IN_TEXTS = {
+    r"anew": "again",
+    r"asks for|asked for": "requires, requests",
+    r"(?:any|some|every)body|nobody|whoever": "the user, the caller",
+    r"told apart|tells apart": "distinguished, significantly different",
+    r"is gone|are gone": "does not exist",
+    r"goes on|go on": "continues",
+    r"gives? back": "returns",
+    r"cut to whole": "truncated to",
+    r"world of its own": "a separate world",
+    r"who is|who are": "which",
+    r"living": "dynamic",
+}
+"""Words that the core and its tests still contain."""
+TEXTS = (
+    *("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/", "examples/"),
+    *(f"python/jostle/{name}" for name in ("__init__", "_core.pyi", "arcade", "article", "pygame")),
+    *(f"python/jostle/{name}" for name in ("pyqtree", "results", "scenes", "sprites", "walls")),
+    "benchmarks/",
+)
 
 
 def compiled(words: dict[str, str]) -> list[tuple[re.Pattern[str], str]]:
@@ -70,13 +97,13 @@ def compiled(words: dict[str, str]) -> list[tuple[re.Pattern[str], str]]:
     ]
 
 
-PATTERNS = compiled(EVERYWHERE)
-APP_PATTERNS = compiled(IN_APP)
+PATTERNS = [(("",), compiled(EVERYWHERE)), (APP, compiled(IN_APP)), (TEXTS, compiled(IN_TEXTS))]
+"""Beginnings of the names of files, and the expressions for them."""
 
 
 def findings(name: str, text: str) -> Iterator[str]:
     """Yield a message for each replaced term in a file."""
-    patterns = PATTERNS + (APP_PATTERNS if name.startswith(APP) else [])
+    patterns = [pattern for part, found in PATTERNS if name.startswith(part) for pattern in found]
     for pattern, replacement in patterns:
         for match in pattern.finditer(text):
             line = text.count("\n", 0, match.start()) + 1

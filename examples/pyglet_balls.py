@@ -8,7 +8,7 @@ import pyglet
 import jostle
 
 parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("--frames", type=int, help="so many frames without a display, then end")
+parser.add_argument("--frames", type=int, help="number of frames, without a display")
 parser.add_argument("--out", help="keep the last of them as a picture")
 options = parser.parse_args()
 pyglet.options.headless = options.frames is not None

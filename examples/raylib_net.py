@@ -11,7 +11,7 @@ from raylib import ffi, rl
 import jostle
 
 parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("--frames", type=int, help="so many frames, then end")
+parser.add_argument("--frames", type=int, help="number of frames")
 parser.add_argument("--out", help="keep the last of them as a picture")
 options = parser.parse_args()
 

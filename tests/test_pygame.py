@@ -189,12 +189,12 @@ def test_pygame_has_nothing_to_do(rule: str, kind: str, monkeypatch: pytest.Monk
         want = named(theirs.groupcollide(scene.a, scene.b, False, False, collided))
         with monkeypatch.context() as patch:
             patch.setattr(ours, "_their_groupcollide", None)
-            patch.setattr(ours, "_their_spritecollide", against_nobody)
+            patch.setattr(ours, "_their_spritecollide", against_no_sprite)
             assert named(ours.groupcollide(scene.a, scene.b, False, False, collided)) == want
             ours.groupcollide(scene.a, scene.b, False, True, collided)
 
 
-def against_nobody(sprite: Any, group: Any, *more: Any) -> list[Any]:
+def against_no_sprite(sprite: Any, group: Any, *more: Any) -> list[Any]:
     """Replace pygame's function for an empty group."""
     assert len(group) == 0
     return []

@@ -190,7 +190,7 @@ def test_files_raise_what_python_raises(tmp_path: Path) -> None:
 def test_a_file_is_replaced_by_a_whole_one(tmp_path: Path) -> None:
     path = tmp_path / "world.jostle"
     path.write_text("old")
-    (tmp_path / "world.jostle.0.part").write_text("somebody else's")
+    (tmp_path / "world.jostle.0.part").write_text("of another process")
     world = pile()
     world.save(path)
     assert path.read_bytes() == world.snapshot()
