@@ -196,7 +196,7 @@ def check_for_collision_with_list(sprite: Any, sprite_list: Any, method: int = 0
     sprite_list : SpriteList or Snapshot
         The sprites to check.
     method : int, default 0
-        arcade's choice of method; it has no effect on a snapshot.
+        The choice of method of arcade; it has no effect on a snapshot.
 
     Returns
     -------
@@ -231,7 +231,7 @@ def check_for_collision_with_lists(
     sprite_lists : iterable of SpriteList or Snapshot
         The sprites to check.
     method : int, default 0
-        arcade's choice of method; it has no effect on a snapshot.
+        The choice of method of arcade; it has no effect on a snapshot.
 
     Returns
     -------
@@ -248,7 +248,7 @@ def get_sprites_at_point(point: Any, sprite_list: Any) -> list[Any]:
     Parameters
     ----------
     point : tuple of float
-        x and y.
+        Its x and y.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
@@ -281,7 +281,7 @@ def get_sprites_at_exact_point(point: Any, sprite_list: Any) -> list[Any]:
     Parameters
     ----------
     point : tuple of float
-        x and y.
+        Its x and y.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
