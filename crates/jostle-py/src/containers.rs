@@ -7,7 +7,9 @@ use pyo3::prelude::*;
 use crate::arrays::{decimal, number, point};
 use crate::error::refused;
 
-/// Four walls around a rectangle.
+/// Four walls around a rectangle: a container of a `World`.
+///
+/// It is not a shape. Rectangles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 ///
 /// Parameters
 /// ----------
@@ -97,7 +99,9 @@ impl PyBox {
     }
 }
 
-/// A circular wall.
+/// A circular wall: a container of a `World`.
+///
+/// It is not a shape. Circles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 ///
 /// Parameters
 /// ----------

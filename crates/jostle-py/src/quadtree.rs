@@ -72,9 +72,9 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Notes
 /// -----
-/// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-/// number, or a plain pair of half sizes, takes the precision of the given
-/// arrays.
+/// Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+/// count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+/// given arrays.
 ///
 /// Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size

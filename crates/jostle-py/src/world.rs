@@ -153,6 +153,13 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 /// jostle.scenes.create : The world of a named scene.
 /// WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
 ///
+/// Notes
+/// -----
+/// Between collisions dv/dt = gravity - drag v + a, where a is the acceleration by `forces` and by
+/// `accelerations`. Surfaces that touch and approach at the normal speed u separate at e u, where e
+/// is the coefficient of restitution. An impulse P along the normal allows a friction impulse of at
+/// most μ P, where μ is the coefficient of friction.
+///
 /// References
 /// ----------
 /// O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
