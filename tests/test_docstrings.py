@@ -60,6 +60,12 @@ PUBLIC = [
 WITH_EXAMPLES = [case for case in PUBLIC if ">>>" in own_docstring(case.values[0])]
 
 
+def test_functions_classes_methods_and_properties_are_found() -> None:
+    names = {case.id for case in PUBLIC}
+    assert names >= {"jostle", "jostle.find_pairs", "jostle.World.step", "jostle.World.positions"}
+    assert len(WITH_EXAMPLES) > 80
+
+
 @pytest.mark.parametrize(("thing", "module"), PUBLIC)
 def test_public_name_has_a_docstring(thing: Any, module: ModuleType) -> None:
     assert own_docstring(thing)

@@ -210,9 +210,9 @@ def find_pairs(
 
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-    number, or a plain pair of half sizes, takes the precision of the given
-    arrays.
+    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+    count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+    given arrays.
 
     Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
@@ -374,9 +374,9 @@ class Quadtree:
 
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-    number, or a plain pair of half sizes, takes the precision of the given
-    arrays.
+    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+    count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+    given arrays.
 
     Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
@@ -2273,6 +2273,13 @@ class World:
     jostle.scenes.create : The world of a named scene.
     WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
 
+    Notes
+    -----
+    Between collisions dv/dt = gravity - drag v + a, where a is the acceleration by `forces` and by
+    `accelerations`. Surfaces that touch and approach at the normal speed u separate at e u, where e
+    is the coefficient of restitution. An impulse P along the normal allows a friction impulse of at
+    most μ P, where μ is the coefficient of friction.
+
     References
     ----------
     O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
@@ -3480,7 +3487,9 @@ class World:
 
 @final
 class Box:
-    """Four walls around a rectangle.
+    """Four walls around a rectangle: a container of a `World`.
+
+    It is not a shape. Rectangles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 
     Parameters
     ----------
@@ -3528,7 +3537,9 @@ class Box:
 
 @final
 class Circle:
-    """A circular wall.
+    """A circular wall: a container of a `World`.
+
+    It is not a shape. Circles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 
     Parameters
     ----------
