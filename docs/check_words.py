@@ -88,24 +88,32 @@ TEXTS = (
 )
 
 
-def compiled(words: dict[str, str]) -> list[tuple[re.Pattern[str], str]]:
-    """Return the expressions, which match any white space and comment sign for a space."""
-    return [
-        (re.compile(rf"(?<![^\W_])(?:{word.replace(' ', spaces)})(?![^\W_])", re.I), replacement)
-        for word, replacement in words.items()
-        for spaces in [r"(?:[ \t]*\n[ \t]*(?:///?!?|#|\"|>)?[ \t]*| )"]
-    ]
+class Words:
+    """Expressions and their replacements, found in one pass over a text."""
+
+    def __init__(self, words: dict[str, str]) -> None:
+        spaces = (
+            r"(?:[ \t]*\n[ \t]*(?:///?!?|#|\"|>)?[ \t]*| )"  # or a line break and a comment sign
+        )
+        either = "|".join(f"({word.replace(' ', spaces)})" for word in words)
+        self.pattern = re.compile(rf"(?<![^\W_])(?:{either})(?![^\W_])", re.IGNORECASE)
+        self.replacements = list(words.values())
+
+    def findings(self, text: str) -> Iterator[tuple[re.Match[str], str]]:
+        """Yield each match and its replacement."""
+        for match in self.pattern.finditer(text):
+            assert match.lastindex is not None
+            yield match, self.replacements[match.lastindex - 1]
 
 
-PATTERNS = [(("",), compiled(EVERYWHERE)), (APP, compiled(IN_APP)), (TEXTS, compiled(IN_TEXTS))]
-"""Beginnings of the names of files, and the expressions for them."""
+WORDS = [(("",), Words(EVERYWHERE)), (APP, Words(IN_APP)), (TEXTS, Words(IN_TEXTS))]
+"""Beginnings of the names of files, and the words that must not be in them."""
 
 
 def findings(name: str, text: str) -> Iterator[str]:
     """Yield a message for each replaced term in a file."""
-    patterns = [pattern for part, found in PATTERNS if name.startswith(part) for pattern in found]
-    for pattern, replacement in patterns:
-        for match in pattern.finditer(text):
+    for part, words in WORDS:
+        for match, replacement in words.findings(text) if name.startswith(part) else ():
             line = text.count("\n", 0, match.start()) + 1
             term = " ".join(match[0].split())
             yield f'{name}:{line}: "{term}" is now: {replacement}'
