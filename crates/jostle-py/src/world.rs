@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jostle::{Defaults, Each, Error, Filter, Id, Stage, Wall, World, WorldSettings};
+use jostle::{Changes, Defaults, Each, Error, Filter, Id, Stage, Wall, World, WorldSettings};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -21,7 +21,7 @@ use crate::forces;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
-use crate::particles::{Draft, only_vector, truths, vectors};
+use crate::particles::{Arguments, Draft, angles, only_vector, truths, vectors};
 use crate::quadtree::PyQuadtree;
 use crate::queries::result_of;
 use crate::results;
@@ -247,16 +247,20 @@ impl PyWorld {
         sleeping: Given<'py>,
         track_events: Given<'py>,
     ) -> PyResult<Self> {
-        let (mut draft, len) = Draft::of_new(positions, velocities, radii)?;
-        draft.masses = reals("masses", masses, len)?;
-        draft.densities = reals("densities", densities.value(), len)?;
-        draft.movable = truths("movable", movable, len)?;
-        draft.friction = reals("friction", friction.value(), len)?;
-        draft.angles = reals("angles", angles, len)?;
-        draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
-        draft.categories = bit_sets("categories", categories, len)?;
-        draft.masks = bit_sets("masks", masks, len)?;
-        draft.sensors = truths("sensors", sensors, len)?;
+        let (columns, len) = Draft::of_new(positions, velocities, radii)?;
+        let densities = reals("densities", densities.value(), len)?;
+        let arguments = Arguments {
+            masses,
+            restitutions: None,
+            movable,
+            friction: friction.value(),
+            angles,
+            angular_velocities,
+            categories,
+            masks,
+            sensors,
+        };
+        let mut draft = Draft { columns: arguments.read(len, columns)?, densities };
         let mut rules = WorldSettings {
             container: containers::read(container)?,
             on_touch: settings::on_touch(&on_touch)?,
@@ -278,7 +282,7 @@ impl PyWorld {
         }
         match reals("restitution", restitution.value(), len)? {
             Some(Each::One(one)) => rules.restitution = one,
-            rows => draft.restitutions = rows,
+            rows => draft.columns.restitutions = rows,
         }
         let forces = forces.value().map_or(Ok(Vec::new()), forces::read)?;
         let mut walls = walls::read(walls)?;
@@ -409,18 +413,21 @@ impl PyWorld {
         masks: Option<&Bound<'py, PyAny>>,
         sensors: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
+        let (columns, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
-        draft.masses = reals("masses", masses, len)?;
-        draft.densities = reals("densities", densities, len)?;
-        draft.restitutions = reals("restitutions", restitutions, len)?;
-        draft.movable = truths("movable", movable, len)?;
-        draft.friction = reals("friction", friction, len)?;
-        draft.angles = reals("angles", angles, len)?;
-        draft.angular_velocities = reals("angular_velocities", angular_velocities, len)?;
-        draft.categories = bit_sets("categories", categories, len)?;
-        draft.masks = bit_sets("masks", masks, len)?;
-        draft.sensors = truths("sensors", sensors, len)?;
+        let densities = reals("densities", densities, len)?;
+        let arguments = Arguments {
+            masses,
+            restitutions,
+            movable,
+            friction,
+            angles,
+            angular_velocities,
+            categories,
+            masks,
+            sensors,
+        };
+        let draft = Draft { columns: arguments.read(len, columns)?, densities };
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
@@ -517,22 +524,75 @@ impl PyWorld {
     ) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
         let len = ids.all.len();
-        let draft = Draft {
-            positions: vectors_of(&ids, "positions", positions)?,
-            velocities: vectors_of(&ids, "velocities", velocities)?,
+        let columns = Changes {
+            positions: vectors_of(&ids, "positions", positions)?.map(Each::Rows),
+            velocities: vectors_of(&ids, "velocities", velocities)?.map(Each::Rows),
             radii: reals("radii", radii, len)?,
-            masses: reals("masses", masses, len)?,
-            restitutions: reals("restitutions", restitutions, len)?,
-            movable: truths("movable", movable, len)?,
-            densities: None,
-            friction: reals("friction", friction, len)?,
-            angles: reals("angles", angles, len)?,
-            angular_velocities: reals("angular_velocities", angular_velocities, len)?,
-            categories: bit_sets("categories", categories, len)?,
-            masks: bit_sets("masks", masks, len)?,
-            sensors: truths("sensors", sensors, len)?,
+            ..Changes::default()
         };
-        ids.result_of(self.long(py, |state| state.write_some(draft, &ids.all))?)
+        let arguments = Arguments {
+            masses,
+            restitutions,
+            movable,
+            friction,
+            angles,
+            angular_velocities,
+            categories,
+            masks,
+            sensors,
+        };
+        let changes = arguments.read(len, columns)?;
+        ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)
+    }
+
+    /// Read all columns of one particle or some, without those of the others.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles; one may be given more than once.
+    ///
+    /// Returns
+    /// -------
+    /// WorldParticles or WorldParticle
+    ///     Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
+    ///     `add` and `set`, with a row for each id; single values for one id. The cost depends on the
+    ///     number of ids alone, except that the first call after a step reads all row numbers.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If no particle has an id.
+    ///
+    /// See Also
+    /// --------
+    /// set : Writes columns of some particles.
+    /// positions : The positions of all particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (2, 1)], radii=[1.0, 0.5])
+    /// >>> world.read(1).velocities, world.read(1).masses
+    /// (array([2., 1.], dtype=float32), 0.25)
+    /// >>> world.read([1, 0]).radii
+    /// array([0.5, 1. ], dtype=float32)
+    ///
+    /// A copy of particle 1, in another place:
+    ///
+    /// >>> copy = world.read(1)._replace(positions=(9, 0))
+    /// >>> world.add(**copy._asdict())
+    /// 2
+    fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let ids = Ids::read(ids, "particle")?;
+        let copy = ids.result_of(self.long(py, |state| state.world.read(&ids.all))?)?;
+        if ids.single {
+            results::world_particle(py, copy)
+        } else {
+            results::world_particles(py, copy)
+        }
     }
 
     /// Add given forces on some particles, for the next call of `step`.
@@ -656,8 +716,8 @@ impl PyWorld {
     #[setter]
     fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
-            let positions = vectors("positions", Some(value), len)?;
-            Ok(Draft { positions, ..Draft::default() })
+            let positions = vectors("positions", Some(value), len)?.map(Each::Rows);
+            Ok(Changes { positions, ..Changes::default() })
         })
     }
 
@@ -675,8 +735,8 @@ impl PyWorld {
     #[setter]
     fn set_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
-            let velocities = vectors("velocities", Some(value), len)?;
-            Ok(Draft { velocities, ..Draft::default() })
+            let velocities = vectors("velocities", Some(value), len)?.map(Each::Rows);
+            Ok(Changes { velocities, ..Changes::default() })
         })
     }
 
@@ -739,7 +799,7 @@ impl PyWorld {
     fn set_radii(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let radii = reals("radii", Some(value), len)?;
-            Ok(Draft { radii, ..Draft::default() })
+            Ok(Changes { radii, ..Changes::default() })
         })
     }
 
@@ -756,7 +816,7 @@ impl PyWorld {
     fn set_masses(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let masses = reals("masses", Some(value), len)?;
-            Ok(Draft { masses, ..Draft::default() })
+            Ok(Changes { masses, ..Changes::default() })
         })
     }
 
@@ -773,7 +833,7 @@ impl PyWorld {
     fn set_restitutions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let restitutions = reals("restitutions", Some(value), len)?;
-            Ok(Draft { restitutions, ..Draft::default() })
+            Ok(Changes { restitutions, ..Changes::default() })
         })
     }
 
@@ -793,7 +853,7 @@ impl PyWorld {
     fn set_movable(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let movable = truths("movable", Some(value), len)?;
-            Ok(Draft { movable, ..Draft::default() })
+            Ok(Changes { movable, ..Changes::default() })
         })
     }
 
@@ -824,7 +884,7 @@ impl PyWorld {
     fn set_friction(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let friction = reals("friction", Some(value), len)?;
-            Ok(Draft { friction, ..Draft::default() })
+            Ok(Changes { friction, ..Changes::default() })
         })
     }
 
@@ -854,8 +914,8 @@ impl PyWorld {
     #[setter]
     fn set_angles(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
-            let angles = reals("angles", Some(value), len)?;
-            Ok(Draft { angles, ..Draft::default() })
+            let angles = angles(Some(value), len)?;
+            Ok(Changes { angles, ..Changes::default() })
         })
     }
 
@@ -882,7 +942,7 @@ impl PyWorld {
     fn set_angular_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let angular_velocities = reals("angular_velocities", Some(value), len)?;
-            Ok(Draft { angular_velocities, ..Draft::default() })
+            Ok(Changes { angular_velocities, ..Changes::default() })
         })
     }
 
@@ -918,7 +978,7 @@ impl PyWorld {
     fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let categories = bit_sets("categories", Some(value), len)?;
-            Ok(Draft { categories, ..Draft::default() })
+            Ok(Changes { categories, ..Changes::default() })
         })
     }
 
@@ -935,7 +995,7 @@ impl PyWorld {
     fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let masks = bit_sets("masks", Some(value), len)?;
-            Ok(Draft { masks, ..Draft::default() })
+            Ok(Changes { masks, ..Changes::default() })
         })
     }
 
@@ -977,7 +1037,7 @@ impl PyWorld {
     fn set_sensors(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.write_all(py, |len| {
             let sensors = truths("sensors", Some(value), len)?;
-            Ok(Draft { sensors, ..Draft::default() })
+            Ok(Changes { sensors, ..Changes::default() })
         })
     }
 
@@ -1789,18 +1849,18 @@ impl PyWorld {
     fn write_all(
         &self,
         py: Python<'_>,
-        read: impl FnOnce(usize) -> PyResult<Draft>,
+        read: impl FnOnce(usize) -> PyResult<Changes>,
     ) -> PyResult<()> {
         let len = self.len(py)?;
-        let draft = read(len)?;
-        self.long(py, |state| state.write_all(draft, len))?.map_err(refused)
+        let changes = read(len)?;
+        self.long(py, |state| state.write_all(changes, len))?.map_err(refused)
     }
 }
 
 impl State {
     /// Begins a call of `step`.
     fn begin(&mut self, dt: f64) -> jostle::Result<()> {
-        self.world.step(dt, 0, &mut |_| ())?;
+        self.world.step(dt, 0)?;
         self.world.forget_renumbering();
         self.world.begin_record();
         Ok(())
@@ -1824,7 +1884,7 @@ impl State {
                 profile[stage as usize] += now - since;
                 since = now;
             };
-            self.world.step(dt, 1, watch)?;
+            self.world.step_watched(dt, 1, watch)?;
             self.profile = profile;
             left -= 1;
             if start.elapsed() >= LOOK_UP {
@@ -1837,33 +1897,20 @@ impl State {
         Ok(left)
     }
 
-    fn write_all(&mut self, draft: Draft, found: usize) -> jostle::Result<()> {
-        draft.check()?;
+    fn write_all(&mut self, changes: Changes, found: usize) -> jostle::Result<()> {
         let expected = self.world.len();
         if found != expected {
             // Another thread has added or removed particles in the meantime.
             return Err(Error::Length { argument: "the new column", found, expected });
         }
-        let defaults = draft.defaults(self.world.defaults());
-        self.world.edit(|particles| {
-            draft.write(particles);
-            Ok(())
-        })?;
-        self.world.set_defaults(defaults)
+        self.world.set_all(&changes)?;
+        let draft = Draft { columns: changes, densities: None };
+        self.world.set_defaults(draft.defaults(self.world.defaults()))
     }
 
     fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
         let particles = draft.particles(len, &self.world.defaults())?;
         self.world.add(particles)
-    }
-
-    fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
-        draft.check()?;
-        let rows = self.world.distinct_rows_of(ids)?;
-        self.world.edit_rows(&rows, |particles| {
-            draft.write(particles);
-            Ok(())
-        })
     }
 }
 

@@ -73,8 +73,8 @@ fn a_step_allocates_nothing_after_some_steps() {
         let mut settings = *world.settings();
         settings.tree.threads = Some(1);
         world.configure(settings).unwrap();
-        world.step(STEP, 150, &mut |_| ()).unwrap();
-        let found = allocations(|| world.step(STEP, 20, &mut |_| ()).unwrap());
+        world.step(STEP, 150).unwrap();
+        let found = allocations(|| world.step(STEP, 20).unwrap());
         assert!(found <= RARE, "{name}: {found} allocations in 20 steps");
     }
 }

@@ -1,7 +1,7 @@
 //! Sums over a world: momentum, energies, and a hash of its state.
 
 use super::World;
-use super::feel::{bodies, find_places};
+use super::force_step::{bodies, find_places};
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::particles::{Particles, Spin};
 use crate::shapes::Filter;
@@ -47,7 +47,7 @@ impl World {
         };
         let awake = self.movable_places().map(|at| energy(&self.particles, at));
         let asleep = self.asleep.indices();
-        let asleep = asleep.map(|at| energy(&self.asleep.sleepers().particles, at));
+        let asleep = asleep.map(|at| energy(&self.asleep.sleepers().discs.particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();
         if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
