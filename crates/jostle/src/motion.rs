@@ -1,4 +1,7 @@
 //! Positions and velocities during a step, which all threads may read and write.
+//!
+//! A position is the sum of a float32 and a residual (T. J. Dekker, *A Floating-Point Technique for Extending
+//! the Available Precision*, Numerische Mathematik 18, 1971).
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 

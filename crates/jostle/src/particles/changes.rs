@@ -102,21 +102,21 @@ impl Changes {
     /// left out.
     pub fn write(&self, particles: &mut Particles, rows: &[u32]) {
         let len = particles.len();
-        let residuals = (0..rows.len()).map(|index| self.residual(index));
-        for (residual, &row) in residuals.zip(rows) {
-            if let (Some(residual), Some(to)) =
-                (residual, particles.residuals.get_mut(row as usize))
-            {
-                *to = residual;
-            }
+        // All columns are named, so that none is forgotten.
+        #[rustfmt::skip]
+        let Particles {
+            positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
+        } = particles;
+        if self.positions.is_some() && self.residuals.is_none() {
+            put(&Some(Each::One([0.0; 2])), residuals, rows);
         }
-        put(&self.positions, &mut particles.positions, rows);
-        put(&self.velocities, &mut particles.velocities, rows);
-        put(&self.radii, &mut particles.radii, rows);
-        put(&self.masses, &mut particles.masses, rows);
-        put(&self.restitutions, &mut particles.restitutions, rows);
-        put(&self.movable, &mut particles.movable, rows);
-        let Particles { radii, spins, filters, sensors, .. } = particles;
+        put(&self.residuals, residuals, rows);
+        put(&self.positions, positions, rows);
+        put(&self.velocities, velocities, rows);
+        put(&self.radii, radii, rows);
+        put(&self.masses, masses, rows);
+        put(&self.restitutions, restitutions, rows);
+        put(&self.movable, movable, rows);
         if self.turns() || self.radii.is_some() && !spins.is_empty() {
             put_sparse(spins, len, rows, |index, row, spin| self.spin(index, spin, radii[row]));
         }
@@ -160,23 +160,30 @@ impl Changes {
 /// All columns of particles.
 impl From<Particles> for Changes {
     fn from(all: Particles) -> Self {
-        let rows = 0..all.len();
-        let spins = || rows.clone().map(|row| all.spin(row));
-        let filters = || rows.clone().map(|row| all.filter(row));
+        let len = all.len();
+        // All columns are named, so that none is forgotten.
+        #[rustfmt::skip]
+        let Particles {
+            positions, residuals, velocities, radii, masses, restitutions, movable,
+            mut spins, mut filters, mut sensors,
+        } = all;
+        spins.resize(len, Spin::default());
+        filters.resize(len, Filter::default());
+        sensors.resize(len, false);
         Self {
-            friction: Some(Each::Rows(spins().map(|spin| spin.friction).collect())),
-            angles: Some(Each::Rows(spins().map(|spin| spin.angle).collect())),
-            angular_velocities: Some(Each::Rows(spins().map(|spin| spin.velocity).collect())),
-            categories: Some(Each::Rows(filters().map(|filter| filter.category).collect())),
-            masks: Some(Each::Rows(filters().map(|filter| filter.mask).collect())),
-            sensors: Some(Each::Rows(rows.clone().map(|row| all.is_sensor(row)).collect())),
-            positions: Some(Each::Rows(all.positions)),
-            residuals: Some(Each::Rows(all.residuals)),
-            velocities: Some(Each::Rows(all.velocities)),
-            radii: Some(Each::Rows(all.radii)),
-            masses: Some(Each::Rows(all.masses)),
-            restitutions: Some(Each::Rows(all.restitutions)),
-            movable: Some(Each::Rows(all.movable)),
+            positions: Some(Each::Rows(positions)),
+            residuals: Some(Each::Rows(residuals)),
+            velocities: Some(Each::Rows(velocities)),
+            radii: Some(Each::Rows(radii)),
+            masses: Some(Each::Rows(masses)),
+            restitutions: Some(Each::Rows(restitutions)),
+            movable: Some(Each::Rows(movable)),
+            friction: Some(Each::Rows(spins.iter().map(|spin| spin.friction).collect())),
+            angles: Some(Each::Rows(spins.iter().map(|spin| spin.angle).collect())),
+            angular_velocities: Some(Each::Rows(spins.iter().map(|spin| spin.velocity).collect())),
+            categories: Some(Each::Rows(filters.iter().map(|filter| filter.category).collect())),
+            masks: Some(Each::Rows(filters.iter().map(|filter| filter.mask).collect())),
+            sensors: Some(Each::Rows(sensors)),
         }
     }
 }

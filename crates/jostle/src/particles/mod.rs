@@ -182,6 +182,24 @@ impl Particles {
         self.drop_defaults();
     }
 
+    /// Replaces the contents by the rows `order` of `source`, in that order.
+    pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
+        Table::gather(self, source, order, threads);
+    }
+
+    /// Appends the row `from` of `source`.
+    pub fn push(&mut self, source: &Self, from: usize) {
+        let len = self.len() + 1;
+        self.resize(len);
+        self.put(len, len - 1, source, from);
+    }
+
+    /// Keeps the rows for which `keep` returns true.
+    pub fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        let keep: Vec<bool> = (0..self.len()).map(keep).collect();
+        self.keep(&keep);
+    }
+
     /// Appends the rows of `other`.
     pub fn extend(&mut self, other: &Self) {
         self.append(self.len(), other, other.len());
@@ -216,10 +234,15 @@ impl Particles {
 
     /// Orders two rows by all their values: a total order, the same on every machine.
     pub fn compare(&self, a: usize, b: usize) -> Ordering {
+        // All columns are named, so that none is forgotten.
+        #[rustfmt::skip]
+        let Self {
+            positions, residuals, velocities, radii, masses, restitutions, movable,
+            spins: _, filters: _, sensors: _,
+        } = self;
         let numbers = |row: usize| {
-            let ([x, y], [u, v]) = (self.positions[row], self.velocities[row]);
-            let [c, d] = self.residuals[row];
-            [x, y, c, d, u, v, self.radii[row], self.masses[row], self.restitutions[row]]
+            let ([x, y], [u, v], [c, d]) = (positions[row], velocities[row], residuals[row]);
+            [x, y, c, d, u, v, radii[row], masses[row], restitutions[row]]
         };
         let turning = |row: usize| {
             let Spin { friction, velocity, angle } = self.spin(row);
@@ -230,7 +253,7 @@ impl Particles {
         let pairs = turning(a).into_iter().zip(turning(b));
         let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
         let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
-        let order = order.then_with(|| self.movable[a].cmp(&self.movable[b]));
+        let order = order.then_with(|| movable[a].cmp(&movable[b]));
         let order = order.then_with(|| self.filter(a).cmp(&self.filter(b)));
         order.then_with(|| self.is_sensor(a).cmp(&self.is_sensor(b)))
     }

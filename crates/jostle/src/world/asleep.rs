@@ -3,7 +3,8 @@
 //! An island that falls asleep is appended. One that wakes is only marked; the marked ones are
 //! removed when they are more than half. So both cost as much as the island is large. Trees over
 //! ranges of the particles find those that others touch. The tree of a new range takes in those
-//! before that are not much larger, so there are few.
+//! before that are not much larger, so there are few (the logarithmic method: J. L. Bentley and J. B. Saxe,
+//! *Decomposable Searching Problems I*, Journal of Algorithms 1, 1980).
 
 use std::iter;
 use std::ops::Range;

@@ -1,4 +1,5 @@
-//! Bounds: for each particle a circle in which it is expected to stay during a step.
+//! Swept bounds: for each particle a circle in which it is expected to stay during a step. The tree of these
+//! circles is the broad phase (C. Ericson, *Real-Time Collision Detection*, 2005).
 //!
 //! A particle that leaves its circle gets a larger one, or, if it travels around a torus, a chain of
 //! circles along its trajectory.

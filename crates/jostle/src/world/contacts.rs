@@ -1,4 +1,5 @@
-//! From candidate pairs to contacts: what the sub-steps need to know about pairs.
+//! From candidate pairs to contacts: the neighbours for the events, and the contacts that are coloured and
+//! solved in the sub-steps.
 
 use super::search::Lists;
 use super::{Memory, OnTouch, World, merge};

@@ -1,4 +1,4 @@
-//! The columns of a world's particles by places, apart from those that a step computes anew.
+//! The columns of the particles by places, each declared once. What a step computes anew is in `Memory`.
 
 use super::sleeping::Drift;
 use crate::container::MAX_WALLS;

@@ -111,7 +111,17 @@ impl World {
     /// As [`World::set_all`]; `change` gets a copy of all particles in the order of adding. A particle with
     /// a new position has no residual.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
-        let before = self.particles();
+        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        self.edit_rows(&rows, change)
+    }
+
+    /// As [`World::edit`], of the particles in some rows, in this order; each at most once.
+    pub fn edit_rows(
+        &mut self,
+        rows: &[u32],
+        change: impl FnOnce(&mut Particles) -> Result<()>,
+    ) -> Result<()> {
+        let before = self.particles_in(rows);
         let mut copy = before.clone();
         change(&mut copy)?;
         if copy.len() != before.len() {
@@ -122,7 +132,7 @@ impl World {
         let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
-        self.set_all(&Changes::from(copy))
+        self.set_rows(rows, &Changes::from(copy))
     }
 
     fn set_rows(&mut self, rows: &[u32], changes: &Changes) -> Result<()> {

@@ -26,7 +26,7 @@ pub(super) struct CandidateMerge {
     /// Offset that is added to the second (torus).
     image: [f32; 2],
     /// Sum of the radii.
-    reach: f32,
+    radius_sum: f32,
     has_touched: bool,
 }
 
@@ -41,11 +41,11 @@ pub(super) fn list_candidates(
         for &places in pairs {
             let [a, b] = places.map(|place| place as usize);
             if all.movable[a] || all.movable[b] {
-                let reach = all.radii[a] + all.radii[b];
+                let radius_sum = all.radii[a] + all.radii[b];
                 candidates.push(CandidateMerge {
                     places,
                     image: *image,
-                    reach,
+                    radius_sum,
                     has_touched: false,
                 });
             }
@@ -80,8 +80,8 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
     };
     let back = back.clamp(0.0, 1.0);
     let nearest = [0, 1].map(|k| end[k] - displacement[k] * back);
-    let reach = f64::from(candidate.reach);
-    dot(nearest, nearest) < reach * reach
+    let radius_sum = f64::from(candidate.radius_sum);
+    dot(nearest, nearest) < radius_sum * radius_sum
 }
 
 impl World {

@@ -1,4 +1,4 @@
-//! Restores the state before a step that is refused or interrupted.
+//! Rollback: restores the state before a step that is refused or interrupted.
 
 use super::discs::Discs;
 use super::ids::Ids;

@@ -217,23 +217,28 @@ fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
 }
 
 fn put_particles(to: &mut Writer, all: &Particles) {
-    to.put_all(&all.positions);
-    to.put_all(&all.residuals);
-    to.put_all(&all.velocities);
-    for column in [&all.radii, &all.masses, &all.restitutions] {
+    // All columns are named, so that none is forgotten.
+    #[rustfmt::skip]
+    let Particles {
+        positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
+    } = all;
+    to.put_all(positions);
+    to.put_all(residuals);
+    to.put_all(velocities);
+    for column in [radii, masses, restitutions] {
         let same = column.windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
         to.put(u8::from(same));
         to.put_all(&column[..if same { column.len().min(1) } else { column.len() }]);
     }
-    let movable: Vec<u8> = all.movable.iter().map(|&movable| u8::from(movable)).collect();
+    let movable: Vec<u8> = movable.iter().map(|&movable| u8::from(movable)).collect();
     to.put_all(&movable);
-    to.put(u8::from(!all.spins.is_empty()));
-    for Spin { friction, velocity, angle } in &all.spins {
+    to.put(u8::from(!spins.is_empty()));
+    for Spin { friction, velocity, angle } in spins {
         to.put([*friction, *velocity]);
         to.put(*angle);
     }
-    put_filters(to, &all.filters);
-    put_sensors(to, &all.sensors);
+    put_filters(to, filters);
+    put_sensors(to, sensors);
 }
 
 fn put_given(to: &mut Writer, given: &[[f32; 2]]) {
