@@ -1,7 +1,7 @@
 //! Kinematic discs: immovable ones with a velocity, which push and are not pushed.
 
 use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Spin, Stage, World, WorldSettings};
+use jostle::{Container, Method, Particles, Spin, World, WorldSettings};
 use proptest::prelude::*;
 
 const STEP: f64 = 1.0 / 60.0;

@@ -85,7 +85,8 @@ impl PyWorld {
 
     /// The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
     /// `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
-    /// that had too many collisions and stood still for the rest of the step.
+    /// that had too many collisions and stood still for the rest of the step. All are 0 before the
+    /// first step, and after `restore` and `load`.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();

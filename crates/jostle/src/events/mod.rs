@@ -91,7 +91,7 @@ pub struct Events {
 
 impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
-    pub fn fly(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+    pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
         // Windows are not shorter than this, so that there are not too many.
         let shortest = flight.end / MOST_WINDOWS;
         let mut rest = *flight;
@@ -99,7 +99,7 @@ impl Events {
         loop {
             rest.fill(&mut starts, &self.exhausted);
             let window = Window { flight: &rest, starts: &starts, end: rest.end };
-            let end = self.fly_window(window, bounds, shortest)?;
+            let end = self.simulate_window(window, bounds, shortest)?;
             if end == rest.end {
                 self.starts = starts;
                 return Ok(());
@@ -112,7 +112,7 @@ impl Events {
     }
 
     /// Moves all discs to the end of the window, or of a shorter one, and returns its end.
-    fn fly_window(
+    fn simulate_window(
         &mut self,
         mut window: Window<'_>,
         bounds: &mut dyn Bounds,

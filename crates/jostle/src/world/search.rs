@@ -32,7 +32,6 @@ pub(super) fn list(
 ) -> Result<u64> {
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
-    let is_brute = settings.method == Method::Brute;
     let ListScratch { join, sorting } = memory;
     let images = iter::once([0.0; 2]).chain(settings.container.images());
     let (mut count, mut tests) = (0, 0);
@@ -43,11 +42,15 @@ pub(super) fn list(
         let (image_of_list, list) = &mut lists[count];
         let (is_within, columns) = (count == 0, tree.columns());
         join.keep(std::mem::take(list));
-        let found = match (is_within, is_brute) {
-            (true, true) => pairs::brute(columns, threads, max),
-            (true, false) => pairs::places_within(tree, max, join),
-            (false, true) => pairs::brute_between(columns, columns, image, Filters::Apply, max),
-            (false, false) => pairs::places_between(tree, tree, image, Filters::Apply, max, join),
+        let found = match (settings.method, is_within) {
+            (Method::Quadtree, true) => pairs::places_within(tree, max, join),
+            (Method::Quadtree, false) => {
+                pairs::places_between(tree, tree, image, Filters::Apply, max, join)
+            }
+            (Method::Brute, true) => pairs::brute(columns, threads, max),
+            (Method::Brute, false) => {
+                pairs::brute_between(columns, columns, image, Filters::Apply, max)
+            }
         };
         let mut found = found.map_err(|error| match error {
             Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { limit: max_pairs },

@@ -210,7 +210,7 @@ impl World {
             limits: &memory.limits,
             threads: of.threads,
         };
-        memory.events.fly(&flight, &mut bounds)
+        memory.events.simulate(&flight, &mut bounds)
     }
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
