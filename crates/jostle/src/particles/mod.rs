@@ -99,7 +99,13 @@ impl Particles {
         self.wrong_lengths(expected, &mut |argument, found| {
             wrong = wrong.or(Some((argument, found)));
         });
-        if let Some((argument, found)) = wrong {
+        if let Some((column, found)) = wrong {
+            // The first argument of callers that is in the column.
+            let argument = match column {
+                "spins" => "friction",
+                "filters" => "categories",
+                other => other,
+            };
             return Err(Error::Length { argument, found, expected });
         }
         check_vectors("positions", &self.positions)?;

@@ -147,7 +147,7 @@ impl World {
     /// computed when they are first needed, and kept until [`World::forget_places`].
     pub(super) fn places(&self) -> &[u32] {
         let places = self.places.get_or_init(|| self.find_places());
-        debug_assert_eq!(*places, self.find_places());
+        debug_assert!(self.are_places(places));
         places
     }
 
@@ -158,13 +158,18 @@ impl World {
 
     fn find_places(&self) -> Vec<u32> {
         let mut places = vec![0; self.len()];
-        for (place, &row) in self.rows.iter().enumerate() {
-            places[row as usize] = place as u32;
-        }
-        let awake = self.rows.len();
-        for at in self.asleep.indices() {
-            places[self.asleep.sleepers().discs.rows[at] as usize] = (awake + at) as u32;
-        }
+        self.rows_and_places().for_each(|(row, place)| places[row as usize] = place);
         places
+    }
+
+    fn are_places(&self, places: &[u32]) -> bool {
+        let is_right = |(row, place): (u32, u32)| places.get(row as usize) == Some(&place);
+        places.len() == self.len() && self.rows_and_places().all(is_right)
+    }
+
+    fn rows_and_places(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let (awake, rows) = (self.rows.len(), &self.asleep.sleepers().discs.rows);
+        let asleep = self.asleep.indices().map(move |at| (rows[at], (awake + at) as u32));
+        self.rows.iter().copied().zip(0..).chain(asleep)
     }
 }
