@@ -52,7 +52,7 @@ pub const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 pub const MAX_WALLS: usize = 4;
 
 /// A rectangle.
-struct Inner {
+pub struct Inner {
     low: [f32; 2],
     high: [f32; 2],
 }
@@ -60,7 +60,7 @@ struct Inner {
 impl Inner {
     /// Whether it contains a disc.
     #[inline(always)]
-    fn contains(&self, position: [f32; 2], radius: f32) -> bool {
+    pub fn contains(&self, position: [f32; 2], radius: f32) -> bool {
         let along =
             |k: usize| (self.low[k] + radius < position[k]) & (position[k] < self.high[k] - radius);
         along(0) & along(1)
@@ -151,7 +151,7 @@ impl Container {
 
     /// A region in which particles are certainly inside the container.
     #[inline(always)]
-    fn inner(&self) -> Inner {
+    pub fn inner(&self) -> Inner {
         let Self::Box { min, max } = self else {
             return Inner { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2] };
         };

@@ -106,17 +106,23 @@ impl Window<'_> {
     pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
         let span = self.end as f32;
         let passing = own.now().passing(&other.now(), image, span);
-        let is_near = !passing.is_far(span) | (own.falls != other.falls);
-        if self.flight.is_elastic { is_near } else { is_near & !self.defers(own, other, &passing) }
+        // In a pile nearly all pairs end here, so the branch is predicted rightly.
+        if !self.flight.is_elastic && self.defers(own, other, &passing) {
+            return false;
+        }
+        !passing.is_far(span) | (own.falls != other.falls)
     }
 
     /// Whether two discs at rest certainly do not collide, because they approach by less than
     /// [`DEFERRED`], and do not overlap by more.
     #[inline(always)]
     fn defers(&self, own: &Start, other: &Start, passing: &Passing) -> bool {
+        let rests = |start: &Start| start.is_supported | !start.is_movable;
+        if !(rests(own) & rests(other)) {
+            return false;
+        }
         let Passing { offset, velocity, reach, .. } = *passing;
         let square = dot(offset, offset) - passing.error(dot(offset, offset));
-        let rests = |start: &Start| start.is_supported | !start.is_movable;
         let [v, w] = [own, other].map(|start| dot(start.velocity, start.velocity));
         // (a + b)² is at most 2 (a² + b²).
         let speeds = dot(velocity, velocity) + MARGIN * MARGIN * (v + w);
@@ -124,7 +130,7 @@ impl Window<'_> {
         let [least, most] = [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * reach);
         let is_slow = approach < most * most;
         let is_apart = square > least * least * (1.0 + MARGIN);
-        rests(own) & rests(other) & is_slow & is_apart
+        is_slow & is_apart
     }
 
     /// A disc on its first segment at `time`.
