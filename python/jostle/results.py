@@ -21,6 +21,8 @@ __all__ = [
     "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
+    "WorldParticle",
+    "WorldParticles",
 ]
 
 
@@ -240,6 +242,82 @@ class WorldContacts(NamedTuple):
     depths: NDArray[np.float32]
     normal_impulses: NDArray[np.float32]
     friction_impulses: NDArray[np.float32]
+
+
+class WorldParticles(NamedTuple):
+    """Some particles of a `World`, by the names of the arguments of `World.add` and `World.set`.
+
+    Attributes
+    ----------
+    positions, velocities : ndarray of float32, shape (k, 2)
+        Centres in units of length, and velocities in units of length per second.
+    radii, masses, restitutions : ndarray of float32, shape (k,)
+        Radii in units of length, masses, and coefficients of restitution.
+    movable : ndarray of bool, shape (k,)
+        Whether contacts and forces can change the velocity.
+    friction, angles, angular_velocities : ndarray of float32, shape (k,)
+        Coefficients of friction; radians, -π to π without π, and radians per second.
+    categories, masks : ndarray of uint32, shape (k,)
+        Bit sets of 32 bits.
+    sensors : ndarray of bool, shape (k,)
+        Whether the particle is a sensor.
+
+    See Also
+    --------
+    jostle.World.read : Returns it.
+    WorldParticle : The same of one particle.
+    """
+
+    positions: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    radii: NDArray[np.float32]
+    masses: NDArray[np.float32]
+    restitutions: NDArray[np.float32]
+    movable: NDArray[np.bool_]
+    friction: NDArray[np.float32]
+    angles: NDArray[np.float32]
+    angular_velocities: NDArray[np.float32]
+    categories: NDArray[np.uint32]
+    masks: NDArray[np.uint32]
+    sensors: NDArray[np.bool_]
+
+
+class WorldParticle(NamedTuple):
+    """One particle of a `World`, by the names of the arguments of `World.add` and `World.set`.
+
+    Attributes
+    ----------
+    positions, velocities : ndarray of float32, shape (2,)
+        Centres in units of length, and velocities in units of length per second.
+    radii, masses, restitutions : float
+        Radii in units of length, masses, and coefficients of restitution.
+    movable : bool
+        Whether contacts and forces can change the velocity.
+    friction, angles, angular_velocities : float
+        Coefficients of friction; radians, -π to π without π, and radians per second.
+    categories, masks : int
+        Bit sets of 32 bits.
+    sensors : bool
+        Whether the particle is a sensor.
+
+    See Also
+    --------
+    jostle.World.read : Returns it.
+    WorldParticles : The same of many particles.
+    """
+
+    positions: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    radii: float
+    masses: float
+    restitutions: float
+    movable: bool
+    friction: float
+    angles: float
+    angular_velocities: float
+    categories: int
+    masks: int
+    sensors: bool
 
 
 class WallContacts(NamedTuple):
