@@ -42,8 +42,10 @@ __all__ = [
     "Box",
     "Circle",
     "Events",
+    "Flocking",
     "Gravitation",
     "Motor",
+    "PairForce",
     "Quadtree",
     "Space",
     "Springs",
@@ -128,7 +130,15 @@ _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
-    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Motor
+    Attractor
+    | Gravitation
+    | Springs
+    | Thermostat
+    | ThermalWalls
+    | AndersenThermostat
+    | Motor
+    | PairForce
+    | Flocking
 )
 
 def abandon_threads() -> None:
@@ -2192,6 +2202,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int:
         """Add one particle or many, after the others.
 
@@ -2259,6 +2270,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> _Ids: ...
     @overload
     def add(
@@ -2277,6 +2289,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int: ...
     @overload
     def add(
@@ -2295,6 +2308,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
@@ -3509,6 +3523,80 @@ class Springs:
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
     def __getnewargs__(self) -> tuple[NDArray[Any], ...]: ...
+
+@final
+class PairForce:
+    __match_args__: Final = ("kinds", "table", "cutoff", "damping")
+    def __new__(
+        cls, kinds: ArrayLike, table: ArrayLike, cutoff: _Number, damping: _Number = 0.0
+    ) -> Self: ...
+    @staticmethod
+    def particle_life(
+        kinds: ArrayLike,
+        matrix: ArrayLike,
+        cutoff: _Number,
+        core: _Number = 0.3,
+        *,
+        strength: _Number = 1.0,
+    ) -> PairForce: ...
+    @staticmethod
+    def lennard_jones(
+        kinds: ArrayLike, epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number
+    ) -> PairForce: ...
+    @staticmethod
+    def soft_discs(
+        kinds: ArrayLike, stiffness: ArrayLike, diameters: ArrayLike, damping: _Number = 0.0
+    ) -> PairForce: ...
+    @property
+    def kinds(self) -> NDArray[np.uint8]: ...
+    @property
+    def table(self) -> NDArray[np.float32]: ...
+    @property
+    def cutoff(self) -> float: ...
+    @property
+    def damping(self) -> float: ...
+    @property
+    def reciprocal(self) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __getnewargs__(
+        self,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float32], float, float]: ...
+
+@final
+class Flocking:
+    __match_args__: Final = (
+        "cutoff",
+        "separation",
+        "alignment",
+        "cohesion",
+        "max_speed",
+        "min_speed",
+    )
+    def __new__(
+        cls,
+        cutoff: _Number,
+        separation: _Number,
+        alignment: _Number,
+        cohesion: _Number,
+        max_speed: _Number,
+        min_speed: _Number = 0.0,
+    ) -> Self: ...
+    @property
+    def cutoff(self) -> float: ...
+    @property
+    def separation(self) -> float: ...
+    @property
+    def alignment(self) -> float: ...
+    @property
+    def cohesion(self) -> float: ...
+    @property
+    def max_speed(self) -> float: ...
+    @property
+    def min_speed(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, float, float, float, float, float]: ...
 
 @final
 class Motor:

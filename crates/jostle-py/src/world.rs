@@ -21,6 +21,7 @@ use crate::forces;
 use crate::ids::{Ids, one_id};
 use crate::interrupt::{detached, detached_to_the_end};
 use crate::lock::{Guard, Shared};
+use crate::pair_force::kinds_of_new;
 use crate::particles::{Draft, only_vector, truths, vectors};
 use crate::quadtree::PyQuadtree;
 use crate::queries::result_of;
@@ -364,6 +365,8 @@ impl PyWorld {
     /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     1 and all bits if no number was given for all particles.
     /// sensors : array_like of bool, one or shape (k,), default False
+    /// kinds : array_like of int, a number or shape (k,), default 0
+    ///     Their kind in each `PairForce` of the world.
     ///
     /// Returns
     /// -------
@@ -389,7 +392,7 @@ impl PyWorld {
     #[pyo3(signature = (
         positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None,
-        categories=None, masks=None, sensors=None,
+        categories=None, masks=None, sensors=None, kinds=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -408,6 +411,7 @@ impl PyWorld {
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
         sensors: Option<&Bound<'py, PyAny>>,
+        kinds: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (mut draft, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
@@ -421,11 +425,12 @@ impl PyWorld {
         draft.categories = bit_sets("categories", categories, len)?;
         draft.masks = bit_sets("masks", masks, len)?;
         draft.sensors = truths("sensors", sensors, len)?;
+        let kinds = kinds_of_new(kinds, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
         }
-        let ids = result_of(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        let ids = result_of(self.long(py, |state| state.add(draft, len, kinds))?, many.is_none())?;
         if many.is_none() {
             ids.start.into_bound_py_any(py)
         } else {
@@ -1852,9 +1857,21 @@ impl State {
         self.world.set_defaults(defaults)
     }
 
-    fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
+    fn add(
+        &mut self,
+        draft: Draft,
+        len: usize,
+        kinds: Option<Vec<u8>>,
+    ) -> jostle::Result<Range<Id>> {
         let particles = draft.particles(len, &self.world.defaults())?;
-        self.world.add(particles)
+        if let Some(kinds) = &kinds {
+            self.world.check_kinds(kinds)?;
+        }
+        let ids = self.world.add(particles)?;
+        if let Some(kinds) = kinds {
+            self.world.set_kinds(&ids.clone().collect::<Vec<Id>>(), &kinds)?;
+        }
+        Ok(ids)
     }
 
     fn write_some(&mut self, draft: Draft, ids: &[Id]) -> jostle::Result<()> {
