@@ -115,13 +115,15 @@ def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
     strength = table[0, 0, 0]
     if not strength > table[0, 0, 1] or force.damping:
         return None
-    middle = 0.5 + 0.5 * core_of(force)
-    if not 0.5 < middle < 1:
+    core = core_of(force)
+    if not 0 < core < 1:
         return None
-    peaks = table[:, :, round(middle * (table.shape[2] - 1))]
-    matrix = np.round(-peaks / strength, 6) + 0.0
+    share = round((0.5 + 0.5 * core) * (table.shape[2] - 1)) / (table.shape[2] - 1)
+    height = 1 - abs(2 * share - 1 - core) / (1 - core)
+    peaks = table[:, :, round(share * (table.shape[2] - 1))]
+    matrix = np.round(-peaks / (strength * height), 4) + 0.0
     same = PairForce.particle_life(
-        force.kinds, matrix, force.cutoff, 2 * middle - 1, strength=float(strength)
+        force.kinds, matrix, force.cutoff, core, strength=float(strength)
     ).table
-    alike = same.shape == table.shape and np.allclose(same, table, rtol=1e-4, atol=1e-4 * strength)
+    alike = same.shape == table.shape and np.allclose(same, table, rtol=1e-3, atol=1e-3 * strength)
     return matrix if alike else None

@@ -16,13 +16,13 @@ const RADIUS: f32 = 2.0;
 /// The forces of particle life: cutoff, share of the core, and strength, for particles of mass 1.
 const REACH: f32 = 40.0;
 const CORE: f32 = 0.3;
-const STRENGTH: f32 = 400.0;
+const STRENGTH: f32 = 120.0;
 
-/// Half of the speed is lost in 1/25 s.
-const LIFE_DRAG: f32 = 17.0;
+/// Half of the speed is lost in 0.07 s.
+const LIFE_DRAG: f32 = 10.0;
 
-/// Area for each particle, so that it has about 30 others within the cutoff.
-const LIFE_AREA: f32 = 165.0;
+/// Area for each particle, so that it has about 35 others within the cutoff.
+const LIFE_AREA: f32 = 145.0;
 
 /// Attraction of each kind (row) to each kind (column).
 const MATRIX: [[f32; KINDS]; KINDS] = [
