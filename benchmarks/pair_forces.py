@@ -35,7 +35,7 @@ class Plain:
     def __init__(self, positions: Numbers, kinds: NDArray[np.int64], side: float) -> None:
         self.positions, self.kinds, self.side = positions.copy(), kinds, side
         self.velocities = np.zeros_like(positions)
-        self.matrix = np.array(life.MATRICES["cells"])
+        self.matrix = np.array(life.MATRICES["dragons"])
 
     def step(self) -> None:
         """Advance by one leapfrog step with the exact damping."""
@@ -64,7 +64,7 @@ class Plain:
 def world_of(positions: Numbers, kinds: NDArray[np.int64], side: float) -> jostle.World:
     """Return the same particles in jostle."""
     force = jostle.PairForce.particle_life(
-        kinds, life.MATRICES["cells"], CUTOFF, CORE, strength=STRENGTH
+        kinds, life.MATRICES["dragons"], CUTOFF, CORE, strength=STRENGTH
     )
     return jostle.World(
         positions, np.zeros_like(positions), 2.0, masses=1.0, container=jostle.Torus(side, side),

@@ -17,10 +17,10 @@ world = jostle.World(
     masses=1.0,
     container=jostle.Torus(*show.SIZE),
     on_touch="ignore",
-    drag=17.0,  # half of the speed is lost in 1/25 s
+    drag=10.0,
     forces=[
         jostle.PairForce.particle_life(
-            kinds, jostle.life.MATRICES["cells"], cutoff=36.0, strength=400.0
+            kinds, jostle.life.MATRICES["dragons"], cutoff=36.0, strength=120.0
         )
     ],
 )

@@ -205,8 +205,7 @@ impl PyPairForce {
         cutoff: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
-        let (count, [epsilon, sigma]) =
-            squares(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
+        let (count, [epsilon, sigma]) = squares(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
         let cutoff = number("cutoff", cutoff)? as f32;
         Self::of(kinds, PairTable::lennard_jones(count, &epsilon, &sigma, cutoff))
     }
@@ -473,15 +472,14 @@ impl PyFlocking {
 
     fn __repr__(&self) -> String {
         let (cutoff, separation, alignment, cohesion, max, min) = self.__getnewargs__();
-        format!("Flocking({cutoff:?}, {separation:?}, {alignment:?}, {cohesion:?}, {max:?}, {min:?})")
+        format!(
+            "Flocking({cutoff:?}, {separation:?}, {alignment:?}, {cohesion:?}, {max:?}, {min:?})"
+        )
     }
 }
 
 /// The kinds of new particles.
-pub fn kinds_of_new(
-    value: Option<&Bound<'_, PyAny>>,
-    len: usize,
-) -> PyResult<Option<Vec<u8>>> {
+pub fn kinds_of_new(value: Option<&Bound<'_, PyAny>>, len: usize) -> PyResult<Option<Vec<u8>>> {
     let Some(value) = value else { return Ok(None) };
     let argument = Argument::integers("kinds", value)?;
     let kinds = argument.kinds()?;

@@ -110,8 +110,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
-///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-///     `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
+///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
+///     `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -131,8 +131,8 @@ const LOOK_UP: Duration = Duration::from_millis(50);
 ///     Maximum number of subdivisions of the tree; the default never prevents a split.
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-///     default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
-///     with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
+///     default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+///     accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. A step whose particles travel far is
 ///     divided into parts, which share the sub-steps; each part has at least one.
 /// sleeping : bool, default True
 ///     Whether islands of touching particles that rest fall asleep under gravity, if the
@@ -1184,7 +1184,8 @@ impl PyWorld {
         self.change_walls(py, all)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
+    /// `Thermostat`, `ThermalWalls`,
     /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
     /// id. If a particle is removed, its attractors and springs are removed too, and motors drive
     /// the others. If particles merge, forces refer to the merged particle, and a spring between
@@ -1523,8 +1524,9 @@ impl PyWorld {
 
     /// Energy of all movable particles in the fields of gravity (0 at the origin) and of
     /// attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
-    /// springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
-    /// Barnes and Hut's method if there are many particles).
+    /// springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
+    /// Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
+    /// are equal and opposite (0 at its cutoff).
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.potential_energy())

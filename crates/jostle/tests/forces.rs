@@ -77,7 +77,8 @@ fn accelerations(
     threads: Option<usize>,
 ) -> Vec<[f32; 2]> {
     let radii = vec![0.0; masses.len()];
-    let (velocities, rows) = (&vec![[0.0; 2]; radii.len()], &(0..radii.len() as u32).collect::<Vec<_>>());
+    let (velocities, rows) =
+        (&vec![[0.0; 2]; radii.len()], &(0..radii.len() as u32).collect::<Vec<_>>());
     let (radii, places, seconds, method) = (&radii[..], &[][..], 0.0, Method::Quadtree);
     let bodies = Bodies {
         positions,

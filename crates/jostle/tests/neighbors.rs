@@ -33,7 +33,13 @@ impl State {
     }
 
     /// The accelerations by a force.
-    fn feel(&self, force: &Force, container: Container, method: Method, threads: usize) -> Vec<[f32; 2]> {
+    fn feel(
+        &self,
+        force: &Force,
+        container: Container,
+        method: Method,
+        threads: usize,
+    ) -> Vec<[f32; 2]> {
         let len = self.positions.len();
         let rows: Vec<u32> = (0..len as u32).collect();
         let bodies = Bodies {
@@ -56,7 +62,9 @@ impl State {
 
     fn with_kinds(&self, force: &Force) -> Force {
         match force {
-            Force::Pair(pair) => Force::Pair(PairForce { kinds: self.kinds.clone(), ..pair.clone() }),
+            Force::Pair(pair) => {
+                Force::Pair(PairForce { kinds: self.kinds.clone(), ..pair.clone() })
+            }
             other => other.clone(),
         }
     }
@@ -102,13 +110,11 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
     let own = |i: usize| {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
         for j in (0..state.positions.len()).filter(|&j| j != i) {
-            let offset = [0, 1].map(|k| {
-                f64::from(state.positions[j][k]) - f64::from(state.positions[i][k])
-            });
+            let offset =
+                [0, 1].map(|k| f64::from(state.positions[j][k]) - f64::from(state.positions[i][k]));
             let [x, y] = container.minimum_image(offset);
-            let [u, v] = [0, 1].map(|k| {
-                f64::from(state.velocities[j][k]) - f64::from(state.velocities[i][k])
-            });
+            let [u, v] = [0, 1]
+                .map(|k| f64::from(state.velocities[j][k]) - f64::from(state.velocities[i][k]));
             let distance = (x * x + y * y).sqrt();
             let by = match force {
                 Force::Pair(PairForce { table, .. }) => {
@@ -144,7 +150,11 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
             count += 1.0;
             sum = [sum[0] + by[0], sum[1] + by[1]];
         }
-        if matches!(force, Force::Flocking(_)) { sum.map(|v| v / f64::max(count, 1.0)) } else { sum }
+        if matches!(force, Force::Flocking(_)) {
+            sum.map(|v| v / f64::max(count, 1.0))
+        } else {
+            sum
+        }
     };
     (0..state.positions.len()).map(own).collect()
 }
@@ -240,8 +250,7 @@ fn fluid(side: usize) -> World {
     let count = side * side;
     let velocities = (0..count).map(|_| random.in_disc().map(|v| 2.0 * v)).collect();
     let size = [1.2 * side as f32; 2];
-    let mut world =
-        world((0..count).map(site).collect(), velocities, Container::Torus { size });
+    let mut world = world((0..count).map(site).collect(), velocities, Container::Torus { size });
     world.set_forces(vec![lennard_jones(count)]).unwrap();
     world
 }
@@ -325,7 +334,8 @@ fn kinds_stay_with_their_particles() {
     let mut world = colourful(5, OnTouch::Ignore);
     world.remove(&[1, 3]).unwrap();
     assert_eq!(kinds_of(&world), [0, 2, 4]);
-    let added = world.add(Particles::new(vec![[50.0, 0.0]; 2], vec![[0.0; 2]; 2], vec![1.0; 2], 1.0));
+    let added =
+        world.add(Particles::new(vec![[50.0, 0.0]; 2], vec![[0.0; 2]; 2], vec![1.0; 2], 1.0));
     assert_eq!(kinds_of(&world), [0, 2, 4, 0, 0]);
     let ids: Vec<_> = added.unwrap().collect();
     world.set_kinds(&ids, &[3, 1]).unwrap();
@@ -359,7 +369,9 @@ fn a_snapshot_continues_with_the_same_bits() {
         let mut world = scene.create(Some(300), 3).unwrap();
         world.step(1.0 / 60.0, 20, &mut |_| ()).unwrap();
         let mut again = World::restore(&world.snapshot()).unwrap();
-        [&mut world, &mut again].map(|world| world.step(1.0 / 60.0, 20, &mut |_| ()).unwrap());
+        for world in [&mut world, &mut again] {
+            world.step(1.0 / 60.0, 20, &mut |_| ()).unwrap();
+        }
         assert_eq!(again.state_hash(), world.state_hash(), "{name}");
     }
 }
@@ -404,10 +416,7 @@ fn forces_that_do_not_fit_are_refused() {
     let refused = |world: &mut World, force| world.set_forces(vec![force]).unwrap_err().to_string();
     let table = || PairTable::new(1, vec![1.0, 0.0], 4.0, 0.0).unwrap();
     let short = refused(&mut world, pair(table(), vec![0; 2]));
-    assert_eq!(
-        short,
-        "forces[0] is 2 kinds; a PairForce needs a kind for each of the 3 particles"
-    );
+    assert_eq!(short, "forces[0] is 2 kinds; a PairForce needs a kind for each of the 3 particles");
     world.set_forces(vec![pair(table(), vec![0; 3])]).unwrap();
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });

@@ -125,8 +125,6 @@ fn check_positive(argument: &'static str, kinds: usize, all: &[f32]) -> Result<(
     check_square(argument, kinds, all.len())?;
     match all.iter().position(|&value| !(value > 0.0 && value.is_finite())) {
         None => Ok(()),
-        Some(index) => {
-            Err(Error::at(argument, index, all[index], "it must be finite and above 0"))
-        }
+        Some(index) => Err(Error::at(argument, index, all[index], "it must be finite and above 0")),
     }
 }

@@ -24,10 +24,10 @@ const SUBSTEPS: usize = 8;
 const SPACING: f32 = 1.122_462;
 
 /// Temperature over ε of the velocities. Half of it becomes potential energy of the lattice.
-const HEAT: f32 = 0.7;
+const HEAT: f32 = 1.1;
 
 /// Speed of the droplets over √ε, and their offset from each other's line over their radius.
-const SPEED: f32 = 0.5;
+const SPEED: f32 = 0.8;
 const OFFSET: f32 = 0.5;
 
 /// Side of the torus over the radius of a droplet.
@@ -45,7 +45,7 @@ pub fn fluid_view(n: usize) -> Area {
 }
 
 pub fn fluid(n: usize, random: &mut Random) -> Start {
-    let (radius, side) = (droplet(n), (ROOM * droplet(n)).max(2.0 * CUTOFF * SIGMA));
+    let (radius, side) = (droplet(n), ROOM * droplet(n));
     let (mut places, mut velocities) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for (count, direction) in [(n / 2, 1.0), (n - n / 2, -1.0)] {
         let center = [-1.3 * radius * direction, -0.5 * OFFSET * radius * direction];

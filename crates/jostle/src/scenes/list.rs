@@ -1,8 +1,8 @@
 //! The list of all scenes.
 
 use super::{
-    Scene, emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing, pinball, sand, soft,
-    stars,
+    Scene, emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing, pinball,
+    sand, soft, stars,
 };
 
 /// All scenes.
@@ -179,7 +179,7 @@ pub const SCENES: [Scene; 24] = [
         name: "life",
         default_count: 4_000,
         about: "Particle life: six kinds attract and repel each other, not always mutually. \
-                Cells form, grow, divide and hunt each other.",
+                Chains of all colours form, crawl, join and break.",
         make: life::life,
         view: life::life_view,
     },
