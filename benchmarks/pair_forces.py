@@ -49,7 +49,9 @@ class Plain:
         along = offset / np.maximum(distance, 1e-12)[:, None]
         force = np.zeros_like(middle)
         for a, b, sign in ((i, j, 1.0), (j, i, -1.0)):
-            by = np.where(share < CORE, share / CORE - 1, pull * self.matrix[self.kinds[a], self.kinds[b]])
+            by = np.where(
+                share < CORE, share / CORE - 1, pull * self.matrix[self.kinds[a], self.kinds[b]]
+            )
             for k in range(2):
                 force[:, k] += np.bincount(a, sign * by * along[:, k], len(force))
         force *= STRENGTH

@@ -14,7 +14,15 @@ from pathlib import Path
 import imageio_ffmpeg
 from PIL import Image
 
+from jostle import life
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.view_options import ViewOptions
 from jostle.app.gui.layout import COLUMN, STATISTICS
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
+from jostle.app.storage.video_writer import save_png
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -54,6 +62,10 @@ EXAMPLES = {
 """Name of a picture: the example that draws it."""
 
 
+LIVES = {f"life-{matrix}": matrix for matrix in life.MATRICES}
+"""Name of a picture: the matrix of particle life that it shows."""
+
+
 def draw(name: str) -> None:
     """Let the program draw without a display, and keep its pictures."""
     with tempfile.TemporaryDirectory() as out:
@@ -61,6 +73,9 @@ def draw(name: str) -> None:
             drawn = Path(out) / "picture.png"
             subprocess.run([sys.executable, EXAMPLES[name], "--picture", drawn], check=True)
             keep_small(drawn, PICTURES / f"{name}.png")
+        elif name in LIVES:
+            draw_life(LIVES[name], Path(out) / "life.png")
+            keep_small(Path(out) / "life.png", PICTURES / f"{name}.png", colours=64)
         elif name.startswith("tour-"):
             draw_stop(name.removeprefix("tour-"), Path(out))
         elif name in TUNINGS:
@@ -84,6 +99,16 @@ def draw_stop(stop: str, out: Path) -> None:
         subprocess.run([*ffmpeg, "-filter_complex", ANIMATION, kept], check=True)
 
 
+def draw_life(matrix: str, path: Path) -> None:
+    """Draw 2,000 particles after half a minute."""
+    simulation, size = start(Settings("life", n=2_000, matrix=matrix)), (360, 360)
+    for _ in range(1_800):
+        simulation.step()
+    painter = SoftwarePainter(size)
+    Picture().draw(painter, simulation.frame(), Camera(size, simulation.view), ViewOptions())
+    save_png(painter.canvas(), path)
+
+
 def keep_small(drawn: Path, kept: Path, colours: int = 128) -> None:
     """Keep a picture in as many colours as the eye can tell apart in it."""
     picture = Image.open(drawn).convert("RGB")
@@ -98,7 +123,7 @@ def call(*arguments: str) -> None:
 def main() -> None:
     """Draw the named pictures, or all."""
     PICTURES.mkdir(exist_ok=True)
-    for name in sys.argv[1:] or [*RUNS, *EXAMPLES, *TUNINGS, *TOUR]:
+    for name in sys.argv[1:] or [*RUNS, *EXAMPLES, *LIVES, *TUNINGS, *TOUR]:
         draw(name)
 
 

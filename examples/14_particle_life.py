@@ -1,4 +1,4 @@
-"""Particle life: six kinds attract and repel each other, and form cells that move and divide."""
+"""Particle life: six kinds attract and repel each other, and form chains that crawl and join."""
 
 import numpy as np
 import pygame

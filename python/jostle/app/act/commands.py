@@ -46,9 +46,7 @@ class Commands:
         radius, density = usual(frame)
         kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
         self._edit(
-            lambda simulation: simulation.add(
-                [point], [(0, 0)], [radius], [density], kinds=kinds
-            )
+            lambda simulation: simulation.add([point], [(0, 0)], [radius], [density], kinds=kinds)
         )
 
     def clone(self, tags: Tags) -> None:

@@ -117,7 +117,6 @@ SIDES = Rule(
 )
 
 
-
 def _is_matrix(value: Any) -> bool:
     rows = value if isinstance(value, list | tuple) else ()
     line = each(real(-1, 1), *map(str, range(len(rows))))
@@ -125,7 +124,8 @@ def _is_matrix(value: Any) -> bool:
 
 
 MATRIX = Rule(
-    f"one of {', '.join(life.MATRICES)}, or up to {MOST_KINDS} rows of as many numbers from -1 to 1",
+    f"one of {', '.join(life.MATRICES)}, "
+    f"or up to {MOST_KINDS} rows of as many numbers from -1 to 1",
     lambda value: _is_matrix(value) or (isinstance(value, str) and value in life.MATRICES),
 )
 
