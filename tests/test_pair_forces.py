@@ -187,7 +187,7 @@ def test_columns_are_read_only():
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
-        (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "has shape (1,); it must be (K, K)"),
+        (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
         (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
         (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma[0] is 0"),
         (lambda: jostle.PairForce.lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0),
