@@ -27,6 +27,6 @@ world = jostle.World(
 
 for screen in show.frames("Particle life", until=900):
     world.step(1 / 60)
-    for place, kind in zip(world.positions, kinds):
+    for place, kind in zip(world.positions.tolist(), kinds):
         pygame.draw.circle(screen, colours[kind], place, 2.5)
     show.caption(screen, f"{n:,} particles of six kinds")

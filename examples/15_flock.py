@@ -24,9 +24,10 @@ world = jostle.World(
 
 for screen in show.frames("A flock", until=600):
     world.step(1 / 60)
-    speeds = np.linalg.norm(world.velocities, axis=1, keepdims=True)
-    tails = world.positions - 7 * world.velocities / speeds
+    heads, velocities = world.positions.astype(float), world.velocities.astype(float)
+    speeds = np.linalg.norm(velocities, axis=1, keepdims=True)
+    tails = heads - 7 * velocities / speeds
     shades = np.rint((speeds[:, 0] - 60) / 60 * (len(show.RAMP) - 1)).astype(int)
-    for head, tail, shade in zip(world.positions, tails, shades):
+    for head, tail, shade in zip(heads, tails, shades):
         pygame.draw.aaline(screen, show.RAMP[shade], tail, head, 2)
     show.caption(screen, f"{n:,} birds")
