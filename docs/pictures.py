@@ -37,7 +37,7 @@ TUNINGS = {"tune-gas": ["gas"]}
 
 STILLS = [
     *("first-look", "pile", "rules", "race", "heat", "trails", "stars"),
-    *("galton", "menu", "why", "walls", "rewind", "settings"),
+    *("life", "galton", "menu", "why", "walls", "rewind", "settings"),
 ]
 """Stops of `jostle tour` whose stills are kept, as tour-NAME."""
 
