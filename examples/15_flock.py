@@ -27,7 +27,8 @@ for screen in show.frames("A flock", until=600):
     heads, velocities = world.positions.astype(float), world.velocities.astype(float)
     speeds = np.linalg.norm(velocities, axis=1, keepdims=True)
     tails = heads - 7 * velocities / speeds
-    shades = np.rint((speeds[:, 0] - 60) / 60 * (len(show.RAMP) - 1)).astype(int)
+    angles = np.arctan2(velocities[:, 1], velocities[:, 0]) / np.pi  # from -1 to 1
+    shades = np.rint(np.abs(angles) * (len(show.RAMP) - 1)).astype(int)
     for head, tail, shade in zip(heads, tails, shades):
         pygame.draw.aaline(screen, show.RAMP[shade], tail, head, 2)
     show.caption(screen, f"{n:,} birds")

@@ -264,7 +264,7 @@ fn a_lennard_jones_fluid_conserves_energy_and_momentum() {
     let kinetic = world.kinetic_energy();
     assert!(start.abs() > 0.5 * kinetic, "the energy {start} is too small for a relative error");
     for _ in 0..100 {
-        world.step(0.002, 100, &mut |_| ()).unwrap();
+        world.step(0.002, 100).unwrap();
         let share = (energy(&world) - start).abs() / kinetic;
         assert!(share < 0.001, "{share} at {}", world.time());
     }
@@ -282,7 +282,7 @@ fn two_particles_oscillate_with_the_period_of_theory() {
         world(vec![[0.0; 2], [minimum + 0.002, 0.0]], vec![[0.0; 2]; 2], Container::None);
     world.set_forces(vec![lennard_jones(2)]).unwrap();
     let period = std::f64::consts::TAU / (57.1464f64 * 2.0).sqrt();
-    world.step(period / 1000.0, 500, &mut |_| ()).unwrap();
+    world.step(period / 1000.0, 500).unwrap();
     let [a, b] = world.positions()[..] else { unreachable!() };
     assert!(((b[0] - a[0] - minimum) / -0.002 - 1.0).abs() < 0.02, "{}", b[0] - a[0] - minimum);
 }
@@ -310,7 +310,7 @@ fn forces_that_are_not_mutual_have_no_potential() {
     assert!((world.potential_energy() - 2.0).abs() < 1e-9);
     world.set_forces(vec![pair(chasing, vec![0, 1])]).unwrap();
     assert_eq!(world.potential_energy(), 0.0);
-    world.step(0.1, 10, &mut |_| ()).unwrap();
+    world.step(0.1, 10).unwrap();
     assert!(world.velocities().iter().all(|v| (v[0] - 1.0).abs() < 1e-5 && v[1] == 0.0));
 }
 
@@ -357,7 +357,7 @@ fn a_merged_particle_has_the_kind_of_the_heaviest() {
             Ok(())
         };
         world.edit(change).unwrap();
-        world.step(0.01, 1, &mut |_| ()).unwrap();
+        world.step(0.01, 1).unwrap();
         assert_eq!(kinds_of(&world), [0, 1 + heavier as u8, 3]);
     }
 }
@@ -367,10 +367,10 @@ fn a_snapshot_continues_with_the_same_bits() {
     for name in ["life", "flock", "fluid"] {
         let scene = jostle::scenes::find(name).unwrap();
         let mut world = scene.create(Some(300), 3).unwrap();
-        world.step(1.0 / 60.0, 20, &mut |_| ()).unwrap();
+        world.step(1.0 / 60.0, 20).unwrap();
         let mut again = World::restore(&world.snapshot()).unwrap();
         for world in [&mut world, &mut again] {
-            world.step(1.0 / 60.0, 20, &mut |_| ()).unwrap();
+            world.step(1.0 / 60.0, 20).unwrap();
         }
         assert_eq!(again.state_hash(), world.state_hash(), "{name}");
     }
@@ -386,7 +386,7 @@ fn coincident_particles_that_differ_in_kind_have_one_order() {
         let Force::Pair(force) = any_table(4.0, 0.0) else { unreachable!() };
         let kinds = order.map(|k| kinds[k]).to_vec();
         world.set_forces(vec![Force::Pair(PairForce { kinds, ..force })]).unwrap();
-        world.step(0.01, 50, &mut |_| ()).unwrap();
+        world.step(0.01, 50).unwrap();
         let found = bits(&world.positions());
         order.map(|k| (k, found[order.iter().position(|&o| o == k).unwrap()]))
     };
@@ -402,7 +402,7 @@ fn a_flock_keeps_its_limits_of_speed() {
     let scene = jostle::scenes::find("flock").unwrap();
     let mut world = scene.create(Some(500), 0).unwrap();
     for _ in 0..60 {
-        world.step(1.0 / 60.0, 1, &mut |_| ()).unwrap();
+        world.step(1.0 / 60.0, 1).unwrap();
         for [u, v] in world.velocities() {
             let speed = (u * u + v * v).sqrt();
             assert!((59.99..120.01).contains(&speed), "{speed}");
