@@ -21,7 +21,7 @@ use crate::forces;
 use crate::ids::one_id;
 use crate::interrupt::detached_to_the_end;
 use crate::lock::{Guard, Shared};
-use crate::particles::{Arguments, Draft, angles};
+use crate::particles::{Arguments, Draft};
 use crate::settings;
 use crate::walls;
 

@@ -9,11 +9,11 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use super::{PyWorld, State};
-use crate::arrays::{column, number, read_only, reals, table};
+use crate::arrays::{column, read_only, reals, table};
 use crate::error::refused;
 use crate::ids::Ids;
 use crate::pair_force::kinds_of_new;
-use crate::particles::{Arguments, Draft, angles, only_vector, vectors};
+use crate::particles::{Arguments, Draft, only_vector, vectors};
 use crate::queries::result_of;
 use crate::results;
 

@@ -315,21 +315,21 @@ class WorldSimulation:
         rows, _ = self._columns.find(tag)
         if not len(rows) or not self._columns.movable[rows[0]]:
             return
-        (row,), dt = rows, self.time_step
-        rate = DRAG_RATE * self._response(row)
-        offset = np.array(point) - self.world.positions[row]
+        held, dt = int(self._columns.ids[rows[0]]), self.time_step
+        disc = self.world.read(held)
+        rate = DRAG_RATE * self._response(disc.masses)
+        offset = np.array(point) - disc.positions
         if isinstance(self.container, jostle.Torus):
             sides = np.array([self.container.width, self.container.height])
             offset -= sides * np.round(offset / sides)  # minimum image
-        dragged = self.world.velocities[row] + dt * rate * (rate * offset + 2 * np.array(velocity))
+        dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
         dragged /= (1 + dt * rate) ** 2
         limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*dragged)
-        held = int(self._columns.ids[row])
         self.world.set(held, velocities=dragged * min(1.0, limit / max(speed, limit)))
 
-    def _response(self, row: int) -> float:
+    def _response(self, mass: float) -> float:
         """Return the factor of the rate for a particle: 1, or less for a heavy one."""
-        share = self._columns.usual_mass(self.world) / float(self.world.masses[row])
+        share = self._columns.usual_mass(self.world) / mass
         return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
