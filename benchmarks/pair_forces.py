@@ -3,8 +3,9 @@
     python benchmarks/pair_forces.py              1,000 to 100,000 particles
     python benchmarks/pair_forces.py 1000 5000    other numbers
 
-Both begin with the same mixed particles and make the same steps with the same forces. The times are
-medians of alternating steps. The last column compares the velocities after the first step.
+Both begin with the same mixed particles and make the same steps with the same forces, on one
+thread. The times are medians of alternating steps. The last column compares the velocities after
+the first step.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ def world_of(positions: Numbers, kinds: NDArray[np.int64], side: float) -> jostl
     )
     return jostle.World(
         positions, np.zeros_like(positions), 2.0, masses=1.0, container=jostle.Torus(side, side),
-        on_touch="ignore", drag=DRAG, forces=[force],
+        on_touch="ignore", drag=DRAG, forces=[force], threads=1,
     )  # fmt: skip
 
 

@@ -36,7 +36,7 @@ def set_matrix(world: jostle.World, matrix: str | Sequence[Sequence[float]]) -> 
     values = np.asarray(life.MATRICES[matrix] if isinstance(matrix, str) else matrix)
     kinds = old.kinds
     if len(values) != len(old.table):
-        kinds = np.arange(len(kinds)) % len(values)
+        kinds = (np.arange(len(kinds)) % len(values)).astype(np.uint8)
     core, strength = life.core_of(old), float(old.table[0, 0, 0])
     new = jostle.PairForce.particle_life(kinds, values, old.cutoff, core, strength=strength)
     world.forces = tuple(new if force == old else force for force in world.forces)
