@@ -15,7 +15,15 @@ import imageio_ffmpeg
 from drawings import DRAWINGS
 from PIL import Image
 
+from jostle import life
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.view_options import ViewOptions
 from jostle.app.gui.layout import COLUMN, STATISTICS
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
+from jostle.app.storage.video_writer import save_png
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -25,7 +33,7 @@ TUNINGS = {"tune-gas": ["gas"]}
 
 STILLS = [
     *("first-look", "pile", "rules", "race", "heat", "trails", "stars"),
-    *("galton", "menu", "why", "walls", "rewind", "settings"),
+    *("life", "galton", "menu", "why", "walls", "rewind", "settings"),
 ]
 """Stops of `jostle tour` whose stills are kept, as tour-NAME."""
 
@@ -49,7 +57,11 @@ EXAMPLES = {
 }
 """Name of a picture: the example that draws it."""
 
-NAMES = [*DRAWINGS, *EXAMPLES, *TUNINGS, *TOUR]
+
+LIVES = {f"life-{matrix}": matrix for matrix in life.MATRICES}
+"""Name of a picture: the matrix of particle life that it shows."""
+
+NAMES = [*DRAWINGS, *EXAMPLES, *LIVES, *TUNINGS, *TOUR]
 """All pictures that this program draws."""
 
 
@@ -64,6 +76,9 @@ def draw(name: str) -> None:
             drawn = Path(out) / "picture.png"
             subprocess.run([sys.executable, EXAMPLES[name], "--picture", drawn], check=True)
             keep_small(drawn, PICTURES / f"{name}.png")
+        elif name in LIVES:
+            draw_life(LIVES[name], Path(out) / "life.png")
+            keep_small(Path(out) / "life.png", PICTURES / f"{name}.png", colours=64)
         elif name.startswith("tour-"):
             draw_stop(name.removeprefix("tour-"), Path(out))
         elif name in TUNINGS:
@@ -84,6 +99,16 @@ def draw_stop(stop: str, out: Path) -> None:
         film, kept = out / f"{stop}.mp4", PICTURES / f"tour-{stop}.gif"
         ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-y", "-i", film]
         subprocess.run([*ffmpeg, "-filter_complex", ANIMATION, kept], check=True)
+
+
+def draw_life(matrix: str, path: Path) -> None:
+    """Draw 2,000 particles after half a minute."""
+    simulation, size = start(Settings("life", n=2_000, matrix=matrix)), (360, 360)
+    for _ in range(1_800):
+        simulation.step()
+    painter = SoftwarePainter(size)
+    Picture().draw(painter, simulation.frame(), Camera(size, simulation.view), ViewOptions())
+    save_png(painter.canvas(), path)
 
 
 def keep_small(drawn: Path, kept: Path, colours: int = 128) -> None:

@@ -14,7 +14,7 @@ from jostle import scenes
 NAMES = [
     *("article", "gas", "pile", "rain", "mixed", "clusters", "shots", "billiards", "orbit"),
     *("springs", "stars", "thermostat", "sand", "galton", "brownian", "emitters", "heap"),
-    *("mill", "conveyor", "piston", "pinball"),
+    *("mill", "conveyor", "piston", "pinball", "life", "flock", "fluid"),
 ]
 # With immovable discs, which are additional.
 WITH_FIXED = {"galton", "emitters", "heap", "mill", "conveyor", "pinball"}
@@ -234,7 +234,7 @@ def test_a_wall_of_beads() -> None:
 NO_SCENE = (
     "name is 'chess'; the scenes are article, gas, pile, rain, mixed, clusters, shots, "
     "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters, heap, "
-    "mill, conveyor, piston, pinball"
+    "mill, conveyor, piston, pinball, life, flock, fluid"
 )
 
 

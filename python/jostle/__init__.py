@@ -9,8 +9,9 @@
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
-    `Thermostat`, `ThermalWalls`, `AndersenThermostat` and `Motor` are its forces.
-    `polyline` makes walls.
+    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
+    `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
+    particle life.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
@@ -21,15 +22,17 @@
     The two programs of the article of 2015, in plain Python, with their faults.
 """
 
-from jostle import article, scenes
+from jostle import article, life, scenes
 from jostle._core import (
     AndersenThermostat,
     Attractor,
     Box,
     Circle,
     Events,
+    Flocking,
     Gravitation,
     Motor,
+    PairForce,
     Quadtree,
     Space,
     Springs,
@@ -65,11 +68,13 @@ __all__ = [
     "Circle",
     "Contacts",
     "Events",
+    "Flocking",
     "Gravitation",
     "Hits",
     "Motor",
     "Neighbors",
     "Nodes",
+    "PairForce",
     "Quadtree",
     "RayHit",
     "RayHits",
@@ -90,6 +95,7 @@ __all__ = [
     "__version__",
     "article",
     "find_pairs",
+    "life",
     "polyline",
     "scenes",
 ]

@@ -44,8 +44,10 @@ __all__ = [
     "Box",
     "Circle",
     "Events",
+    "Flocking",
     "Gravitation",
     "Motor",
+    "PairForce",
     "Quadtree",
     "Space",
     "Springs",
@@ -131,7 +133,15 @@ _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
-    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Motor
+    Attractor
+    | Gravitation
+    | Springs
+    | Thermostat
+    | ThermalWalls
+    | AndersenThermostat
+    | Motor
+    | PairForce
+    | Flocking
 )
 
 def abandon_threads() -> None:
@@ -2236,8 +2246,8 @@ class World:
         Coefficients of friction of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of forces, default ()
-        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-        `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
+        `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
+        `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -2257,8 +2267,8 @@ class World:
         Maximum number of subdivisions of the tree; the default never prevents a split.
     substeps : int, optional
         Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-        default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
-        with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
+        default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+        accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. A step whose particles travel far is
         divided into parts, which share the sub-steps; each part has at least one.
     sleeping : bool, default True
         Whether islands of touching particles that rest fall asleep under gravity, if the
@@ -2404,6 +2414,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int:
         """Add one particle or many, after the others.
 
@@ -2435,6 +2446,8 @@ class World:
             1 and all bits if no number was given for all particles.
         sensors : array_like of bool, one or shape (k,), default False
             Whether the particle is a sensor.
+        kinds : array_like of int, a number or shape (k,), default 0
+            Their kind in each `PairForce` of the world.
 
         Returns
         -------
@@ -2480,6 +2493,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> _Ids: ...
     @overload
     def add(
@@ -2498,6 +2512,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int: ...
     @overload
     def add(
@@ -2516,6 +2531,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
@@ -3103,7 +3119,8 @@ class World:
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
+        `Thermostat`, `ThermalWalls`,
         `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
         id. If a particle is removed, its attractors and springs are removed too, and motors drive
         the others. If particles merge, forces refer to the merged particle, and a spring between
@@ -3369,8 +3386,9 @@ class World:
     def potential_energy(self) -> float:
         """Energy of all movable particles in the fields of gravity (0 at the origin) and of
         attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
-        springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
-        Barnes and Hut's method if there are many particles).
+        springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
+        Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
+        are equal and opposite (0 at its cutoff).
 
         See Also
         --------
@@ -3887,6 +3905,262 @@ class Springs:
         NDArray[np.float32],
         NDArray[np.float32],
     ]: ...
+
+@final
+class PairForce:
+    """Forces between kinds of particles within a cutoff.
+
+    The force on a particle of kind a by one of kind b is a function of their distance. It is given
+    at m equally spaced distances from 0 to `cutoff`, and linear between. The forces on each other
+    need not be equal and opposite. The constructors `particle_life`, `lennard_jones` and
+    `soft_discs` make well-known tables.
+
+    Parameters
+    ----------
+    kinds : array_like of int, shape (n,)
+        The kind of each particle of the world, from 0 to K - 1.
+    table : array_like, shape (K, K, m)
+        ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``.
+        It is positive if kind a is repelled. K is at most 64, m at least 2.
+    cutoff : float
+        Distance from which there is no force, in units of length. On a torus at most half of each
+        side.
+    damping : float, default 0.0
+        Force that resists a relative speed of 1 along the line between two particles, at distance 0;
+        at the distance d it is ``damping * (1 - d / cutoff)**2``.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
+        assigned to `World.forces`, also if there is not one kind for each particle, or the cutoff is
+        too large for the torus.
+
+    See Also
+    --------
+    Flocking : Another force between neighbours.
+    Gravitation : A force without a cutoff.
+
+    Notes
+    -----
+    Particles keep their kind when others are added or removed. Those that `World.add` adds have kind
+    0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
+    act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
+    its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
+    length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`
+    includes forces that are equal and opposite for all kinds.
+
+    Examples
+    --------
+    Kind 0 follows kind 1, which flees:
+
+    >>> import jostle
+    >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
+    >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
+    >>> world = jostle.World([(0, 0), (2, 0)], [(0, 0)] * 2, 0.1, masses=1.0, forces=[force])
+    >>> world.step(0.1, steps=10)
+    >>> world.velocities.round(3)
+    array([[1., 0.],
+           [1., 0.]], dtype=float32)
+    """
+
+    __match_args__: Final = ("kinds", "table", "cutoff", "damping")
+    def __new__(
+        cls, kinds: ArrayLike, table: ArrayLike, cutoff: _Number, damping: _Number = 0.0
+    ) -> Self: ...
+    @staticmethod
+    def particle_life(
+        kinds: ArrayLike,
+        matrix: ArrayLike,
+        cutoff: _Number,
+        core: _Number = 0.3,
+        *,
+        strength: _Number = 1.0,
+    ) -> PairForce:
+        """staticmethod(function) -> method
+
+        Convert a function to be a static method.
+
+        A static method does not receive an implicit first argument.
+        To declare a static method, use this idiom:
+
+             class C:
+                 @staticmethod
+                 def f(arg1, arg2, argN):
+                     ...
+
+        It can be called either on the class (e.g. C.f()) or on an instance
+        (e.g. C().f()). Both the class and the instance are ignored, and
+        neither is passed implicitly as the first argument to the method.
+
+        Static methods in Python are similar to those found in Java or C++.
+        For a more advanced concept, see the classmethod builtin.
+        """
+    @staticmethod
+    def lennard_jones(
+        kinds: ArrayLike, epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number
+    ) -> PairForce:
+        """staticmethod(function) -> method
+
+        Convert a function to be a static method.
+
+        A static method does not receive an implicit first argument.
+        To declare a static method, use this idiom:
+
+             class C:
+                 @staticmethod
+                 def f(arg1, arg2, argN):
+                     ...
+
+        It can be called either on the class (e.g. C.f()) or on an instance
+        (e.g. C().f()). Both the class and the instance are ignored, and
+        neither is passed implicitly as the first argument to the method.
+
+        Static methods in Python are similar to those found in Java or C++.
+        For a more advanced concept, see the classmethod builtin.
+        """
+    @staticmethod
+    def soft_discs(
+        kinds: ArrayLike, stiffness: ArrayLike, diameters: ArrayLike, damping: _Number = 0.0
+    ) -> PairForce:
+        """staticmethod(function) -> method
+
+        Convert a function to be a static method.
+
+        A static method does not receive an implicit first argument.
+        To declare a static method, use this idiom:
+
+             class C:
+                 @staticmethod
+                 def f(arg1, arg2, argN):
+                     ...
+
+        It can be called either on the class (e.g. C.f()) or on an instance
+        (e.g. C().f()). Both the class and the instance are ignored, and
+        neither is passed implicitly as the first argument to the method.
+
+        Static methods in Python are similar to those found in Java or C++.
+        For a more advanced concept, see the classmethod builtin.
+        """
+    @property
+    def kinds(self) -> NDArray[np.uint8]:
+        """The kind of each particle: read-only ndarray of uint8, shape (n,)."""
+    @property
+    def table(self) -> NDArray[np.float32]:
+        """The forces: read-only ndarray of float32, shape (K, K, m)."""
+    @property
+    def cutoff(self) -> float:
+        """Distance from which there is no force, in units of length."""
+    @property
+    def damping(self) -> float:
+        """Force that resists a relative speed of 1 at distance 0."""
+    @property
+    def reciprocal(self) -> bool:
+        """Whether all kinds act on each other with equal and opposite forces, so that momentum is
+        conserved: bool.
+        """
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __getnewargs__(
+        self,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float32], float, float]: ...
+
+@final
+class Flocking:
+    """Flocking: separation, alignment and cohesion.
+
+    The neighbours of a particle are those nearer than `cutoff`. Its acceleration is the mean over
+    these of ``separation * (1 - d / cutoff)`` away from each, ``alignment`` times the difference of
+    velocities, and ``cohesion`` times the offset. Forces keep the speed within limits.
+
+    Parameters
+    ----------
+    cutoff : float
+        Distance below which particles are neighbours, in units of length. On a torus at most half of
+        each side.
+    separation : float
+        Acceleration away from a neighbour at distance 0, at least 0.
+    alignment : float
+        Rate at which velocities become equal, per second, at least 0.
+    cohesion : float
+        Acceleration towards a neighbour per unit of distance, at least 0.
+    max_speed : float
+        Limit of the speed, in units of length per second; may be infinite.
+    min_speed : float, default 0.0
+        Lower limit of the speed of particles that move.
+
+    Raises
+    ------
+    TypeError
+        If an argument is not a number.
+    ValueError
+        If a number is out of range. When it is assigned to `World.forces`, also if the cutoff is too
+        large for the torus.
+
+    See Also
+    --------
+    PairForce : Forces between kinds of particles.
+
+    Notes
+    -----
+    The limits of the speed hold for the sum of all accelerations but gravity. Momentum and energy
+    are not conserved.
+
+    References
+    ----------
+    C. W. Reynolds, *Flocks, herds and schools: a distributed behavioral model*, SIGGRAPH (1987).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
+    >>> world = jostle.World([(0, 0), (0, 2)], [(1, 0), (3, 0)], 0.1, forces=[birds])
+    >>> world.step(0.1, steps=100)
+    >>> world.velocities.round(3)
+    array([[2., 0.],
+           [2., 0.]], dtype=float32)
+    """
+
+    __match_args__: Final = (
+        "cutoff",
+        "separation",
+        "alignment",
+        "cohesion",
+        "max_speed",
+        "min_speed",
+    )
+    def __new__(
+        cls,
+        cutoff: _Number,
+        separation: _Number,
+        alignment: _Number,
+        cohesion: _Number,
+        max_speed: _Number,
+        min_speed: _Number = 0.0,
+    ) -> Self: ...
+    @property
+    def cutoff(self) -> float:
+        """Distance below which particles are neighbours, in units of length."""
+    @property
+    def separation(self) -> float:
+        """Acceleration away from a neighbour at distance 0."""
+    @property
+    def alignment(self) -> float:
+        """Rate at which velocities become equal, per second."""
+    @property
+    def cohesion(self) -> float:
+        """Acceleration towards a neighbour per unit of distance."""
+    @property
+    def max_speed(self) -> float:
+        """Limit of the speed."""
+    @property
+    def min_speed(self) -> float:
+        """Lower limit of the speed of particles that move."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, float, float, float, float, float]: ...
 
 @final
 class Motor:

@@ -6,6 +6,7 @@ mod error;
 mod interrupt;
 mod lock;
 mod motor;
+mod pair_force;
 mod files;
 mod masked;
 mod arrays;
@@ -49,6 +50,8 @@ mod _core {
     };
     #[pymodule_export]
     use super::motor::PyMotor;
+    #[pymodule_export]
+    use super::pair_force::{PyFlocking, PyPairForce};
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]

@@ -102,8 +102,8 @@ use crate::walls;
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
-///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-///     `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
+///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
+///     `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -123,8 +123,8 @@ use crate::walls;
 ///     Maximum number of subdivisions of the tree; the default never prevents a split.
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-///     default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
-///     with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
+///     default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+///     accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. A step whose particles travel far is
 ///     divided into parts, which share the sub-steps; each part has at least one.
 /// sleeping : bool, default True
 ///     Whether islands of touching particles that rest fall asleep under gravity, if the

@@ -12,6 +12,7 @@ use super::{PyWorld, State};
 use crate::arrays::{column, read_only, reals, table};
 use crate::error::refused;
 use crate::ids::Ids;
+use crate::pair_force::kinds_of_new;
 use crate::particles::{Arguments, Draft, only_vector, vectors};
 use crate::queries::result_of;
 use crate::results;
@@ -48,6 +49,8 @@ impl PyWorld {
     ///     1 and all bits if no number was given for all particles.
     /// sensors : array_like of bool, one or shape (k,), default False
     ///     Whether the particle is a sensor.
+    /// kinds : array_like of int, a number or shape (k,), default 0
+    ///     Their kind in each `PairForce` of the world.
     ///
     /// Returns
     /// -------
@@ -78,7 +81,7 @@ impl PyWorld {
     #[pyo3(signature = (
         positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None,
-        categories=None, masks=None, sensors=None,
+        categories=None, masks=None, sensors=None, kinds=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -97,6 +100,7 @@ impl PyWorld {
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
         sensors: Option<&Bound<'py, PyAny>>,
+        kinds: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (columns, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
@@ -113,11 +117,12 @@ impl PyWorld {
             sensors,
         };
         let draft = Draft { columns: arguments.read(len, columns)?, densities };
+        let kinds = kinds_of_new(kinds, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
         }
-        let ids = result_of(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        let ids = result_of(self.long(py, |state| state.add(draft, len, kinds))?, many.is_none())?;
         if many.is_none() {
             ids.start.into_bound_py_any(py)
         } else {
@@ -481,9 +486,21 @@ impl PyWorld {
 }
 
 impl State {
-    fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
+    fn add(
+        &mut self,
+        draft: Draft,
+        len: usize,
+        kinds: Option<Vec<u8>>,
+    ) -> jostle::Result<Range<Id>> {
         let particles = draft.particles(len, &self.world.defaults())?;
-        self.world.add(particles)
+        if let Some(kinds) = &kinds {
+            self.world.check_kinds(kinds)?;
+        }
+        let ids = self.world.add(particles)?;
+        if let Some(kinds) = kinds {
+            self.world.set_kinds(&ids.clone().collect::<Vec<Id>>(), &kinds)?;
+        }
+        Ok(ids)
     }
 }
 

@@ -47,7 +47,8 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.restitution = restitution)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
+    /// `Thermostat`, `ThermalWalls`,
     /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
     /// id. If a particle is removed, its attractors and springs are removed too, and motors drive
     /// the others. If particles merge, forces refer to the merged particle, and a spring between

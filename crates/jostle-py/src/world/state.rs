@@ -62,8 +62,9 @@ impl PyWorld {
 
     /// Energy of all movable particles in the fields of gravity (0 at the origin) and of
     /// attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
-    /// springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
-    /// Barnes and Hut's method if there are many particles).
+    /// springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
+    /// Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
+    /// are equal and opposite (0 at its cutoff).
     ///
     /// See Also
     /// --------
