@@ -15,6 +15,7 @@ mod limits;
 mod merging;
 mod motors;
 mod moving_walls;
+mod periodic;
 mod physics;
 mod query;
 mod scenes;

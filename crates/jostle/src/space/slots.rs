@@ -328,7 +328,7 @@ impl<T: Scalar> Slots<T> {
     /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
     /// have in common is said once: a tree need not put that into its order.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) -> Result<()> {
-        let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
+        let Shapes { centers, radii, half_sizes, boxes, filters, .. } = shapes;
         let each = || slots.iter().map(|&slot| slot as usize);
         centers.clear();
         memory::reserve(centers, slots.len())?;
