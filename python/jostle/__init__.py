@@ -11,7 +11,7 @@
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
     `Thermostat`, `ThermalWalls`, `AndersenThermostat` and `Motor` are its forces.
     `polyline` makes walls.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
@@ -44,6 +44,7 @@ from jostle.results import (
     Neighbors,
     Nodes,
     RayHit,
+    RayHitLists,
     RayHits,
     Stats,
     WallContacts,
@@ -68,6 +69,7 @@ __all__ = [
     "Nodes",
     "Quadtree",
     "RayHit",
+    "RayHitLists",
     "RayHits",
     "Space",
     "Springs",

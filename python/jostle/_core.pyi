@@ -27,6 +27,7 @@ from jostle.results import (
     Nodes,
     Nozzle,
     RayHit,
+    RayHitLists,
     RayHits,
     Stats,
     WallContacts,
@@ -126,6 +127,7 @@ _Vectors: TypeAlias = ArrayLike | _Vector | Sequence[_Vector]
 _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
+_Period: TypeAlias = _Number | tuple[_Number | None, _Number | None] | Sequence[_Number] | _Array
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
     Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Motor
@@ -146,6 +148,8 @@ def find_pairs(
     boxes: None = None,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -235,6 +239,8 @@ def find_pairs(
     boxes: _Boxes,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -387,6 +393,7 @@ class Quadtree:
         boxes: None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -401,6 +408,7 @@ class Quadtree:
         boxes: _Boxes,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -412,6 +420,7 @@ class Quadtree:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
     ) -> _Pairs:
         """Find every pair of overlapping shapes in this tree, or between it and another.
 
@@ -450,7 +459,14 @@ class Quadtree:
         >>> rocks.pairs(shots)
         array([[0, 0]])
         """
-    def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts:
+    def contacts(
+        self,
+        other: Quadtree | None = None,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts:
         """Find every pair of overlapping shapes, and how each overlaps.
 
         Parameters
@@ -688,7 +704,7 @@ class Quadtree:
         point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Number | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
@@ -783,7 +799,7 @@ class Quadtree:
         origin: _Points,
         direction: _OneOrMorePoints,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -792,7 +808,7 @@ class Quadtree:
         origin: _OneOrMorePoints,
         direction: _Points,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -810,7 +826,7 @@ class Quadtree:
         origin: _AnyPoint | _Undecided,
         direction: _AnyPoint | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     @overload
@@ -863,7 +879,7 @@ class Quadtree:
         direction: _OneOrMorePoints,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -873,7 +889,7 @@ class Quadtree:
         direction: _Points,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -883,7 +899,7 @@ class Quadtree:
         direction: _OneOrMorePoints,
         radius: _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -903,9 +919,110 @@ class Quadtree:
         direction: _AnyPoint | _Undecided,
         radius: _Real | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        half_size: _Real | _Point,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        half_size: _Real | _AnyPoint,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        half_size: _Real | _OneOrMorePoints | _Undecided,
+        radius: _Real | _Reals | _Undecided = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
     def nodes(self) -> Nodes:
         """Return the boxes of the tree.
 
@@ -945,6 +1062,23 @@ class Quadtree:
         the last query tested, against another shape or against the query; 0 before
         the first query).
         """
+    @property
+    def centers(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def radii(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def half_sizes(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def boxes(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def categories(self) -> NDArray[np.uint32]: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]: ...
+    @property
+    def period(self) -> tuple[float, float]: ...
+    @property
+    def dtype(self) -> Literal["float32", "float64"]: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
     def __len__(self) -> int: ...
 
 @final
@@ -1000,6 +1134,7 @@ class Space:
         cls,
         *,
         dtype: DTypeLike = "float64",
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -1314,6 +1449,7 @@ class Space:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
     ) -> _Pairs:
         """Find every pair of overlapping shapes.
 
@@ -1552,7 +1688,7 @@ class Space:
         point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Number | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
@@ -1649,7 +1785,7 @@ class Space:
         origin: _Points,
         direction: _OneOrMorePoints,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1658,7 +1794,7 @@ class Space:
         origin: _OneOrMorePoints,
         direction: _Points,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1676,7 +1812,7 @@ class Space:
         origin: _AnyPoint | _Undecided,
         direction: _AnyPoint | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     @overload
@@ -1730,7 +1866,7 @@ class Space:
         direction: _OneOrMorePoints,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1740,7 +1876,7 @@ class Space:
         direction: _Points,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1750,7 +1886,7 @@ class Space:
         direction: _OneOrMorePoints,
         radius: _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1770,9 +1906,117 @@ class Space:
         direction: _AnyPoint | _Undecided,
         radius: _Real | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        half_size: _Real | _Point,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        half_size: _Real | _AnyPoint,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        half_size: _Real | _OneOrMorePoints | _Undecided,
+        radius: _Real | _Reals | _Undecided = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
+    def contacts(
+        self,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
         """Return centres; ``(min + max) / 2`` for shapes given as boxes.
 
@@ -1920,6 +2164,11 @@ class Space:
     @property
     def dtype(self) -> Literal["float32", "float64"]:
         """The precision of its arithmetic: "float32" or "float64"."""
+    @property
+    def period(self) -> tuple[float, float]: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __contains__(self, id: object, /) -> bool: ...
     def __len__(self) -> int: ...
 

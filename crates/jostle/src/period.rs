@@ -44,7 +44,9 @@ impl<T: Scalar> Period<T> {
 
     /// The same position in the first period: in `[0, p)` on a periodic axis of length p.
     pub fn wrap(&self, point: [T; 2]) -> [T; 2] {
-        [0, 1].map(|axis| if self.is_along(axis) { wrap(point[axis], self.0[axis]) } else { point[axis] })
+        [0, 1].map(
+            |axis| if self.is_along(axis) { wrap(point[axis], self.0[axis]) } else { point[axis] },
+        )
     }
 
     /// The multiple of the period to subtract from what has this centre, so that the centre is in

@@ -284,10 +284,8 @@ impl<T: Scalar> Both<T> {
             }
         }
         for (ray, best) in best.iter().enumerate() {
-            let mut expected: Vec<(T, i64)> = (0..)
-                .zip(best)
-                .filter_map(|(row, hit)| hit.map(|hit| (hit, row)))
-                .collect();
+            let mut expected: Vec<(T, i64)> =
+                (0..).zip(best).filter_map(|(row, hit)| hit.map(|hit| (hit, row))).collect();
             expected.sort_by(|a, b| a.0.total_order(&b.0).then(a.1.cmp(&b.1)));
             let range = all.offsets[ray]..all.offsets[ray + 1];
             let (distances, ids): (Vec<T>, Vec<i64>) = expected.iter().copied().unzip();

@@ -29,7 +29,9 @@ impl Image {
     /// in both orders, so the first shape moved is always the first of the pair.
     pub(super) fn all<T: Scalar>(period: &Period<T>, is_same: bool) -> Vec<Self> {
         use Moved::{First, Neither, Second};
-        let choices = |axis| if period.is_along(axis) { &[Neither, First, Second][..] } else { &[Neither][..] };
+        let choices = |axis| {
+            if period.is_along(axis) { &[Neither, First, Second][..] } else { &[Neither][..] }
+        };
         let all = choices(1).iter().flat_map(|&y| choices(0).iter().map(move |&x| Self([x, y])));
         let is_wanted = |image: &Self| match image.0 {
             [Neither, Neither] => false,

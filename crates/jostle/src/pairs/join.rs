@@ -76,9 +76,8 @@ impl<'a, T: Scalar> Join<'a, T> {
                 [self.a.columns().shape(a), self.b.columns().shape(b)]
             };
             let map = |pairs: &mut [[u32; 2]]| {
-                let kept = filter_map(pairs, |pair| {
-                    image.is_first(&period, shapes(pair)).then_some(pair)
-                });
+                let kept =
+                    filter_map(pairs, |pair| image.is_first(&period, shapes(pair)).then_some(pair));
                 map(&mut pairs[..kept])
             };
             let more = join.run_direct(left, &map, scratch).map_err(|error| match error {

@@ -25,11 +25,11 @@ use crate::settings::{Method, Settings};
 use crate::shapes::{Each, Shapes};
 use crate::simd::{Simd, Work};
 use crate::sorting;
-use join::Join;
 pub use contacts::{Overlaps, overlaps};
+use join::Join;
 pub use join::JoinScratch;
-pub use neighbors::{neighbors, of_pairs};
 use kernel::Kernel;
+pub use neighbors::{neighbors, of_pairs};
 use output::{Budget, Output, PairScratch, filter_map, map_each};
 
 /// Up to this number of shapes brute force is faster than a tree. Measured with AVX-512; the same
@@ -145,6 +145,28 @@ pub fn between<T: Scalar>(
             both.then(|| rows([i, j]))
         })
     })
+}
+
+/// As [`within`], or as [`between`] if there is an `other` tree, of all pairs whose gap is below
+/// `distance`.
+pub fn near<T: Scalar>(
+    tree: &Quadtree<T>,
+    other: Option<&Quadtree<T>>,
+    distance: T,
+    mask: Option<u32>,
+    max_pairs: usize,
+) -> Result<Found> {
+    if distance == T::ZERO {
+        return match other {
+            None => within(tree, mask, max_pairs),
+            Some(other) => between(tree, other, mask, max_pairs),
+        };
+    }
+    let tree = tree.grown(distance)?;
+    match other {
+        None => within(&tree, mask, max_pairs),
+        Some(other) => between(&tree, &other.grown(distance)?, mask, max_pairs),
+    }
 }
 
 fn has_category<T: Scalar>(tree: &Quadtree<T>, place: u32, mask: u32) -> bool {

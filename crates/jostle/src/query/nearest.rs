@@ -372,12 +372,7 @@ fn core_gap<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
 
 /// The gaps between a coordinate and the intervals of a block; half sizes are not subtracted.
 #[inline(always)]
-fn gap_to<T: Scalar, S: Simd<T>>(
-    simd: S,
-    at: T,
-    [min, max]: [&[T]; 2],
-    first: usize,
-) -> S::Block {
+fn gap_to<T: Scalar, S: Simd<T>>(simd: S, at: T, [min, max]: [&[T]; 2], first: usize) -> S::Block {
     let (min, at) = (simd.load(block(min, first)), simd.splat(at));
     if max.is_empty() {
         return simd.distance(min, at);
@@ -428,9 +423,8 @@ pub fn nearest<T: Scalar>(
     // Ordered by row; the low bits are the place.
     let id_of = |place: usize| Some(u64::from(rows[place]) << 32 | place as u64);
     let period = tree.period();
-    let distance_of = |point, id: u64| {
-        distance_in(&period, point, &tree.columns().shape(id as u32 as usize))
-    };
+    let distance_of =
+        |point, id: u64| distance_in(&period, point, &tree.columns().shape(id as u32 as usize));
     let search = |point, best: &mut Nearest<T>| best.search(tree, point, mask, &id_of);
     let wanted = (k, &max_distance.into());
     let mut found = nearest_from(points, wanted, tree.settings().threads, search, distance_of)?;

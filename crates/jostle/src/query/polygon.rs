@@ -222,9 +222,8 @@ impl<T: Scalar> Region<T> for Polygon<T> {
     /// A larger polygon could overlap shapes in more images than are tested.
     fn check_period(&self, index: usize, period: &Period<T>) -> Result<()> {
         let Window { min, max, .. } = self.window;
-        let fits = |axis: usize| {
-            !period.is_along(axis) || max[axis] - min[axis] <= period.sides()[axis]
-        };
+        let fits =
+            |axis: usize| !period.is_along(axis) || max[axis] - min[axis] <= period.sides()[axis];
         if fits(0) && fits(1) {
             return Ok(());
         }

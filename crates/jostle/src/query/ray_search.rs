@@ -196,7 +196,10 @@ fn images<T: Scalar>(
             [0.0, length]
         } else {
             let edges = columns.map(|edge| (edge + shift - origin) / direction);
-            [edges[0].min(edges[1]).max(0.0).min(length), edges[0].max(edges[1]).max(0.0).min(length)]
+            [
+                edges[0].min(edges[1]).max(0.0).min(length),
+                edges[0].max(edges[1]).max(0.0).min(length),
+            ]
         };
         let [first, last] = range(1, rows, part);
         (first..=last).map(move |row| [column as f64, row as f64])

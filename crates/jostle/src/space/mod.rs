@@ -10,6 +10,7 @@ mod layers;
 mod links;
 mod pairs;
 mod queries;
+mod saved;
 mod slots;
 mod touching;
 
@@ -24,6 +25,7 @@ use crate::shapes::{
 pub use events::Events;
 use layers::Layers;
 pub use pairs::Wanted;
+pub use saved::Saved;
 pub use slots::Id;
 use slots::Slots;
 use touching::Touching;
