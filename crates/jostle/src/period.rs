@@ -6,7 +6,7 @@
 //! was moved by -p. Both shapes have the same role, so the gap does not depend on their order.
 
 use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape, gap, overlap};
+use crate::geometry::{Scalar, Shape, gap, middle, overlap};
 
 /// Width and height of the period; 0 on an axis that is not periodic.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,11 +67,30 @@ impl<T: Scalar> Period<T> {
         if self.is_none() {
             return shape;
         }
-        if shape.min == shape.max {
-            let center = self.wrap(shape.min);
-            return Shape { min: center, max: center, ..shape };
+        let [min, max] = self.wrap_corners([shape.min, shape.max]);
+        Shape { min, max, ..shape }
+    }
+
+    /// As [`Period::wrap_shape`], for the corners alone.
+    pub fn wrap_corners(&self, [min, max]: [[T; 2]; 2]) -> [[T; 2]; 2] {
+        let center = [0, 1].map(|axis| middle(min[axis], max[axis]));
+        let (wrapped, turns) = (self.wrap(center), self.turns(center));
+        let (mut low, mut high) = (min, max);
+        for axis in 0..2 {
+            if !self.is_along(axis) || wrapped[axis] == center[axis] {
+                continue;
+            }
+            // Sides that touch are moved by the same number of periods, so they still touch.
+            low[axis] = min[axis] - turns[axis];
+            high[axis] = max[axis] - turns[axis];
+            let error = (middle(low[axis], high[axis]) - wrapped[axis]).abs();
+            // Far away the multiple of the period is rounded by more than the period.
+            if min[axis] == max[axis] || error * T::from_f64(8.0) > self.0[axis] {
+                let half = max[axis] * T::from_f64(0.5) - min[axis] * T::from_f64(0.5);
+                (low[axis], high[axis]) = (wrapped[axis] - half, wrapped[axis] + half);
+            }
         }
-        shape.moved(self.turns(shape.center()))
+        [low, high]
     }
 
     /// The displacements to the images of a region that may overlap shapes whose centres are in the

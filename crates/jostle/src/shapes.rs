@@ -213,9 +213,8 @@ impl<T: Scalar> Shapes<T> {
         }
         if let Some(boxes) = &mut self.boxes {
             for (corners, center) in boxes.iter_mut().zip(&mut self.centers) {
-                let [x, y] = period.turns(*center);
-                let [min_x, min_y, max_x, max_y] = *corners;
-                *corners = [min_x - x, min_y - y, max_x - x, max_y - y];
+                let [[min_x, min_y], [max_x, max_y]] = period.wrap_corners(self::corners(corners));
+                *corners = [min_x, min_y, max_x, max_y];
                 *center = middle_of(corners);
             }
         } else {

@@ -20,7 +20,7 @@ use crate::memory;
 use crate::period::Period;
 use crate::settings::Settings;
 use crate::shapes::{
-    Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners, middle_of,
+    Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
 };
 pub use events::Events;
 use layers::Layers;
@@ -153,8 +153,7 @@ impl<T: Scalar> Space<T> {
         check_boxes("boxes", boxes)?;
         let period = self.period;
         self.change(ids, |slots, slot, row| {
-            let turns = period.turns(middle_of(&boxes[row]));
-            let moved = corners(&boxes[row]).map(|[x, y]| [x - turns[0], y - turns[1]]);
+            let moved = period.wrap_corners(corners(&boxes[row]));
             slots.set_box(slot, moved)
         })
     }
