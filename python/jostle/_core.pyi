@@ -57,6 +57,7 @@ __all__ = [
     "create_scene",
     "describe_scene",
     "find_pairs",
+    "instructions",
     "scene_default_count",
     "scene_fountains",
     "scene_galton_board",
@@ -135,6 +136,10 @@ _Force: TypeAlias = (
 
 def abandon_threads() -> None:
     """Abandons the threads of the parent process, which do not exist in a forked process."""
+
+def instructions() -> str:
+    """The vector instructions that searches and steps use on this processor: "AVX-512", "AVX2" or
+    "baseline", those of every processor of the architecture. Results do not depend on them."""
 
 def wake_threads_always(always: bool) -> None:
     """Lets small calls wake other threads. For tests."""

@@ -40,7 +40,7 @@ const BRUTE_FORCE_LIMIT: usize = 80;
 const DIFFERENT_CIRCLES_LIMIT: usize = 256;
 
 /// Maximum number of shapes in a leaf of a tree that is used for one search of pairs only.
-const LEAF_CAPACITY: usize = 320;
+pub const LEAF_CAPACITY: usize = 320;
 
 /// Number of shapes that brute force tests against one shape between two checks for interruption.
 const ROW_TESTS: usize = 1 << 14;
