@@ -181,7 +181,13 @@ impl<'a, T: Scalar> Join<'a, T> {
         let (a, b) = (&self.a.bounds()[task[0] as usize], &self.b.bounds()[task[1] as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
-        let b = &b.moved(self.other_shift);
+        let moved;
+        let b = if self.other_shift == [T::ZERO; 2] {
+            b
+        } else {
+            moved = b.moved(self.other_shift);
+            &moved
+        };
         let overlaps = match self.filters {
             Filters::Apply => a.overlaps(b, self.shift, self.min_gap()),
             Filters::Ignore => a.overlaps_unfiltered(b, self.shift, self.min_gap()),
