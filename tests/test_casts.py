@@ -54,7 +54,10 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
         assert np.array_equal(one.ids, ids[part])
         assert np.array_equal(one.normals, normals[part])
     of_space = space.raycast_all(origins, directions, max_distance=lengths)
-    assert all(np.array_equal(*both) for both in zip(of_space, (offsets, ids, distances, normals)))
+    assert all(
+        np.array_equal(*both)
+        for both in zip(of_space, (offsets, ids, distances, normals), strict=True)
+    )
 
 
 @settings(max_examples=100)
@@ -64,7 +67,9 @@ def test_a_box_stops_where_it_touches(scene: Any) -> None:
     origins, directions = rng.uniform(-12, 12, (5, 2)), rng.normal(0, 1, (5, 2))
     sizes = rng.uniform(0.1, 2, (5, 2))
     hits = tree.box_cast(origins, directions, sizes, 0.25, max_distance=20.0)
-    assert np.array_equal(space.box_cast(origins, directions, sizes, 0.25, max_distance=20).ids, hits.ids)
+    assert np.array_equal(
+        space.box_cast(origins, directions, sizes, 0.25, max_distance=20).ids, hits.ids
+    )
     units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     for row in range(5):
         travelled = min(hits.distances[row], 20.0)
@@ -107,7 +112,7 @@ def test_contacts_between_two_trees() -> None:
     assert (depths > 0).all()
     # Moved by the depth along the normal, a tile only touches.
     boxes = tiles.boxes[pairs[:, 1]] + np.tile(normals * (depths[:, None] + 1e-9), 2)
-    for pair, box in zip(pairs, boxes):
+    for pair, box in zip(pairs, boxes, strict=True):
         walker = jostle.Quadtree(walkers.centers[[pair[0]]], walkers.radii[[pair[0]]])
         assert len(walker.pairs(jostle.Quadtree(boxes=[box]))) == 0
     assert len(walkers.contacts(tiles, mask=1).pairs) == 0

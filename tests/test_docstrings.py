@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 # Adapters are there where the library is that they adapt to.
-ADAPTERS = {"jostle.pygame": "pygame", "jostle.arcade": "arcade"}
+ADAPTERS = {"jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa"}
 MODULES = [
     *(jostle, jostle.scenes, jostle.article, jostle.pyqtree),
     *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),

@@ -33,7 +33,7 @@ class Twins:
         self.agents: list[list[Any]] = [[], []]
 
     def add(self, position: Any) -> None:
-        for space, model, agents in zip(self.spaces, self.models, self.agents):
+        for space, model, agents in zip(self.spaces, self.models, self.agents, strict=True):
             agent = ContinuousSpaceAgent(space, model)
             agent.position = position
             agents.append(agent)
@@ -94,7 +94,7 @@ def test_the_same_agents(
             twins.add(place)
             continue
         row = which % count
-        for space, agents in zip(twins.spaces, twins.agents):
+        for space, agents in zip(twins.spaces, twins.agents, strict=True):
             if act == "place":
                 agents[row].position = place
             elif act == "both":

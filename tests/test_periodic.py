@@ -125,10 +125,11 @@ def test_neighbors_are_those_of_a_k_d_tree(dtype: Any) -> None:
         kd = cKDTree(points.astype(float), boxsize=1.0)
         # Two points can be as far apart as `reach` in one arithmetic and nearer in the other.
         fewer, more = (
-            {tuple(pair) for pair in kd.query_pairs(reach * factor)} for factor in (1 - 1e-5, 1 + 1e-5)
+            {tuple(pair) for pair in kd.query_pairs(reach * factor)}
+            for factor in (1 - 1e-5, 1 + 1e-5)
         )
         rows = np.repeat(np.arange(5000), np.diff(found.offsets))
-        ours = {(i, j) for i, j in zip(rows.tolist(), found.ids.tolist()) if i < j}
+        ours = {(i, j) for i, j in zip(rows.tolist(), found.ids.tolist(), strict=True) if i < j}
         assert fewer <= ours <= more
         assert 2 * len(ours) == len(found.ids)
 
@@ -162,7 +163,7 @@ def test_queries(plane: tuple[dict[str, Any], tuple[float, float]], seed: int) -
     n = max(len(tree), 1)
 
     def same(found: jostle.Hits, expected: jostle.Hits) -> None:
-        for ids, many in zip(found.lists(), expected.lists()):
+        for ids, many in zip(found.lists(), expected.lists(), strict=True):
             assert np.array_equal(ids, np.unique(many % n))
 
     if exact and np.array_equal(np.round(low64 * 8), low64 * 8):

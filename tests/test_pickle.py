@@ -45,7 +45,9 @@ def test_trees(way: Any, dtype: Any) -> None:
 
 
 @settings(max_examples=60)
-@given(st.lists(st.sampled_from(["add", "move", "remove", "update", "boxes"]), max_size=30), st.data())
+@given(
+    st.lists(st.sampled_from(["add", "move", "remove", "update", "boxes"]), max_size=30), st.data()
+)
 def test_spaces(acts: list[str], data: Any) -> None:
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
     period = data.draw(st.sampled_from([None, 9.0]))
@@ -96,7 +98,7 @@ def test_events(way: Any) -> None:
     events = space.update()
     twin = way(events)
     space.update()
-    for mine, yours in zip(events, twin):
+    for mine, yours in zip(events, twin, strict=True):
         assert np.array_equal(mine, yours)
     assert repr(twin) == repr(events)
 

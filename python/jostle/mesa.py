@@ -40,7 +40,6 @@ import numpy as np
 from mesa.experimental.continuous_space import ContinuousSpace as _MesaSpace
 from mesa.experimental.continuous_space import ContinuousSpaceAgent
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.distance import cdist
 
 import jostle
 
@@ -234,10 +233,10 @@ class ContinuousSpace(_MesaSpace):
         self, point: NDArray[np.float64], rows: NDArray[np.int64]
     ) -> NDArray[np.float64]:
         """Return distances as `calculate_distances` computes them."""
-        positions = self._agent_positions[rows]
         if not self.torus:
-            return cdist(point[np.newaxis, :], positions)[0, :]
-        delta = np.abs(point - positions)
+            agents = [self.active_agents[row] for row in rows.tolist()]
+            return np.asarray(self.calculate_distances(point, agents)[0])
+        delta = np.abs(point - self._agent_positions[rows])
         delta = np.minimum(delta, self.size - delta, out=delta)
         return np.sqrt(delta[:, 0] ** 2 + delta[:, 1] ** 2)
 

@@ -128,9 +128,7 @@ class RayHit(_RayHit):
 
     normal: tuple[float, float]
 
-    def __new__(
-        cls, id: int, distance: float, normal: tuple[float, float] = (0.0, 0.0)
-    ) -> RayHit:
+    def __new__(cls, id: int, distance: float, normal: tuple[float, float] = (0.0, 0.0)) -> RayHit:
         """Make a hit with its normal."""
         hit = super().__new__(cls, id, distance)
         hit.normal = normal

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use jostle::query::{self, Hits, Neighbors, Ray, RayHits, Region};
-use jostle::{Each, Quadtree, Scalar, Space, pairs};
+use jostle::{Each, Quadtree, Scalar, Space};
 
 use crate::lock::Shared;
 use crate::queries::Answer;
@@ -69,7 +69,7 @@ impl<T: Scalar> Index<T> for CountedTree<'_, T> {
     }
 
     fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<u32>> {
-        self.count(pairs::neighbors(self.tree, distance, mask), |found| found.tests)
+        self.count(query::neighbors(self.tree, distance, mask), |found| found.tests)
     }
 }
 

@@ -97,7 +97,7 @@ fn pairs_agree<T: Scalar>(raw: &Raw, sides: [f64; 2], settings: Settings, distan
     let mut found = pairs::within(&tree.grown(distance).unwrap(), None, DEFAULT_MAX_PAIRS).unwrap();
     found.sort().expect("not interrupted");
     assert_eq!(found.pairs, expected);
-    let rows = pairs::neighbors(&tree, distance, None).expect("few neighbours");
+    let rows = query::neighbors(&tree, distance, None).expect("few neighbours");
     let mut lists = vec![Vec::new(); shapes.len()];
     for [i, j] in expected.iter().copied() {
         lists[i as usize].push(j);

@@ -9,7 +9,6 @@ mod contacts;
 mod images;
 mod join;
 mod kernel;
-mod neighbors;
 mod output;
 
 use std::ops::Range;
@@ -29,7 +28,6 @@ pub use contacts::{Overlaps, overlaps};
 use join::Join;
 pub use join::JoinScratch;
 use kernel::Kernel;
-pub use neighbors::{neighbors, of_pairs};
 use output::{Budget, Output, PairScratch, filter_map, map_each};
 
 /// Up to this number of shapes brute force is faster than a tree. Measured with AVX-512; the same

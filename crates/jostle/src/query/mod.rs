@@ -1,9 +1,11 @@
-//! Queries: shapes that overlap a region, nearest neighbours, ray casts and circle casts.
+//! Queries: shapes that overlap a region, nearest neighbours, neighbours within a distance, casts of
+//! rays, discs and boxes.
 //!
 //! Every query has one exact test of a single shape, in the arithmetic of the tree. Nodes and
 //! blocks of shapes are skipped by conservative tests, so the result is that of brute force.
 //! Queries are independent of each other; many are processed in Morton order on all threads.
 
+mod adjacency;
 mod circle;
 mod frontier;
 mod images;
@@ -17,6 +19,7 @@ mod rect;
 mod region;
 mod window;
 
+pub use adjacency::{neighbors, neighbors_of_pairs};
 pub use circle::Circle;
 pub(crate) use images::Images;
 pub use nearest::{

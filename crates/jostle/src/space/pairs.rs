@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
-use crate::pairs::{self, Found, Overlaps};
-use crate::query::{Hits, MOST_IDS};
+use crate::pairs::{Found, Overlaps};
+use crate::query::{self, Hits, MOST_IDS};
 use crate::shapes::half_of;
 use crate::sorting;
 
@@ -76,7 +76,7 @@ impl<T: Scalar> Space<T> {
         }
         let found = Found { pairs, tests: 0 };
         let Hits { offsets, ids: rows, tests } =
-            pairs::of_pairs(ids.len(), found, self.settings.threads)?;
+            query::neighbors_of_pairs(ids.len(), found, self.settings.threads)?;
         let ids = memory::collect(rows.into_iter().map(|row| ids[row as usize]))?;
         Ok(Hits { offsets, ids, tests })
     }

@@ -1,13 +1,13 @@
 //! The neighbours of every shape within a distance, in compressed sparse rows.
 
-use super::{Found, within};
+use super::region::{Hits, MOST_IDS};
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
+use crate::pairs::{self, Found};
 use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::query::{Hits, MOST_IDS};
 use crate::sorting;
 
 /// Rows sorted between two checks for interruption.
@@ -20,16 +20,16 @@ pub fn neighbors<T: Scalar>(
     distance: T,
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
-    let found = within(&tree.grown(distance)?, mask, MOST_IDS / 2);
+    let found = pairs::near(tree, None, distance, mask, MOST_IDS / 2);
     let found = found.map_err(|error| match error {
         Error::TooManyPairs { .. } => Error::TooManyIds { limit: MOST_IDS },
         other => other,
     })?;
-    of_pairs(tree.len(), found, tree.settings().threads)
+    neighbors_of_pairs(tree.len(), found, tree.settings().threads)
 }
 
 /// The rows of each row with which it is in a pair, ascending.
-pub fn of_pairs(len: usize, found: Found, threads: Option<usize>) -> Result<Hits<u32>> {
+pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> Result<Hits<u32>> {
     let Found { pairs, tests } = found;
     let mut pulse = Pulse::current();
     let mut offsets: Vec<usize> = memory::filled(len + 1, 0)?;
