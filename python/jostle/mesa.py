@@ -38,12 +38,11 @@ from typing import Any
 
 import numpy as np
 from mesa.experimental.continuous_space import ContinuousSpace as _MesaSpace
-from mesa.experimental.continuous_space import ContinuousSpaceAgent
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
 
-__all__ = ["ContinuousSpace", "ContinuousSpaceAgent"]
+__all__ = ["ContinuousSpace"]
 
 #: Candidates are searched in a circle that is larger by this share of the largest number that the
 #: distances are computed from, which is more than their rounding errors.

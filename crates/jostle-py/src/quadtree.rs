@@ -330,7 +330,7 @@ impl PyQuadtree {
     /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
     /// >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
     /// >>> tree.contacts(walls, sort=True).depths
-    /// array([0.5, 1. ])
+    /// array([0.5, 1.5])
     #[pyo3(
         signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
         text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None)"
