@@ -15,6 +15,8 @@
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
+`WorldParticle`, `WorldParticles`
+    Copies of some particles.
 `article`
     The two programs of the article of 2015, in plain Python, with their faults.
 """
@@ -51,6 +53,8 @@ from jostle.results import (
     WorldCollisions,
     WorldContacts,
     WorldEvents,
+    WorldParticle,
+    WorldParticles,
     WorldStats,
 )
 from jostle.walls import polyline
@@ -82,6 +86,8 @@ __all__ = [
     "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
+    "WorldParticle",
+    "WorldParticles",
     "WorldStats",
     "__version__",
     "article",

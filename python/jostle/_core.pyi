@@ -34,6 +34,8 @@ from jostle.results import (
     WorldCollisions,
     WorldContacts,
     WorldEvents,
+    WorldParticle,
+    WorldParticles,
     WorldStats,
 )
 
@@ -2715,6 +2717,12 @@ class World:
     def rows(self, ids: _IdList) -> _Ids: ...
     @overload
     def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
+    @overload
+    def read(self, ids: _Id) -> WorldParticle: ...
+    @overload
+    def read(self, ids: _IdList) -> WorldParticles: ...
+    @overload
+    def read(self, ids: _Undecided) -> WorldParticle | WorldParticles | Any: ...
     @property
     def positions(self) -> NDArray[np.float32]:
         """Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
