@@ -1,21 +1,16 @@
 """Neighbours of every point within a distance, compared with other libraries, building included.
 
 .venv/bin/python benchmarks/neighbors.py [ROUNDS] [POINTS]
-.venv/bin/python benchmarks/neighbors.py flocking [ROUNDS]
 
 All use float64 and two threads where they have threads. The answers are compared before they are
 timed: pairs of points whose distance differs from the limit by less than the rounding errors do
-not occur. freud computes in float32. The last part runs Mesa's own flocking example in its
-continuous space and in that of `jostle.mesa`, after both gave the same positions.
+not occur. freud computes in float32.
 """
 
 from __future__ import annotations
 
 import os
-import random
-import statistics
 import sys
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -146,40 +141,6 @@ def compare(rounds: int, count: int) -> None:
             print(f"  {told:52} {1e3 * timing.median:9.1f} ms {ratio:7.1f}", flush=True)
 
 
-def flocking(rounds: int) -> None:
-    """Print the time of a step of Mesa's flocking example."""
-    from mesa.examples.basic.boid_flockers import model
-    from mesa.experimental.continuous_space import ContinuousSpace as MesaSpace
-
-    from jostle.mesa import ContinuousSpace
-
-    print("Mesa's flocking example, seconds a step")
-    for count in (1_000, 10_000, 50_000):
-        side = float(np.sqrt(count * 10))
-        models, times = [], [[], []]
-        for space in (MesaSpace, ContinuousSpace):
-            model.ContinuousSpace = space
-            random.seed(1)
-            models.append(
-                model.BoidFlockers(population_size=count, width=side, height=side, vision=4, seed=1)
-            )
-        for _ in range(1 if count > 10_000 else rounds):
-            for one, own in zip(models, times, strict=True):
-                start = time.perf_counter()
-                one.step()
-                own.append(time.perf_counter() - start)
-        places = [np.array([agent.position for agent in one.agents]) for one in models]
-        assert np.array_equal(*places), "the boids are elsewhere"
-        built_in, own = (statistics.median(each) for each in times)
-        print(
-            f"  {count:7,}  Mesa {built_in:8.3f}  jostle {own:8.3f}  {built_in / own:6.1f}",
-            flush=True,
-        )
-
-
 if __name__ == "__main__":
-    asked = [int(text) for text in sys.argv[1:] if text.isdigit()]
-    if "flocking" in sys.argv:
-        flocking(*asked or [3])
-    else:
-        compare(*(asked + [ROUNDS, POINTS][len(asked) :]))
+    asked = [int(text) for text in sys.argv[1:]]
+    compare(*(asked + [ROUNDS, POINTS][len(asked) :]))

@@ -59,6 +59,8 @@ __all__ = [
     "create_scene",
     "describe_scene",
     "find_pairs",
+    "restore_events",
+    "restore_space",
     "instructions",
     "scene_default_count",
     "scene_fountains",
@@ -253,6 +255,8 @@ def find_pairs(
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> _Pairs: ...
+def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events: ...
+def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space: ...
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -2214,6 +2218,7 @@ class Events:
         """Pairs that overlapped at the previous update and do not now, also because a shape was
         removed: ndarray of int64, shape (m, 2).
         """
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __iter__(self) -> Iterator[_Pairs]: ...
 
 @final
