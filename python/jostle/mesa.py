@@ -81,29 +81,21 @@ class _Positions(np.ndarray):
         if self.space is not None:
             self.space._note_moved(row)
 
-    def __iadd__(self, other: Any) -> Any:
-        """Add in place."""
-        return self._changed(super().__iadd__(other))
 
-    def __isub__(self, other: Any) -> Any:
-        """Subtract in place."""
-        return self._changed(super().__isub__(other))
+def _reporting(name: str) -> Any:
+    """Return an operation in place that reports the rows that it writes."""
+    operation = getattr(np.ndarray, name)
 
-    def __imul__(self, other: Any) -> Any:
-        """Multiply in place."""
-        return self._changed(super().__imul__(other))
-
-    def __itruediv__(self, other: Any) -> Any:
-        """Divide in place."""
-        return self._changed(super().__itruediv__(other))
-
-    def __imod__(self, other: Any) -> Any:
-        """Replace by the remainder in place."""
-        return self._changed(super().__imod__(other))
-
-    def _changed(self, result: Any) -> Any:
+    def operate(self: _Positions, other: Any) -> Any:
+        result = operation(self, other)
         self._report(self.row)
         return result
+
+    return operate
+
+
+for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
+    setattr(_Positions, f"__i{_name}__", _reporting(f"__i{_name}__"))
 
 
 class ContinuousSpace(_MesaSpace):
@@ -167,9 +159,6 @@ class ContinuousSpace(_MesaSpace):
             self._all_moved = True
         else:
             self._moved.add(row)
-
-    def _add_agent(self, agent: Any) -> int:
-        return super()._add_agent(agent)
 
     def _remove_agent(self, agent: Any) -> None:
         super()._remove_agent(agent)
