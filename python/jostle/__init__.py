@@ -12,7 +12,7 @@
     `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
     `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
     particle life.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
@@ -49,6 +49,7 @@ from jostle.results import (
     Neighbors,
     Nodes,
     RayHit,
+    RayHitLists,
     RayHits,
     Stats,
     WallContacts,
@@ -77,6 +78,7 @@ __all__ = [
     "PairForce",
     "Quadtree",
     "RayHit",
+    "RayHitLists",
     "RayHits",
     "Space",
     "Springs",

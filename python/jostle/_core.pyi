@@ -27,6 +27,7 @@ from jostle.results import (
     Nodes,
     Nozzle,
     RayHit,
+    RayHitLists,
     RayHits,
     Stats,
     WallContacts,
@@ -61,6 +62,8 @@ __all__ = [
     "describe_scene",
     "find_pairs",
     "instructions",
+    "restore_events",
+    "restore_space",
     "scene_default_count",
     "scene_fountains",
     "scene_galton_board",
@@ -131,6 +134,7 @@ _Vectors: TypeAlias = ArrayLike | _Vector | Sequence[_Vector]
 _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
+_Period: TypeAlias = _Number | tuple[_Number | None, _Number | None] | Sequence[_Number] | _Array
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
     Attractor
@@ -163,6 +167,8 @@ def find_pairs(
     boxes: None = None,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -262,11 +268,15 @@ def find_pairs(
     boxes: _Boxes,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> _Pairs: ...
+def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events: ...
+def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space: ...
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -426,6 +436,7 @@ class Quadtree:
         boxes: None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -440,6 +451,7 @@ class Quadtree:
         boxes: _Boxes,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -451,6 +463,7 @@ class Quadtree:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
     ) -> _Pairs:
         """Find every pair of overlapping shapes in this tree, or between it and another.
 
@@ -494,7 +507,14 @@ class Quadtree:
         >>> rocks.pairs(shots)
         array([[0, 0]])
         """
-    def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts:
+    def contacts(
+        self,
+        other: Quadtree | None = None,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts:
         """Find every pair of overlapping shapes, and how each overlaps.
 
         Parameters
@@ -758,7 +778,7 @@ class Quadtree:
         point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Number | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
@@ -867,7 +887,7 @@ class Quadtree:
         origin: _Points,
         direction: _OneOrMorePoints,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -876,7 +896,7 @@ class Quadtree:
         origin: _OneOrMorePoints,
         direction: _Points,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -894,7 +914,7 @@ class Quadtree:
         origin: _AnyPoint | _Undecided,
         direction: _AnyPoint | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     @overload
@@ -951,7 +971,7 @@ class Quadtree:
         direction: _OneOrMorePoints,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -961,7 +981,7 @@ class Quadtree:
         direction: _Points,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -971,7 +991,7 @@ class Quadtree:
         direction: _OneOrMorePoints,
         radius: _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -991,9 +1011,110 @@ class Quadtree:
         direction: _AnyPoint | _Undecided,
         radius: _Real | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        half_size: _Real | _Point,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        half_size: _Real | _AnyPoint,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        half_size: _Real | _OneOrMorePoints | _Undecided,
+        radius: _Real | _Reals | _Undecided = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
     def nodes(self) -> Nodes:
         """Return the boxes of the tree.
 
@@ -1043,6 +1164,23 @@ class Quadtree:
         --------
         nodes : The boxes.
         """
+    @property
+    def centers(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def radii(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def half_sizes(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def boxes(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def categories(self) -> NDArray[np.uint32]: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]: ...
+    @property
+    def period(self) -> tuple[float, float]: ...
+    @property
+    def dtype(self) -> Literal["float32", "float64"]: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
     def __len__(self) -> int: ...
 
 @final
@@ -1103,6 +1241,7 @@ class Space:
         cls,
         *,
         dtype: DTypeLike = "float64",
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -1447,6 +1586,7 @@ class Space:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
     ) -> _Pairs:
         """Find every pair of overlapping shapes.
 
@@ -1708,7 +1848,7 @@ class Space:
         point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Number | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
@@ -1819,7 +1959,7 @@ class Space:
         origin: _Points,
         direction: _OneOrMorePoints,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1828,7 +1968,7 @@ class Space:
         origin: _OneOrMorePoints,
         direction: _Points,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1846,7 +1986,7 @@ class Space:
         origin: _AnyPoint | _Undecided,
         direction: _AnyPoint | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     @overload
@@ -1904,7 +2044,7 @@ class Space:
         direction: _OneOrMorePoints,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1914,7 +2054,7 @@ class Space:
         direction: _Points,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1924,7 +2064,7 @@ class Space:
         direction: _OneOrMorePoints,
         radius: _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1944,9 +2084,117 @@ class Space:
         direction: _AnyPoint | _Undecided,
         radius: _Real | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        half_size: _Real | _Point,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        half_size: _Real | _AnyPoint,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        half_size: _Real | _OneOrMorePoints | _Undecided,
+        radius: _Real | _Reals | _Undecided = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
+    def contacts(
+        self,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
         """Return centres; ``(min + max) / 2`` for shapes given as boxes.
 
@@ -2122,6 +2370,11 @@ class Space:
     @property
     def dtype(self) -> Literal["float32", "float64"]:
         """The precision of its arithmetic: "float32" or "float64"."""
+    @property
+    def period(self) -> tuple[float, float]: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __contains__(self, id: object, /) -> bool: ...
     def __len__(self) -> int: ...
 
@@ -2165,6 +2418,7 @@ class Events:
         """Pairs that overlapped at the previous update and do not now, also because a shape was
         removed: ndarray of int64, shape (m, 2).
         """
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __iter__(self) -> Iterator[_Pairs]: ...
 
 @final

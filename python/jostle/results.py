@@ -15,6 +15,7 @@ __all__ = [
     "Nodes",
     "Nozzle",
     "RayHit",
+    "RayHitLists",
     "RayHits",
     "Stats",
     "WallContacts",
@@ -32,7 +33,7 @@ class Contacts(NamedTuple):
     Attributes
     ----------
     pairs : ndarray of int64, shape (m, 2)
-        Row numbers i < j.
+        Row numbers i < j of a tree, or ids of a space; between two trees a row of each.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors from i to j.
     depths : ndarray of float32 or float64, shape (m,)
@@ -111,7 +112,12 @@ class Neighbors(NamedTuple):
     ids: NDArray[np.int64]
 
 
-class RayHit(NamedTuple):
+class _RayHit(NamedTuple):
+    id: int
+    distance: float
+
+
+class RayHit(_RayHit):
     """The first shape that a ray hits.
 
     It unpacks as ``id, distance``. `Neighbors` have the distances first.
@@ -122,19 +128,40 @@ class RayHit(NamedTuple):
         Id of the shape; -1 if nothing is hit.
     distance : float
         Distance to its surface, in units of length; infinity if nothing is hit.
+    normal : tuple of float
+        Unit vector that points away from the shape where it is hit, not part of the tuple;
+        (0, 0) if nothing is hit or the ray starts in the shape.
 
     See Also
     --------
     jostle.Quadtree.raycast : Returns it for one ray.
     RayHits : The result for many rays.
+
+    Examples
+    --------
+    >>> import jostle
+    >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1)])
+    >>> hit = tree.raycast((-2, 0.5), (1, 0))
+    >>> hit, hit.normal
+    (RayHit(id=0, distance=2.0), (-1.0, 0.0))
     """
 
-    id: int
-    distance: float
+    normal: tuple[float, float]
+
+    def __new__(cls, id: int, distance: float, normal: tuple[float, float] = (0.0, 0.0)) -> RayHit:
+        """Make a hit with its normal."""
+        hit = super().__new__(cls, id, distance)
+        hit.normal = normal
+        return hit
 
 
-class RayHits(NamedTuple):
-    """The first shape that each of many rays hits.
+class _RayHits(NamedTuple):
+    ids: NDArray[np.int64]
+    distances: NDArray[np.floating[Any]]
+
+
+class RayHits(_RayHits):
+    """The first shape that each of many rays hits, or all that one ray hits.
 
     It unpacks as ``ids, distances``. `Neighbors` have the distances first.
 
@@ -144,6 +171,9 @@ class RayHits(NamedTuple):
         Ids of the shapes; -1 where nothing is hit.
     distances : ndarray of float32 or float64, shape (k,)
         Distances to their surfaces; infinity where nothing is hit.
+    normals : ndarray of float32 or float64, shape (k, 2)
+        Unit vectors that point away from the shapes where they are hit, not part of the tuple;
+        (0, 0) where nothing is hit or a ray starts in the shape.
 
     See Also
     --------
@@ -151,8 +181,42 @@ class RayHits(NamedTuple):
     RayHit : The result for one ray.
     """
 
+    normals: NDArray[np.floating[Any]]
+
+    def __new__(
+        cls,
+        ids: NDArray[np.int64],
+        distances: NDArray[np.floating[Any]],
+        normals: NDArray[np.floating[Any]] | None = None,
+    ) -> RayHits:
+        """Make hits with their normals."""
+        hits = super().__new__(cls, ids, distances)
+        hits.normals = np.zeros((len(ids), 2)) if normals is None else normals
+        return hits
+
+
+class RayHitLists(NamedTuple):
+    """All shapes that each of many rays hits, concatenated.
+
+    The hits of ray r are ``ids[offsets[r]:offsets[r + 1]]``, nearest first, and so are their
+    distances and normals.
+
+    Attributes
+    ----------
+    offsets : ndarray of int64, shape (k + 1,)
+        Index of the first hit of each ray; the last is the total number of hits.
+    ids : ndarray of int64, shape (m,)
+        Ids of the shapes.
+    distances : ndarray of float32 or float64, shape (m,)
+        Distances to their surfaces.
+    normals : ndarray of float32 or float64, shape (m, 2)
+        Unit vectors that point away from the shapes; (0, 0) where a ray starts in the shape.
+    """
+
+    offsets: NDArray[np.int64]
     ids: NDArray[np.int64]
     distances: NDArray[np.floating[Any]]
+    normals: NDArray[np.floating[Any]]
 
 
 class Nodes(NamedTuple):

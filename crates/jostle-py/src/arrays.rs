@@ -28,6 +28,11 @@ use crate::masked::refuse_masked;
 pub struct Given<'py>(Option<Bound<'py, PyAny>>);
 
 impl<'py> Given<'py> {
+    /// An argument with a value, or an omitted one.
+    pub fn of(value: Option<Bound<'py, PyAny>>) -> Self {
+        Self(value)
+    }
+
     /// The default in signatures.
     pub const NOTHING: Self = Self(None);
 

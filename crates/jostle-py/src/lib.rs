@@ -41,7 +41,7 @@ mod _core {
     #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
     #[pymodule_export]
-    use super::events::PyEvents;
+    use super::events::{PyEvents, restore_events};
     #[pymodule_export]
     use super::find_pairs::find_pairs;
     #[pymodule_export]
@@ -55,7 +55,7 @@ mod _core {
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]
-    use super::space::PySpace;
+    use super::space::{PySpace, restore_space};
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]

@@ -3,21 +3,23 @@
 use jostle::geometry::Shape;
 use jostle::interrupt::Pulse;
 use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
-use jostle::space::{Events, Id};
-use jostle::{Each, Scalar, Shapes, Space, sorting};
+use jostle::space::{Events, Id, Saved, Wanted};
+use jostle::{Each, Period, Scalar, Shapes, Space, sorting};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{Argument, Given, bit_sets, column, reals, table, truth};
+use crate::arrays::{Argument, Given, bit_sets, column, number, reals, table, truth};
 use crate::error::{refused, value_error};
-use crate::events::PyEvents;
+use crate::events::{PyEvents, Reduced};
 use crate::ids::{Ids, one_id};
 use crate::interrupt::detached;
 use crate::lock::Shared;
-use crate::queries::{self, Asked, Maybe, result_of};
+use crate::queries::{self, Cast, Maybe, result_of};
 use crate::query_methods::{Index, query_methods};
+use crate::results;
 use crate::settings;
 use crate::shapes::{Places, Where};
 
@@ -34,6 +36,10 @@ use crate::shapes::{Places, Where};
 /// ----------
 /// dtype : {"float64", "float32"}, default "float64"
 ///     Precision of all arithmetic. Other numbers are converted.
+/// period : float or (float, float), optional
+///     Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+///     not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
+///     the period are equal in every method, and each shape is found once.
 /// leaf_capacity : int, default 96
 ///     Shapes that a box of a tree may hold before it splits into four. Small trees in a
 ///     space with many shapes use a smaller number.
@@ -106,22 +112,25 @@ impl PySpace {
     #[new]
     #[pyo3(
         signature = (
-            *, dtype=Given::NOTHING, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
-            threads=None,
+            *, dtype=Given::NOTHING, period=None, leaf_capacity=Given::NOTHING,
+            max_depth=Given::NOTHING, threads=None,
         ),
-        text_signature = "(*, dtype='float64', leaf_capacity=96, max_depth=4096, threads=None)"
+        text_signature = "(*, dtype='float64', period=None, leaf_capacity=96, max_depth=4096, \
+                          threads=None)"
     )]
     fn new<'py>(
         dtype: Given<'py>,
+        period: Maybe<'_, 'py>,
         leaf_capacity: Given<'py>,
         max_depth: Given<'py>,
         threads: Maybe<'_, 'py>,
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
+        let period = settings::period(period)?;
         let space = if is_single(&dtype)? {
-            Either::Single(shared(Space::new(settings)).map_err(refused)?)
+            Either::Single(empty(settings, period).map_err(refused)?)
         } else {
-            Either::Double(shared(Space::new(settings)).map_err(refused)?)
+            Either::Double(empty(settings, period).map_err(refused)?)
         };
         Ok(Self { space })
     }
@@ -470,6 +479,9 @@ impl PySpace {
     ///     Maximum number of pairs to return; the default corresponds to 2 GiB.
     /// mask : int, optional
     ///     Find only pairs whose shapes both have a category in this set of bits.
+    /// distance : float, default 0.0
+    ///     Find pairs whose gap is below this, in units of length: each radius is increased by half
+    ///     of it. If 0, the shapes must overlap.
     ///
     /// Returns
     /// -------
@@ -493,8 +505,10 @@ impl PySpace {
     /// >>> space.pairs()
     /// array([[1, 2]])
     #[pyo3(
-        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
-        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
+        signature = (
+            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING,
+        ),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None, distance=0.0)"
     )]
     fn pairs<'py>(
         &self,
@@ -502,18 +516,79 @@ impl PySpace {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
+        distance: Given<'py>,
     ) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        let mask = queries::mask(mask)?;
+        let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         with_space!(self, space => {
             let pairs = long(py, space, |space| {
-                let mut pairs = space.pairs(mask, max_pairs)?;
+                let distance = Scalar::from_f64(distance);
+                let mut pairs = space.pairs_within(&Wanted { distance, mask, max_pairs })?;
                 if sort {
                     sorting::sort(&mut pairs, &mut Pulse::current())?;
                 }
                 Ok(pairs)
             })?;
             table(py, pairs.map_err(refused)?)
+        })
+    }
+
+    /// Find every pair of overlapping shapes, and how each overlaps.
+    ///
+    /// Parameters
+    /// ----------
+    /// sort : bool, default False
+    ///     Whether to sort the contacts by the first, then by the second id of the pair. If False,
+    ///     they come in the order of :meth:`pairs`.
+    /// max_pairs : int, default 134217728
+    ///     Maximum number of pairs to return.
+    /// mask : int, optional
+    ///     Find only pairs whose shapes both have a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// Contacts
+    ///     pairs : ndarray of int64, shape (m, 2)
+    ///         Ids i and j of each pair, the smaller first, every pair once.
+    ///     normals : ndarray of the space's dtype, shape (m, 2)
+    ///         Unit vectors from i to j. If the cores of the shapes overlap, the axis
+    ///         of least penetration; +x for coincident centres.
+    ///     depths : ndarray of the space's dtype, shape (m,)
+    ///         Penetration: the distance that j must move along the normal until the two only
+    ///         touch.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If more than `max_pairs` pairs overlap.
+    ///
+    /// See Also
+    /// --------
+    /// Quadtree.contacts
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
+    /// >>> space.contacts()
+    /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+    #[pyo3(
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
+    )]
+    fn contacts<'py>(
+        &self,
+        py: Python<'py>,
+        sort: Given<'py>,
+        max_pairs: Given<'py>,
+        mask: Maybe<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let filter = (queries::mask(mask)?, truth("sort", &sort)?);
+        let max_pairs = settings::max_pairs(&max_pairs)?;
+        with_space!(self, space => {
+            let found = long(py, space, |space| space.contacts(filter, max_pairs))?;
+            results::contacts(py, found.map_err(refused)?)
         })
     }
 
@@ -710,6 +785,51 @@ impl PySpace {
         }
     }
 
+    /// Width and height of the period: a tuple of two floats, 0 on an axis that is not periodic.
+    #[getter]
+    fn period(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
+        with_space!(self, space => {
+            let [x, y] = space.lock_attached(py)?.period().sides().map(Scalar::to_f64);
+            Ok((x, y))
+        })
+    }
+
+    /// A space with copies of the shapes, with the same ids and the same pairs at the last update.
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
+        let space = match &self.space {
+            Either::Single(space) => {
+                Either::Single(shared(long(py, space, |space| space.clone())?))
+            }
+            Either::Double(space) => {
+                Either::Double(shared(long(py, space, |space| space.clone())?))
+            }
+        };
+        Ok(Self { space })
+    }
+
+    /// As `copy.copy`: it holds nothing but numbers.
+    fn __deepcopy__(&self, py: Python<'_>, memo: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let _ = memo;
+        self.__copy__(py)
+    }
+
+    /// What pickle stores: the shapes with their ids, and the pairs of the last update.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let restore = py.import("jostle._core")?.getattr("restore_space")?;
+        let (settings, state) = with_space!(self, space => {
+            let saved = long(py, space, |space| Ok((space.settings(), space.save()?)))?;
+            let (settings, saved) = saved.map_err(refused)?;
+            (settings, state_of(py, saved)?)
+        });
+        let options = PyDict::new(py);
+        options.set_item("dtype", self.dtype())?;
+        options.set_item("period", self.period(py)?)?;
+        options.set_item("leaf_capacity", settings.leaf_capacity)?;
+        options.set_item("max_depth", settings.max_depth)?;
+        options.set_item("threads", settings.threads)?;
+        Ok((restore, PyTuple::new(py, [options.into_any(), state.into_any()])?))
+    }
+
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
         let id = one_id(id, "np.isin(ids, space.ids) tests many")?;
         let Some(id) = id else { return Ok(false) };
@@ -735,8 +855,15 @@ impl PySpace {
 }
 
 /// A space with a lock.
-fn shared<T>(space: jostle::Result<Space<T>>) -> jostle::Result<Shared<Space<T>>> {
-    Ok(Shared::new(space?, "space", "make a new one"))
+fn shared<T>(space: Space<T>) -> Shared<Space<T>> {
+    Shared::new(space, "space", "make a new one")
+}
+
+fn empty<T: Scalar>(
+    settings: jostle::Settings,
+    period: Period<f64>,
+) -> jostle::Result<Shared<Space<T>>> {
+    Ok(shared(Space::with_period(settings, settings::period_in(period)?)?))
 }
 
 /// Calls `act` with a space, without the GIL.
@@ -746,6 +873,78 @@ fn long<T: Scalar, R: Send>(
     act: impl FnOnce(&mut Space<T>) -> R + Send,
 ) -> PyResult<R> {
     detached(py, || Ok(act(&mut *space.lock()?)))?
+}
+
+/// The contents of a space as a tuple of arrays.
+fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bound<'_, PyTuple>> {
+    let columns = [
+        table(py, saved.corners)?.into_any(),
+        column(py, saved.radii).into_any(),
+        table(py, saved.half_sizes)?.into_any(),
+        column(py, saved.filters.into_flattened()).into_any(),
+        column(py, saved.generations).into_any(),
+        column(py, saved.free).into_any(),
+        column(py, saved.pairs.into_flattened()).into_any(),
+        column(py, saved.changed).into_any(),
+        column(py, saved.leaving).into_any(),
+        saved.updates.into_bound_py_any(py)?,
+    ];
+    PyTuple::new(py, columns)
+}
+
+/// A space with the contents that pickle has stored.
+#[pyfunction]
+pub fn restore_space<'py>(
+    py: Python<'py>,
+    options: &Bound<'py, PyDict>,
+    state: &Bound<'py, PyTuple>,
+) -> PyResult<PySpace> {
+    let option = |name: &str| Ok::<_, PyErr>(options.get_item(name)?.filter(|v| !v.is_none()));
+    let (leaf_capacity, max_depth) = (option("leaf_capacity")?, option("max_depth")?);
+    let settings = settings::tree(
+        &Given::of(leaf_capacity),
+        &Given::of(max_depth),
+        option("threads")?.as_ref(),
+    )?;
+    let period = settings::period(option("period")?.as_ref())?;
+    let space = if is_single(&Given::of(option("dtype")?))? {
+        Either::Single(restored(py, settings, period, state)?)
+    } else {
+        Either::Double(restored(py, settings, period, state)?)
+    };
+    Ok(PySpace { space })
+}
+
+fn restored<T: Scalar + Element>(
+    py: Python<'_>,
+    settings: jostle::Settings,
+    period: Period<f64>,
+    state: &Bound<'_, PyTuple>,
+) -> PyResult<Shared<Space<T>>> {
+    let item = |index: usize| state.get_item(index);
+    let list = |index: usize| -> PyResult<Vec<u32>> {
+        let list = Argument::integers("state", &item(index)?)?;
+        let len = list.len()?;
+        Ok(list.bits_each(len)?.rows(len))
+    };
+    let pairs = |index: usize| Ok::<_, PyErr>(list(index)?.as_chunks::<2>().0.to_vec());
+    let corners = Argument::reals("state", &item(0)?)?;
+    let count = corners.boxes_len()?;
+    let half_sizes = Argument::reals("state", &item(2)?)?;
+    let saved = Saved {
+        corners: corners.boxes(count)?,
+        radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
+        half_sizes: half_sizes.pairs(half_sizes.pairs_len()?)?,
+        filters: pairs(3)?,
+        generations: list(4)?,
+        free: list(5)?,
+        pairs: pairs(6)?,
+        changed: list(7)?,
+        leaving: list(8)?,
+        updates: item(9)?.extract()?,
+    };
+    let restore = || Space::restore(settings, settings::period_in(period)?, saved);
+    Ok(shared(detached(py, restore)?.map_err(refused)?))
 }
 
 /// Whether the requested precision is float32.

@@ -16,6 +16,7 @@ mod merging;
 mod motors;
 mod moving_walls;
 mod neighbors;
+mod periodic;
 mod physics;
 mod query;
 mod scenes;
