@@ -16,7 +16,9 @@ mod queries;
 mod query_methods;
 mod ids;
 mod find_pairs;
+mod separate;
 mod quadtree;
+mod slide;
 mod space;
 mod events;
 mod sprites;
@@ -51,6 +53,8 @@ mod _core {
     use super::motor::PyMotor;
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
+    #[pymodule_export]
+    use super::separate::separate;
     #[pymodule_export]
     use super::space::PySpace;
     #[pymodule_export]

@@ -18,8 +18,10 @@ pub mod columns;
 pub mod quadtree;
 pub mod pairs;
 pub mod query;
-pub mod space;
+pub mod separate;
+pub mod slide;
 pub mod disjoint_sets;
+pub mod space;
 pub mod particles;
 pub mod motion;
 pub mod container;
@@ -43,9 +45,11 @@ pub use forces::Force;
 pub use geometry::{Bounds, Scalar, Shape};
 pub use particles::{Particles, Spin};
 pub use quadtree::{Node, Quadtree};
+pub use separate::{Separated, Separation, separate};
 pub use settings::{Method, Settings};
 pub use shapes::{Each, Filter, Shapes};
-pub use space::{Id, Space};
+pub use slide::SlideRules;
+pub use space::{Id, Slides, Space};
 pub use walls::Wall;
 pub use world::{
     Collisions, Defaults, OnTouch, Stage, Stats, Touch, TouchEvents, WallTouch, World,

@@ -2,7 +2,8 @@
 //!
 //! `slots` holds the shapes, `layers` the trees over them. `touching` holds the pairs of the last
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
-//! them with the current pairs, only for the shapes that changed.
+//! them with the current pairs, only for the shapes that changed. `walking` moves shapes that slide
+//! along others.
 
 mod events;
 mod keys;
@@ -11,6 +12,7 @@ mod links;
 mod queries;
 mod slots;
 mod touching;
+mod walking;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
@@ -25,6 +27,7 @@ use layers::Layers;
 pub use slots::Id;
 use slots::Slots;
 use touching::Touching;
+pub use walking::Slides;
 
 /// Shapes that change.
 ///
@@ -43,6 +46,7 @@ pub struct Space<T> {
     layers: Layers<T>,
     touching: Touching,
     changes: events::Changes,
+    rides: walking::Rides<T>,
 }
 
 impl<T: Scalar> Space<T> {
@@ -55,6 +59,7 @@ impl<T: Scalar> Space<T> {
             layers: Layers::default(),
             touching: Touching::default(),
             changes: events::Changes::default(),
+            rides: walking::Rides::default(),
         })
     }
 
@@ -264,6 +269,7 @@ impl<T: Scalar> Space<T> {
             + self.layers.memory_bytes()
             + self.touching.memory_bytes()
             + self.changes.memory_bytes()
+            + self.rides.memory_bytes()
     }
 
     /// Says what is wrong with it, if anything is. For tests: it looks at everything.
