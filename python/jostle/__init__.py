@@ -6,6 +6,9 @@
     The same, and further queries, for shapes that do not change.
 `Space`
     Shapes with ids that are added, moved and removed, and the `Events` of their pairs.
+    `Space.move_and_slide` moves characters among walls; `tiles` makes boxes of a tile map.
+`separate`
+    Moves shapes apart until none overlap.
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
@@ -13,6 +16,8 @@
     `polyline` makes walls.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
     The results of queries.
+`Separated`, `Slide`, `Slides`
+    The results of `separate` and `Space.move_and_slide`.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
 `article`
@@ -37,6 +42,7 @@ from jostle._core import (
     World,
     __version__,
     find_pairs,
+    separate,
 )
 from jostle.results import (
     Contacts,
@@ -45,6 +51,9 @@ from jostle.results import (
     Nodes,
     RayHit,
     RayHits,
+    Separated,
+    Slide,
+    Slides,
     Stats,
     WallContacts,
     WorldCollisions,
@@ -52,6 +61,7 @@ from jostle.results import (
     WorldEvents,
     WorldStats,
 )
+from jostle.tilemap import tiles
 from jostle.walls import polyline
 
 __all__ = [
@@ -69,6 +79,9 @@ __all__ = [
     "Quadtree",
     "RayHit",
     "RayHits",
+    "Separated",
+    "Slide",
+    "Slides",
     "Space",
     "Springs",
     "Stats",
@@ -86,4 +99,6 @@ __all__ = [
     "find_pairs",
     "polyline",
     "scenes",
+    "separate",
+    "tiles",
 ]

@@ -66,8 +66,9 @@ impl<'py> Rules<'py> {
         let displacements =
             if ids.single { vec![given.only_pair("id")?] } else { given.pairs(ids.all.len())? };
         let rules = self.typed()?;
-        let slides =
-            detached(py, || Ok(space.lock()?.move_and_slide(&ids.all, &displacements, &rules)))??;
+        let slides = detached(py, || {
+            PyResult::Ok(space.lock()?.move_and_slide(&ids.all, &displacements, &rules))
+        })??;
         let slides = ids.result_of(slides)?;
         if ids.single { results::slide(py, slides) } else { results::slides(py, slides) }
     }

@@ -13,7 +13,7 @@ use crate::interrupt::Pulse;
 use crate::memory;
 
 /// A search ends without a position if more shapes than this are nearby.
-const MOST_NEARBY: usize = 1024;
+const MOST_NEARBY: usize = 256;
 
 /// Positions along the width of a round shape that are tried, from its left to its right side.
 const LINES_OF_ROUND: [f64; 7] = [-1.0, -0.87, -0.5, 0.0, 0.5, 0.87, 1.0];

@@ -101,12 +101,7 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
     let pusher = Pusher::of(&rules);
     let outcome = match rules.axis {
         Some(axis) => along_axis(&mut bodies, axis, &rules, (&pusher, crowded))?,
-        None => {
-            if crowded {
-                spread::spread(&mut bodies, rules.gap, rules.bounds)?;
-            }
-            Rounds::run(&mut bodies, &pusher, &rules)?
-        }
+        None => in_plane(&mut bodies, &rules, (&pusher, crowded))?,
     };
     let mut centers = memory::filled(shapes.len(), [T::ZERO; 2])?;
     for (&row, &center) in bodies.rows.iter().zip(&bodies.centers) {
@@ -122,8 +117,39 @@ struct Outcome {
     overlaps: usize,
 }
 
-/// Passes keep the order along the axis; if shapes are `crowded`, or passes fail, `sweep` places
-/// them.
+/// If passes are of little use, regions are enlarged until shapes have much room, and the rest is
+/// put at free positions.
+fn in_plane<T: Scalar>(
+    bodies: &mut Bodies<T>,
+    rules: &Separation<T>,
+    (pusher, crowded): (&Pusher<T>, bool),
+) -> Result<Outcome> {
+    if crowded && rules.max_rounds > 0 {
+        spread::spread(bodies, rules, spread::FULL)?;
+    }
+    let mut rounds = Rounds::of(bodies, pusher, rules)?;
+    let mut done = rounds.run(false)?;
+    if !done && rounds.to_take_out()?.len() > shapes_worth_spreading(&rounds) {
+        rounds.change(|bodies| spread::spread(bodies, rules, spread::LOOSE))?;
+        done = rounds.run(false)?;
+    }
+    if !done {
+        let places = rounds.to_take_out()?;
+        rounds.change(|bodies| insert::insert(bodies, &places, pusher, rules))?;
+    }
+    Ok(rounds.outcome())
+}
+
+/// If more shapes than this overlap after the first passes, the whole region is enlarged.
+fn shapes_worth_spreading<T: Scalar>(rounds: &Rounds<'_, T>) -> usize {
+    64 + rounds.len() / 64
+}
+
+/// Crowded shapes up to this number are moved in passes along an axis.
+const FEW: usize = 1000;
+
+/// Passes keep the order along the axis; if they do not succeed, or if very many shapes are
+/// `crowded`, `sweep` places them.
 fn along_axis<T: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
@@ -131,20 +157,21 @@ fn along_axis<T: Scalar>(
     (pusher, crowded): (&Pusher<T>, bool),
 ) -> Result<Outcome> {
     let before = memory::collect(bodies.centers.iter().copied())?;
-    let mut outcome = Outcome::default();
-    if !crowded {
-        outcome = Rounds::run(bodies, pusher, rules)?;
-        if outcome.overlaps == 0 || outcome.rounds == 0 {
+    let mut passes = 0;
+    if rules.max_rounds == 0 || !crowded || bodies.len() <= FEW {
+        let mut rounds = Rounds::of(bodies, pusher, rules)?;
+        rounds.run(true)?;
+        let outcome = rounds.outcome();
+        if outcome.overlaps == 0 || rules.max_rounds == 0 {
             return Ok(outcome);
         }
         bodies.centers = before;
+        passes = outcome.rounds;
     }
-    if rules.max_rounds == 0 {
-        return Rounds::run(bodies, pusher, rules);
-    }
+    let last = Separation { max_rounds: 0, ..rules.clone() };
     sweep::place(bodies, axis, pusher, rules)?;
-    let left = Rounds::run(bodies, pusher, &Separation { max_rounds: 0, ..rules.clone() })?;
-    Ok(Outcome { rounds: outcome.rounds + 1, overlaps: left.overlaps })
+    let outcome = Rounds::of(bodies, pusher, &last)?.outcome();
+    Ok(Outcome { rounds: passes + 1, ..outcome })
 }
 
 fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {

@@ -7,7 +7,6 @@
 use std::sync::Mutex;
 
 use super::bodies::Bodies;
-use super::insert::insert;
 use super::near::{BLOCK, Near, places_of};
 use super::push::Pusher;
 use super::{Outcome, Separation};
@@ -43,15 +42,17 @@ pub struct Rounds<'a, T> {
     /// Whether a shape of each block has moved in the last pass, or may overlap since then.
     changed: Vec<bool>,
     parts: Vec<Mutex<Part<T>>>,
+    /// Number of passes.
+    count: usize,
 }
 
 impl<'a, T: Scalar> Rounds<'a, T> {
-    /// Moves shapes until none overlap, none moves any more, or for `max_rounds` passes.
-    pub fn run(
+    /// Lists the near pairs.
+    pub fn of(
         bodies: &'a mut Bodies<T>,
         pusher: &'a Pusher<T>,
         rules: &'a Separation<T>,
-    ) -> Result<Outcome> {
+    ) -> Result<Self> {
         let len = bodies.len();
         let part = |index| {
             let len = places_of(index, len).len();
@@ -62,40 +63,55 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
         let near = Near::of(bodies, rules.gap)?;
         let changed = memory::filled(len.div_ceil(BLOCK), true)?;
-        let mut rounds = Self { bodies, pusher, rules, near, changed, parts };
+        let mut rounds = Self { bodies, pusher, rules, near, changed, parts, count: 0 };
         if rules.max_rounds > 0 {
             rounds.enter_bounds();
         }
-        rounds.near.find(rounds.bodies, rules.threads)?;
-        let mut outcome = Outcome::default();
+        rounds.find_near()?;
+        Ok(rounds)
+    }
+
+    /// Moves shapes until none overlap or for `max_rounds` passes in all; returns false if it
+    /// gives up before, because passes are of little use. It does not if it is `patient`.
+    pub fn run(&mut self, patient: bool) -> Result<bool> {
         let mut before = usize::MAX;
-        while outcome.rounds < rules.max_rounds {
+        while self.count < self.rules.max_rounds {
             interrupt::check()?;
-            outcome.rounds += 1;
-            let (overlaps, moved) = rounds.pass()?;
+            self.count += 1;
+            let (overlaps, moved) = self.pass()?;
             if overlaps == 0 && !moved {
-                return Ok(outcome);
+                return Ok(true);
             }
-            let slow = outcome.rounds.is_multiple_of(PATIENCE) && overlaps > before - before / 10;
-            if !moved || slow {
-                rounds.insert()?;
-                break;
+            let is_due = !patient && self.count.is_multiple_of(PATIENCE);
+            if !moved || (is_due && overlaps > before - before / 10) {
+                return Ok(false);
             }
-            if outcome.rounds.is_multiple_of(PATIENCE) {
+            if is_due {
                 before = overlaps;
             }
         }
-        outcome.overlaps = rounds.count();
-        Ok(outcome)
+        Ok(true)
     }
 
-    /// Puts shapes that overlap at free positions, unless only one axis is free.
-    fn insert(&mut self) -> Result<()> {
-        if self.rules.axis.is_some() {
-            return Ok(());
-        }
-        let places = self.to_take_out()?;
-        insert(self.bodies, &places, self.pusher, self.rules)?;
+    /// Moves the shapes by other means, and lists the near pairs again.
+    pub fn change(&mut self, act: impl FnOnce(&mut Bodies<T>) -> Result<()>) -> Result<()> {
+        act(self.bodies)?;
+        self.enter_bounds();
+        self.find_near()
+    }
+
+    /// The number of passes, and of the pairs that overlap.
+    pub fn outcome(&self) -> Outcome {
+        Outcome { rounds: self.count, overlaps: self.overlaps() }
+    }
+
+    /// Number of shapes.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    fn find_near(&mut self) -> Result<()> {
+        self.changed.fill(true);
         self.near.find(self.bodies, self.rules.threads)
     }
 
@@ -117,8 +133,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
             self.changed[blocks].copy_from_slice(&part.changed);
         }
         if left {
-            self.changed.fill(true);
-            self.near.find(self.bodies, self.rules.threads)?;
+            self.find_near()?;
         }
         Ok((overlaps, moved))
     }
@@ -215,7 +230,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
 
     /// Shapes without which no pair would overlap: of each pair the lighter one, of equal ones
     /// the later. The lists must be those of the current centres.
-    fn to_take_out(&self) -> Result<Vec<u32>> {
+    pub fn to_take_out(&self) -> Result<Vec<u32>> {
         let Bodies { all, centers, .. } = &*self.bodies;
         let mut is_out = memory::filled(all.len(), false)?;
         for (i, a) in all.iter().enumerate() {
@@ -235,7 +250,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
     }
 
     /// Number of pairs that overlap. The lists must be those of the current centres.
-    fn count(&self) -> usize {
+    fn overlaps(&self) -> usize {
         let Bodies { all, centers, .. } = &*self.bodies;
         let mut twice = 0;
         for (i, a) in all.iter().enumerate() {

@@ -11,6 +11,7 @@
 
 use std::cmp::Ordering;
 
+use super::Separation;
 use super::bodies::{Bodies, Body};
 use crate::error::Result;
 use crate::geometry::Scalar;
@@ -21,8 +22,11 @@ use crate::quadtree::Quadtree;
 /// Nodes with fewer shapes do not show whether shapes are crowded.
 const FEWEST: usize = 24;
 
-/// A region is crowded if shapes have more than this share of its area.
-const CROWDED: f64 = 1.0;
+/// Regions are enlarged in which shapes have more than this share of the area: more than fits.
+pub const FULL: f64 = 1.0;
+
+/// As [`FULL`], if passes do not succeed with less room.
+pub const LOOSE: f64 = 0.6;
 
 /// Share of its area that shapes have in a region that has been enlarged.
 const FILL: f64 = 0.5;
@@ -43,7 +47,7 @@ pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> 
         let side = |axis: usize| {
             (bounds.max[axis] - bounds.min[axis]).to_f64() + sum(axis) / range.len() as f64
         };
-        range.len() >= FEWEST && sum(2) > CROWDED * side(0) * side(1)
+        range.len() >= FEWEST && sum(2) > FULL * side(0) * side(1)
     })
 }
 
@@ -69,8 +73,9 @@ struct Part {
     enlarged: bool,
 }
 
-/// Moves the movable shapes until no region has more of them than fit.
-pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, gap: T, bounds: Option<[T; 4]>) -> Result<()> {
+/// Moves the movable shapes until they have at most a share of the area of each region.
+pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, rules: &Separation<T>, most: f64) -> Result<()> {
+    let gap = rules.gap;
     let mut order: Vec<u32> = memory::with_room(bodies.len())?;
     order.extend((0..bodies.len() as u32).filter(|&i| !bodies.all[i as usize].is_fixed()));
     if order.is_empty() {
@@ -81,8 +86,8 @@ pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, gap: T, bounds: Option<[T; 4]>)
         let size = extent.to_f64() + gap.to_f64() / 2.0;
         if size > 0.0 { size } else { 1.0 }
     });
-    let mut state = Spread { bodies, gap, unit };
-    let root = state.root(&order, bounds);
+    let mut state = Spread { bodies, gap, unit, most };
+    let root = state.root(&order, rules.bounds);
     let mut stack = vec![root];
     let mut pulse = Pulse::current();
     while let Some(part) = stack.pop() {
@@ -100,6 +105,7 @@ struct Spread<'a, T> {
     bodies: &'a mut Bodies<T>,
     gap: T,
     unit: [f64; 2],
+    most: f64,
 }
 
 impl<T: Scalar> Spread<'_, T> {
@@ -172,7 +178,7 @@ impl<T: Scalar> Spread<'_, T> {
         let across = part.max[1 - axis] - part.min[1 - axis];
         let (low, high) = (part.min[axis], part.max[axis]);
         let areas = [self.area_of(first), self.area_of(second)];
-        let new = divide([low, line, high], areas, across);
+        let new = divide([low, line, high], areas, across, self.most);
         self.stretch(first, axis, [low, line], [low, new]);
         self.stretch(second, axis, [line, high], [new, high]);
         let mut halves = [part; 2];
@@ -222,14 +228,14 @@ fn enlarged(old: [f64; 2], needed: f64, unit: [f64; 2], most: [f64; 2]) -> [f64;
 
 /// Where the line between two halves of a box must lie so that each has enough room, as near as
 /// possible to where it is.
-fn divide([low, line, high]: [f64; 3], areas: [f64; 2], across: f64) -> f64 {
+fn divide([low, line, high]: [f64; 3], areas: [f64; 2], across: f64, most: f64) -> f64 {
     let room = [(line - low) * across, (high - line) * across];
-    if areas[0] <= room[0] * CROWDED && areas[1] <= room[1] * CROWDED {
+    if areas[0] <= room[0] * most && areas[1] <= room[1] * most {
         return line;
     }
     let total = areas[0] + areas[1];
     let fill = FILL.max(total / ((high - low) * across));
     let least = low + areas[0] / (fill * across);
-    let most = high - areas[1] / (fill * across);
-    line.clamp(least.min(most), most.max(least))
+    let greatest = high - areas[1] / (fill * across);
+    line.clamp(least.min(greatest), greatest.max(least))
 }
