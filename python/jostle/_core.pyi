@@ -28,6 +28,9 @@ from jostle.results import (
     Nozzle,
     RayHit,
     RayHits,
+    Separated,
+    Slide,
+    Slides,
     Stats,
     WallContacts,
     WorldCollisions,
@@ -62,6 +65,7 @@ __all__ = [
     "scene_names",
     "scene_view",
     "scene_wall",
+    "separate",
     "sprite_dict",
     "sprite_pairs",
     "sprite_sides",
@@ -306,6 +310,21 @@ def sprite_dict(
     dict of key to list of value
         The result of `groupcollide` for these pairs.
     """
+
+def separate(
+    centers: _Vectors,
+    radii: ArrayLike = 0.0,
+    half_sizes: ArrayLike | None = None,
+    *,
+    weights: ArrayLike = 1.0,
+    fixed: ArrayLike | None = None,
+    axis: SupportsIndex | None = None,
+    gap: _Number = 0.0,
+    bounds: ArrayLike | None = None,
+    max_rounds: SupportsIndex = 1000,
+    tolerance: _Number = 0.01,
+    threads: SupportsIndex | None = None,
+) -> Separated: ...
 
 @final
 class Quadtree:
@@ -1183,6 +1202,42 @@ class Space:
         """
     @overload
     def move(self, ids: ArrayLike, centers: None = None, *, boxes: _Boxes | _Rect) -> None: ...
+    @overload
+    def move_and_slide(
+        self,
+        ids: _Id,
+        displacements: _AnyPoint | _Array,
+        *,
+        mask: SupportsIndex | None = None,
+        max_slides: SupportsIndex = 4,
+        up: _Vectors = (0, -1),
+        floor_angle: _Number = 0.7853981633974483,
+        one_way: SupportsIndex = 0,
+    ) -> Slide: ...
+    @overload
+    def move_and_slide(
+        self,
+        ids: _IdList,
+        displacements: _Points,
+        *,
+        mask: SupportsIndex | None = None,
+        max_slides: SupportsIndex = 4,
+        up: _Vectors = (0, -1),
+        floor_angle: _Number = 0.7853981633974483,
+        one_way: SupportsIndex = 0,
+    ) -> Slides: ...
+    @overload
+    def move_and_slide(
+        self,
+        ids: _Undecided,
+        displacements: _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+        max_slides: SupportsIndex = 4,
+        up: _Vectors = (0, -1),
+        floor_angle: _Number = 0.7853981633974483,
+        one_way: SupportsIndex = 0,
+    ) -> Slide | Slides | Any: ...
     def resize(
         self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None:
