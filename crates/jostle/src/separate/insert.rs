@@ -63,21 +63,22 @@ impl<T: Scalar> Search<T> {
     ) -> Result<Option<[T; 2]>> {
         let extent = [0, 1].map(|axis| bodies.all[place].extent(axis));
         let mut reach = extent[0].max(extent[1]).max(bodies.mean_extents[0]);
+        reach = reach + reach;
         let mut nearby_before = usize::MAX;
         loop {
-            reach = reach + reach;
             let wide = [reach + extent[0] + rules.gap, reach + extent[1] + rules.gap];
             grid.near(bodies, place, wide, &mut self.nearby)?;
             pulse.check(self.nearby.len())?;
-            if let Some((free, distance)) =
-                self.along_lines(bodies, place, reach, (pusher, rules))?
-                && distance <= reach
-            {
-                return Ok(Some(free));
-            }
+            let found = self.along_lines(bodies, place, reach, (pusher, rules))?;
             let all = self.nearby.len() == nearby_before;
-            if self.nearby.len() > MOST_NEARBY || (all && rules.bounds.is_some()) {
-                return Ok(None);
+            match found {
+                // Shapes beyond the reach may be in the way of a position beyond it.
+                Some((free, distance)) if distance <= reach => return Ok(Some(free)),
+                Some((_, distance)) if !all => reach = distance.max(reach + reach),
+                _ if self.nearby.len() > MOST_NEARBY => return Ok(None),
+                _ if all && rules.bounds.is_some() => return Ok(None),
+                Some((_, distance)) => reach = distance.max(reach + reach),
+                None => reach = reach + reach,
             }
             nearby_before = self.nearby.len();
         }

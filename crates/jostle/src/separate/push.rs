@@ -4,8 +4,12 @@ use super::Separation;
 use super::bodies::Body;
 use crate::geometry::{Scalar, overlap};
 
-/// Factor of over-relaxation: each pair is moved this much farther than it overlaps.
+/// Factor of over-relaxation: each pair is moved this much farther than it overlaps. In the first
+/// [`EXACT`] passes it is 1, so that a pair far from others moves no farther than needed.
 const RELAXATION: f64 = 1.2;
+
+/// As above.
+const EXACT: usize = 2;
 
 /// The rules of all pairs.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +28,14 @@ impl<T: Scalar> Pusher<T> {
             axis: rules.axis,
             gap: rules.gap,
             tolerance: rules.tolerance.max(smallest),
-            relaxation: T::from_f64(RELAXATION),
+            relaxation: T::ONE,
         }
+    }
+
+    /// The rules in a pass, of which `before` precede.
+    pub fn in_pass(&self, before: usize) -> Self {
+        let factor = if before < EXACT { 1.0 } else { RELAXATION };
+        Self { relaxation: T::from_f64(factor), ..*self }
     }
 
     /// Whether two shapes overlap or are closer than the gap; `offset` is that of the centre

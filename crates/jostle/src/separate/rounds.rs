@@ -36,7 +36,7 @@ struct Part<T> {
 /// The passes of a call.
 pub struct Rounds<'a, T> {
     bodies: &'a mut Bodies<T>,
-    pusher: &'a Pusher<T>,
+    pusher: Pusher<T>,
     rules: &'a Separation<T>,
     near: Near<T>,
     /// Whether a shape of each block has moved in the last pass, or may overlap since then.
@@ -63,7 +63,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
         let near = Near::of(bodies, rules.gap)?;
         let changed = memory::filled(len.div_ceil(BLOCK), true)?;
-        let mut rounds = Self { bodies, pusher, rules, near, changed, parts, count: 0 };
+        let mut rounds = Self { bodies, pusher: *pusher, rules, near, changed, parts, count: 0 };
         if rules.max_rounds > 0 {
             rounds.enter_bounds();
         }
@@ -77,6 +77,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         let mut before = usize::MAX;
         while self.count < self.rules.max_rounds {
             interrupt::check()?;
+            self.pusher = self.pusher.in_pass(self.count);
             self.count += 1;
             let (overlaps, moved) = self.pass()?;
             if overlaps == 0 && !moved {
@@ -177,7 +178,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
                 }
                 part.overlaps += 1;
                 part.changed[(i - first) / BLOCK] = true;
-                let push = ordered_push(self.pusher, (a, b), offset, (i, j));
+                let push = ordered_push(&self.pusher, (a, b), offset, (i, j));
                 let share = share(a.weight, b.weight);
                 center = [center[0] - push[0] * share, center[1] - push[1] * share];
                 if here {

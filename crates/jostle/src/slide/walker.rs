@@ -65,7 +65,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
             else {
                 return;
             };
-            let out = -(depth + self.slop([depth; 2]));
+            let out = -(depth + self.slop(depth));
             let displacement = [normal[0] * out, normal[1] * out];
             self.look(displacement);
             self.advance(displacement, None);
@@ -86,18 +86,16 @@ impl<'a, T: Scalar> Walker<'a, T> {
         }
     }
 
-    /// Upper bound of the rounding errors of a motion.
-    fn slop(&self, displacement: [T; 2]) -> T {
-        let size = |axis: usize| {
-            self.body.min[axis].abs() + displacement[axis].abs() + extent(&self.body, axis)
-        };
-        size(0).max(size(1)) * T::EPSILON * T::from_f64(ROUNDINGS)
+    /// Upper bound of the rounding errors of a position at a distance.
+    fn slop(&self, distance: T) -> T {
+        let size = |axis: usize| self.body.min[axis].abs() + extent(&self.body, axis);
+        (size(0).max(size(1)) + distance) * T::EPSILON * T::from_f64(ROUNDINGS)
     }
 
     /// Finds the obstacles on the way, unless they are known.
     fn look(&mut self, displacement: [T; 2]) {
         let center = self.body.min;
-        let slop = self.slop(displacement);
+        let slop = self.slop(length(displacement));
         let margin = [0, 1].map(|axis| extent(&self.body, axis) + (slop + slop) + (slop + slop));
         let low = |axis: usize| center[axis] + displacement[axis].min(T::ZERO) - margin[axis];
         let high = |axis: usize| center[axis] + displacement[axis].max(T::ZERO) + margin[axis];
@@ -108,7 +106,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         if self.known.is_some_and(is_within) {
             return;
         }
-        let length = displacement[0].abs() + displacement[1].abs();
+        let length = length(displacement);
         let short = T::from_f64(SHORT) * (margin[0] + margin[1]);
         let region = if length <= short {
             // Later parts of the path are no longer than the displacement.
@@ -136,17 +134,20 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// Moves it along a displacement until it meets an obstacle; returns the share that it has
     /// moved, and the obstacle. Obstacles that it overlaps at the start do not stop it.
     fn advance(&mut self, displacement: [T; 2], except: Option<u32>) -> Option<(T, SlideHit<T>)> {
-        let slop = self.slop(displacement);
         let start = self.body;
+        let close = self.slop(T::ZERO);
         let rules = self.rules;
         let is_solid = |obstacle: &Obstacle<T>| {
             Some(obstacle.slot) != except
                 && !overlaps(&start, &obstacle.shape)
                 && (obstacle.shape.category & rules.one_way == 0
-                    || is_above(rules, &start, &obstacle.shape, slop))
+                    || is_above(rules, &start, &obstacle.shape, close))
         };
         let mut first: Option<(T, SlideHit<T>)> = None;
         for obstacle in self.near.iter().filter(|obstacle| is_solid(obstacle)) {
+            // Rounding errors grow with the distance of the obstacle, not with the displacement.
+            let [x, y] = gaps(&start, &obstacle.shape).map(|gap| gap.max(T::ZERO));
+            let slop = self.slop(x + y);
             let Some((share, normal)) = enters(&start, displacement, &obstacle.shape, slop) else {
                 continue;
             };
@@ -163,7 +164,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
             }
         }
         let share = first.map_or(T::ONE, |(share, _)| share);
-        let end = self.free_end(displacement, share, slop, &is_solid);
+        let end = self.free_end(displacement, share, &is_solid);
         self.body.min = end;
         self.body.max = end;
         first
@@ -175,10 +176,10 @@ impl<'a, T: Scalar> Walker<'a, T> {
         &self,
         displacement: [T; 2],
         share: T,
-        slop: T,
         is_solid: &impl Fn(&Obstacle<T>) -> bool,
     ) -> [T; 2] {
         let start = self.body.min;
+        let slop = self.slop(length(displacement) * share);
         let at =
             |share: T| [start[0] + displacement[0] * share, start[1] + displacement[1] * share];
         let overlapped = |center: [T; 2]| {
@@ -224,15 +225,26 @@ fn extent<T: Scalar>(body: &Shape<T>, axis: usize) -> T {
     body.half_size[axis] + body.radius
 }
 
-/// Whether two shapes overlap, by the formula of all queries.
 #[inline(always)]
-fn overlaps<T: Scalar>(body: &Shape<T>, obstacle: &Shape<T>) -> bool {
+fn length<T: Scalar>(v: [T; 2]) -> T {
+    v[0].abs() + v[1].abs()
+}
+
+/// The gaps between the cores of two shapes along each axis.
+#[inline(always)]
+fn gaps<T: Scalar>(body: &Shape<T>, obstacle: &Shape<T>) -> [T; 2] {
     let along = |axis: usize| {
         let own = [body.min[axis], body.max[axis]];
         gap(own, [obstacle.min[axis], obstacle.max[axis]])
             - (body.half_size[axis] + obstacle.half_size[axis])
     };
-    overlap([along(0), along(1)], body.radius + obstacle.radius)
+    [along(0), along(1)]
+}
+
+/// Whether two shapes overlap, by the formula of all queries.
+#[inline(always)]
+fn overlaps<T: Scalar>(body: &Shape<T>, obstacle: &Shape<T>) -> bool {
+    overlap(gaps(body, obstacle), body.radius + obstacle.radius)
 }
 
 /// Whether a shape is above an obstacle, as seen from `up`.
