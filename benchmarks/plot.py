@@ -457,6 +457,47 @@ def draw_shares(axes, bars: Bars) -> None:
     axes.set_title("share of the step, %")
 
 
+def draw_bandwidth(rows: list[Row], path: Path) -> None:
+    """Stacked bars: the stages of a search, and the limits of the memory bandwidth."""
+    drawing, panels = figure(1, 7.5, 3.6)
+    axes = panels[0, 0]
+    counts = sorted({int(row["count"]) for row in rows})
+    own = {
+        count: {row["stage"]: row for row in rows if int(row["count"]) == count} for count in counts
+    }
+    bars = {
+        ("", count): {
+            "build" if stage == "tree" else stage: float(row["ns"]) for stage, row in stages.items()
+        }
+        for count, stages in own.items()
+    }
+    stack(axes, range(len(bars)), list(bars.values()), 0.5)
+    for place, (stages, bar) in enumerate(zip(own.values(), bars.values(), strict=True)):
+        end_of_bar(axes, place, bar, "{:,.1f}", color=INK, fontweight="bold")
+        for kind, style in (("input_output_bytes", ":"), ("passes_bytes", "-")):
+            limit = sum(
+                1e9 * float(row[kind]) / float(row["bytes_per_s"]) for row in stages.values()
+            )
+            label = {"input_output_bytes": "input and output", "passes_bytes": "all passes"}[kind]
+            label = f"limit of the memory: {label}" if place == 0 else None
+            axes.plot([limit] * 2, [place - 0.36, place + 0.36], style, color=INK, label=label)
+    rate = float(rows[0]["bytes_per_s"]) / 1e9
+    axes.set_yticks(range(len(counts)), [f"{count:,}" for count in counts])
+    axes.set_ylim(len(bars) - 0.45, -0.55)
+    axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0, labelcolor=INK)
+    axes.spines["left"].set_visible(False)
+    axes.set_xlim(0, 1.14 * max(sum(bar.values()) for bar in bars.values()))
+    axes.set_xlabel(f"nanoseconds a disc; copying moves {rate:.1f} GB/s")
+    axes.set_ylabel("discs")
+    handles, names = axes.get_legend_handles_labels()
+    names = [{"build": "tree"}.get(name, name) for name in names]
+    axes.legend(
+        handles, names, ncols=4, loc="lower right", bbox_to_anchor=(1.012, 1.0), borderpad=0
+    )
+    save(drawing, path, rows, "Where the time of find_pairs goes, one thread, float32")
+
+
 def end_of_bar(axes, place: float, bar: dict[str, float], words: str, **look) -> None:
     """Write the total of a bar at its end."""
     total = sum(bar.values())
@@ -477,6 +518,7 @@ DRAWINGS: dict[str, Callable[[list[Row], Path], None]] = {
     "growth": draw_growth,
     "small": draw_small,
     "stage-times": draw_stage_times,
+    "bandwidth": draw_bandwidth,
 }
 
 

@@ -16,6 +16,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import bandwidth
 import growth
 import hard_cases
 import plot
@@ -79,6 +80,7 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "held": run_held,
     "small": lambda options: small.race(options.rounds, options.largest),
     "growth": lambda options: growth.race(options.rounds, 10 * options.largest, told),
+    "bandwidth": lambda options: bandwidth.race(options.rounds, 10 * options.largest, told),
     "share": lambda options: share.race(options.rounds, options.largest),
     "stage-times": lambda options: stage_times.race(options.rounds, options.largest, told),
     "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),

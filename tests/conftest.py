@@ -22,6 +22,7 @@ BESIDE_THE_LIBRARY = [
     "test_examples.py",
     "test_gas.py",
     "test_interrupt.py",
+    "test_inlined.py",
     "test_layers.py",
     "test_resting.py",
     "test_stub.py",

@@ -309,6 +309,24 @@ def run_benchmarks(*arguments: str | Path, code: str = "") -> None:
 
 
 @pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_limits_of_the_memory_are_computed_and_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    code = """
+import sys, pathlib, bandwidth, plot
+rows = bandwidth.rows([1000, 20.0, 10.0, 800], 1e10, 3)
+least = sum(float(row["input_output_bytes"]) for row in rows)
+assert least == 8 + 8 * 0.8  # a centre read, 0.8 pairs written
+assert all(float(row["passes_bytes"]) > float(row["input_output_bytes"]) for row in rows)
+assert [float(row["ns"]) for row in rows] == [20.0, 10.0]
+as_text = [{name: str(value) for name, value in row.items()} for row in rows]
+plot.draw_bandwidth([{**row, "machine": ""} for row in as_text], pathlib.Path(sys.argv[1]))
+"""
+    picture = tmp_path / "picture.png"
+    run_benchmarks(picture, code=code)
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
 def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     options = ["--largest", "60", "--rounds", "3", "--out", tmp_path]

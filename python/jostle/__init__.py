@@ -20,6 +20,8 @@
     The results of `separate` and `Space.move_and_slide`.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
+`WorldParticle`, `WorldParticles`
+    Copies of some particles.
 `article`
     The two programs of the article of 2015, in plain Python, with their faults.
 """
@@ -59,6 +61,8 @@ from jostle.results import (
     WorldCollisions,
     WorldContacts,
     WorldEvents,
+    WorldParticle,
+    WorldParticles,
     WorldStats,
 )
 from jostle.tilemap import tiles
@@ -93,6 +97,8 @@ __all__ = [
     "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
+    "WorldParticle",
+    "WorldParticles",
     "WorldStats",
     "__version__",
     "article",

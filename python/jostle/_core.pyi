@@ -36,6 +36,8 @@ from jostle.results import (
     WorldCollisions,
     WorldContacts,
     WorldEvents,
+    WorldParticle,
+    WorldParticles,
     WorldStats,
 )
 
@@ -59,6 +61,7 @@ __all__ = [
     "create_scene",
     "describe_scene",
     "find_pairs",
+    "instructions",
     "scene_default_count",
     "scene_fountains",
     "scene_galton_board",
@@ -137,6 +140,10 @@ _Force: TypeAlias = (
 
 def abandon_threads() -> None:
     """Abandons the threads of the parent process, which do not exist in a forked process."""
+
+def instructions() -> str:
+    """The vector instructions that searches and steps use on this processor: "AVX-512", "AVX2" or
+    "baseline", those of every processor of the architecture. Results do not depend on them."""
 
 def wake_threads_always(always: bool) -> None:
     """Lets small calls wake other threads. For tests."""
@@ -2516,6 +2523,12 @@ class World:
     def rows(self, ids: _IdList) -> _Ids: ...
     @overload
     def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
+    @overload
+    def read(self, ids: _Id) -> WorldParticle: ...
+    @overload
+    def read(self, ids: _IdList) -> WorldParticles: ...
+    @overload
+    def read(self, ids: _Undecided) -> WorldParticle | WorldParticles | Any: ...
     @property
     def positions(self) -> NDArray[np.float32]:
         """Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.

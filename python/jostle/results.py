@@ -24,6 +24,8 @@ __all__ = [
     "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
+    "WorldParticle",
+    "WorldParticles",
 ]
 
 
@@ -303,6 +305,74 @@ class WorldContacts(NamedTuple):
     depths: NDArray[np.float32]
     normal_impulses: NDArray[np.float32]
     friction_impulses: NDArray[np.float32]
+
+
+class WorldParticles(NamedTuple):
+    """Some particles of a `World`, by the names of the arguments of `World.add` and `World.set`.
+
+    Attributes
+    ----------
+    positions, velocities : ndarray of float32, shape (k, 2)
+        In units of length, and per second.
+    radii, masses, restitutions : ndarray of float32, shape (k,)
+    movable : ndarray of bool, shape (k,)
+    friction, angles, angular_velocities : ndarray of float32, shape (k,)
+        Angles in radians, -π to π without π.
+    categories, masks : ndarray of uint32, shape (k,)
+    sensors : ndarray of bool, shape (k,)
+
+    See Also
+    --------
+    jostle.World.read
+    WorldParticle : The same of one particle.
+    """
+
+    positions: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    radii: NDArray[np.float32]
+    masses: NDArray[np.float32]
+    restitutions: NDArray[np.float32]
+    movable: NDArray[np.bool_]
+    friction: NDArray[np.float32]
+    angles: NDArray[np.float32]
+    angular_velocities: NDArray[np.float32]
+    categories: NDArray[np.uint32]
+    masks: NDArray[np.uint32]
+    sensors: NDArray[np.bool_]
+
+
+class WorldParticle(NamedTuple):
+    """One particle of a `World`, by the names of the arguments of `World.add` and `World.set`.
+
+    Attributes
+    ----------
+    positions, velocities : ndarray of float32, shape (2,)
+        In units of length, and per second.
+    radii, masses, restitutions : float
+    movable : bool
+    friction, angles, angular_velocities : float
+        Angles in radians, -π to π without π.
+    categories, masks : int
+    sensors : bool
+
+    See Also
+    --------
+    jostle.World.read
+    WorldParticles : The same of many particles.
+    """
+
+    positions: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    radii: float
+    masses: float
+    restitutions: float
+    movable: bool
+    friction: float
+    angles: float
+    angular_velocities: float
+    categories: int
+    masks: int
+    sensors: bool
 
 
 class WallContacts(NamedTuple):

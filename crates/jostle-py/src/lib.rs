@@ -72,6 +72,17 @@ mod _core {
         jostle::parallel::wake_always(always);
     }
 
+    /// The vector instructions that searches and steps use on this processor: "AVX-512", "AVX2" or
+    /// "baseline", those of every processor of the architecture. Results do not depend on them.
+    #[pyfunction]
+    fn instructions() -> &'static str {
+        match jostle::simd::widest() {
+            jostle::simd::Instructions::Avx512 => "AVX-512",
+            jostle::simd::Instructions::Avx2 => "AVX2",
+            jostle::simd::Instructions::Portable => "baseline",
+        }
+    }
+
     /// Abandons the threads of the parent process, which do not exist in a forked process.
     #[pyfunction]
     fn abandon_threads() {

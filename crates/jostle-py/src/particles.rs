@@ -1,30 +1,48 @@
 //! Columns of particles as arguments of a world.
 
-use jostle::particles::{
-    MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
-    check_restitutions, check_vectors,
-};
-use jostle::{Defaults, Each, Error, Filter, Particles};
+use jostle::particles::MASS_RANGE;
+use jostle::{Changes, Defaults, Each, Error, Filter, Particles};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Maybe, reals};
+use crate::arrays::{Argument, Maybe, bit_sets, reals};
 
-/// Copied columns with checked shapes; the values are not checked yet.
+/// Copied columns of new particles with checked shapes; the values are not checked yet.
 #[derive(Default)]
 pub struct Draft {
-    pub positions: Option<Vec<[f32; 2]>>,
-    pub velocities: Option<Vec<[f32; 2]>>,
-    pub radii: Option<Each<f32>>,
-    pub masses: Option<Each<f32>>,
+    pub columns: Changes,
     pub densities: Option<Each<f32>>,
-    pub restitutions: Option<Each<f32>>,
-    pub movable: Option<Each<bool>>,
-    pub friction: Option<Each<f32>>,
-    pub angles: Option<Each<f32>>,
-    pub angular_velocities: Option<Each<f32>>,
-    pub categories: Option<Each<u32>>,
-    pub masks: Option<Each<u32>>,
-    pub sensors: Option<Each<bool>>,
+}
+
+/// Columns that `World`, `World.add` and `World.set` read alike, by their Python names.
+#[derive(Default)]
+pub struct Arguments<'a, 'py> {
+    pub masses: Maybe<'a, 'py>,
+    pub restitutions: Maybe<'a, 'py>,
+    pub movable: Maybe<'a, 'py>,
+    pub friction: Maybe<'a, 'py>,
+    pub angles: Maybe<'a, 'py>,
+    pub angular_velocities: Maybe<'a, 'py>,
+    pub categories: Maybe<'a, 'py>,
+    pub masks: Maybe<'a, 'py>,
+    pub sensors: Maybe<'a, 'py>,
+}
+
+impl Arguments<'_, '_> {
+    /// Adds the columns of `len` particles to others.
+    pub fn read(self, len: usize, others: Changes) -> PyResult<Changes> {
+        Ok(Changes {
+            masses: reals("masses", self.masses, len)?,
+            restitutions: reals("restitutions", self.restitutions, len)?,
+            movable: truths("movable", self.movable, len)?,
+            friction: reals("friction", self.friction, len)?,
+            angles: angles(self.angles, len)?,
+            angular_velocities: reals("angular_velocities", self.angular_velocities, len)?,
+            categories: bit_sets("categories", self.categories, len)?,
+            masks: bit_sets("masks", self.masks, len)?,
+            sensors: truths("sensors", self.sensors, len)?,
+            ..others
+        })
+    }
 }
 
 impl Draft {
@@ -33,15 +51,15 @@ impl Draft {
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
         radii: &Bound<'py, PyAny>,
-    ) -> PyResult<(Self, usize)> {
+    ) -> PyResult<(Changes, usize)> {
         let len = Argument::reals("positions", positions)?.pairs_len()?;
-        let draft = Self {
-            positions: vectors("positions", Some(positions), len)?,
-            velocities: vectors("velocities", Some(velocities), len)?,
+        let columns = Changes {
+            positions: vectors("positions", Some(positions), len)?.map(Each::Rows),
+            velocities: vectors("velocities", Some(velocities), len)?.map(Each::Rows),
             radii: reals("radii", Some(radii), len)?,
-            ..Self::default()
+            ..Changes::default()
         };
-        Ok((draft, len))
+        Ok((columns, len))
     }
 
     /// The same for one particle, without a number, or for many.
@@ -49,19 +67,20 @@ impl Draft {
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
         radii: Maybe<'_, 'py>,
-    ) -> PyResult<(Self, Option<usize>)> {
+    ) -> PyResult<(Changes, Option<usize>)> {
         let positions: Each<[f32; 2]> = Argument::reals("positions", positions)?.one_or_rows()?;
         let len = positions.len();
-        let draft = Self {
-            positions: Some(positions.rows(1)),
-            velocities: match len {
-                Some(len) => vectors("velocities", Some(velocities), len)?,
-                None => Some(only_vector("velocities", velocities, "particle")?),
-            },
-            radii: reals("radii", radii, len.unwrap_or(1))?,
-            ..Self::default()
+        let velocities = match len {
+            Some(len) => vectors("velocities", Some(velocities), len)?,
+            None => Some(only_vector("velocities", velocities, "particle")?),
         };
-        Ok((draft, len))
+        let columns = Changes {
+            positions: Some(Each::Rows(positions.rows(1))),
+            velocities: velocities.map(Each::Rows),
+            radii: reals("radii", radii, len.unwrap_or(1))?,
+            ..Changes::default()
+        };
+        Ok((columns, len))
     }
 
     /// Columns given as one number become the defaults of particles that are added later.
@@ -69,83 +88,46 @@ impl Draft {
         fn one<V: Copy>(column: Option<&Each<V>>) -> Option<V> {
             column.and_then(|column| if let Each::One(one) = column { Some(*one) } else { None })
         }
+        let Changes { radii, masses, restitutions, friction, categories, masks, .. } =
+            &self.columns;
         Defaults {
-            radius: one(self.radii.as_ref()).or(before.radius),
-            mass: one(self.masses.as_ref()).or(before.mass),
+            radius: one(radii.as_ref()).or(before.radius),
+            mass: one(masses.as_ref()).or(before.mass),
             density: one(self.densities.as_ref()).unwrap_or(before.density),
-            restitution: one(self.restitutions.as_ref()).unwrap_or(before.restitution),
-            friction: one(self.friction.as_ref()).unwrap_or(before.friction),
+            restitution: one(restitutions.as_ref()).unwrap_or(before.restitution),
+            friction: one(friction.as_ref()).unwrap_or(before.friction),
             filter: Filter {
-                category: one(self.categories.as_ref()).unwrap_or(before.filter.category),
-                mask: one(self.masks.as_ref()).unwrap_or(before.filter.mask),
+                category: one(categories.as_ref()).unwrap_or(before.filter.category),
+                mask: one(masks.as_ref()).unwrap_or(before.filter.mask),
             },
         }
     }
 
     /// New particles with these columns; omitted ones get their defaults. Without the GIL.
-    pub fn particles(mut self, len: usize, defaults: &Defaults) -> jostle::Result<Particles> {
-        self.check()?;
-        self.radii = self.radii.or(defaults.radius.map(Each::One));
-        self.restitutions.get_or_insert(Each::One(defaults.restitution));
-        self.friction.get_or_insert(Each::One(defaults.friction));
-        self.categories.get_or_insert(Each::One(defaults.filter.category));
-        self.masks.get_or_insert(Each::One(defaults.filter.mask));
-        if self.densities.is_none() {
-            self.masses = self.masses.or(defaults.mass.map(Each::One));
+    pub fn particles(self, len: usize, defaults: &Defaults) -> jostle::Result<Particles> {
+        let Self { mut columns, densities } = self;
+        // Checked before the masses that follow from them.
+        columns.validate(len)?;
+        check_column(densities.as_ref(), check_densities)?;
+        columns.radii = columns.radii.or(defaults.radius.map(Each::One));
+        columns.restitutions.get_or_insert(Each::One(defaults.restitution));
+        columns.friction.get_or_insert(Each::One(defaults.friction));
+        columns.categories.get_or_insert(Each::One(defaults.filter.category));
+        columns.masks.get_or_insert(Each::One(defaults.filter.mask));
+        if densities.is_none() {
+            columns.masses = columns.masses.or(defaults.mass.map(Each::One));
         }
         let blank = vec![[0.0; 2]; len];
         let mut particles = Particles::new(blank.clone(), blank, vec![0.0; len], 1.0);
-        let densities = self.densities.take().unwrap_or(Each::One(defaults.density)).rows(len);
-        let has_masses = self.masses.is_some();
-        self.write(&mut particles);
-        if !has_masses {
+        let rows: Vec<u32> = (0..len as u32).collect();
+        columns.write(&mut particles, &rows);
+        if columns.masses.is_none() {
+            let densities = densities.unwrap_or(Each::One(defaults.density)).rows(len);
             let pairs = particles.radii.iter().zip(densities);
             particles.masses = pairs.map(|(r, density)| density * r * r).collect();
             check_own_masses(&particles)?;
         }
         Ok(particles)
-    }
-
-    /// Refuses invalid values; errors have the index in the argument.
-    pub fn check(&self) -> jostle::Result<()> {
-        check_vectors("positions", self.positions.as_deref().unwrap_or_default())?;
-        check_vectors("velocities", self.velocities.as_deref().unwrap_or_default())?;
-        check_column(self.radii.as_ref(), check_radii)?;
-        check_column(self.densities.as_ref(), check_densities)?;
-        check_column(self.masses.as_ref(), check_masses)?;
-        check_column(self.restitutions.as_ref(), check_restitutions)?;
-        check_column(self.friction.as_ref(), check_friction)?;
-        check_column(self.angles.as_ref(), check_angles)?;
-        check_column(self.angular_velocities.as_ref(), check_angular_velocities)
-    }
-
-    /// Writes the columns over those of the particles.
-    pub fn write(self, particles: &mut Particles) {
-        // The positions of the caller are exact.
-        let residuals = self.positions.is_some().then_some(Each::One([0.0; 2]));
-        put(residuals, &mut particles.residuals, |to, value| *to = value);
-        put(self.positions.map(Each::Rows), &mut particles.positions, |to, value| *to = value);
-        put(self.velocities.map(Each::Rows), &mut particles.velocities, |to, value| *to = value);
-        put(self.radii, &mut particles.radii, |to, value| *to = value);
-        put(self.masses, &mut particles.masses, |to, value| *to = value);
-        put(self.restitutions, &mut particles.restitutions, |to, value| *to = value);
-        put(self.movable, &mut particles.movable, |to, value| *to = value);
-        // The column of friction and rotation is omitted if all of it is 0.
-        if self.friction.is_some() || self.angles.is_some() || self.angular_velocities.is_some() {
-            let spins = particles.spins_mut();
-            put(self.friction, spins, |spin, friction| spin.friction = friction);
-            put(self.angles, spins, |spin, angle| spin.angle = f64::from(angle));
-            put(self.angular_velocities, spins, |spin, speed| spin.velocity = speed);
-        }
-        // The column of categories and masks is omitted if all have the default.
-        if self.categories.is_some() || self.masks.is_some() {
-            let filters = particles.filters_mut();
-            put(self.categories, filters, |filter, bits| filter.category = bits);
-            put(self.masks, filters, |filter, bits| filter.mask = bits);
-        }
-        if self.sensors.is_some() {
-            put(self.sensors, particles.sensors_mut(), |to, value| *to = value);
-        }
     }
 }
 
@@ -174,6 +156,14 @@ pub fn truths(
     len: usize,
 ) -> PyResult<Option<Each<bool>>> {
     value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
+}
+
+/// Angles in radians, which the core stores as float64.
+pub fn angles(value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<f64>>> {
+    Ok(reals("angles", value, len)?.map(|angles: Each<f32>| match angles {
+        Each::One(angle) => Each::One(f64::from(angle)),
+        Each::Rows(angles) => Each::Rows(angles.into_iter().map(f64::from).collect()),
+    }))
 }
 
 fn check_column(
@@ -208,16 +198,5 @@ fn check_densities(densities: &[f32]) -> jostle::Result<()> {
             Err(Error::at("densities", index, densities[index], rule))
         }
         None => Ok(()),
-    }
-}
-
-/// Sets a value in each row.
-fn put<V: Copy, C>(values: Option<Each<V>>, column: &mut [C], set: impl Fn(&mut C, V)) {
-    match values {
-        None => (),
-        Some(Each::One(value)) => column.iter_mut().for_each(|to| set(to, value)),
-        Some(Each::Rows(values)) => {
-            column.iter_mut().zip(values).for_each(|(to, value)| set(to, value));
-        }
     }
 }

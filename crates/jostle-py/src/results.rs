@@ -4,10 +4,13 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{Emitter, GaltonBoard};
-use jostle::{Collisions, Id, Scalar, Slides, Touch, TouchEvents, WallTouch, memory};
+use jostle::{
+    Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory,
+};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::PyTuple;
 
 use crate::arrays::{column, decimal, long, matrix, table};
 use crate::error::refused;
@@ -50,6 +53,57 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
         column(py, all.iter().map(|touch| touch.friction_impulse).collect()),
     );
     CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
+}
+
+/// `jostle.WorldParticles`.
+pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyAny>> {
+    static PARTICLES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let rows = 0..all.len();
+    let spins = || rows.clone().map(|row| all.spin(row));
+    let filters = || rows.clone().map(|row| all.filter(row));
+    let (friction, angles): (Vec<f32>, Vec<f32>) =
+        spins().map(|spin| (spin.friction, spin.rounded_angle())).unzip();
+    let (categories, masks): (Vec<u32>, Vec<u32>) =
+        filters().map(|filter| (filter.category, filter.mask)).unzip();
+    let fields = [
+        column(py, friction).into_any(),
+        column(py, angles).into_any(),
+        column(py, spins().map(|spin| spin.velocity).collect::<Vec<f32>>()).into_any(),
+        column(py, categories).into_any(),
+        column(py, masks).into_any(),
+        column(py, rows.clone().map(|row| all.is_sensor(row)).collect::<Vec<bool>>()).into_any(),
+    ];
+    let first = [
+        table(py, all.positions)?.into_any(),
+        table(py, all.velocities)?.into_any(),
+        column(py, all.radii).into_any(),
+        column(py, all.masses).into_any(),
+        column(py, all.restitutions).into_any(),
+        column(py, all.movable).into_any(),
+    ];
+    let class = PARTICLES.import(py, "jostle.results", "WorldParticles")?;
+    class.call1(PyTuple::new(py, first.into_iter().chain(fields).collect::<Vec<_>>())?)
+}
+
+/// `jostle.WorldParticle`.
+pub fn world_particle(py: Python<'_>, one: Particles) -> PyResult<Bound<'_, PyAny>> {
+    static PARTICLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let (spin, filter) = (one.spin(0), one.filter(0));
+    let fields = (
+        column(py, one.positions[0].to_vec()),
+        column(py, one.velocities[0].to_vec()),
+        decimal(one.radii[0]),
+        decimal(one.masses[0]),
+        decimal(one.restitutions[0]),
+        one.movable[0],
+        decimal(spin.friction),
+        decimal(spin.rounded_angle()),
+        decimal(spin.velocity),
+        filter.category,
+        filter.mask,
+        one.is_sensor(0),
+    );
+    PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(fields)
 }
 
 /// `jostle.WorldEvents`.

@@ -46,7 +46,7 @@ fn main() {
 
 fn step(world: &mut World) {
     world.begin_record();
-    world.step(STEP, 1, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, 1).expect("a step succeeds");
     world.end_record().expect("few pairs touch");
 }
 

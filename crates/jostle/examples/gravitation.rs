@@ -41,7 +41,7 @@ fn milliseconds(count: usize, theta: f32, threads: usize, substeps: usize) -> f6
     let mut world = World::new(bodies, settings).expect("the bodies are valid");
     let pull = Gravitation { g: 1e-4, softening: 0.1, theta };
     world.set_forces(vec![Force::Gravitation(pull)]).expect("the force is valid");
-    let mut run = |steps| world.step(STEP, steps, &mut |_| ()).expect("the bodies move slowly");
+    let mut run = |steps| world.step(STEP, steps).expect("the bodies move slowly");
     run(2);
     let steps = (200_000 / count).clamp(3, 200);
     let start = Instant::now();

@@ -28,7 +28,7 @@ fn main() {
     settings.tree.threads = Some(number(3, 1));
     settings.sleeping = false;
     world.configure(settings).expect("the settings are valid");
-    world.step(STEP, warm_up, &mut |_| ()).expect("a scene can be stepped");
+    world.step(STEP, warm_up).expect("a scene can be stepped");
     let mut times: [Vec<f64>; Stage::ALL.len()] = Default::default();
     for _ in 0..steps {
         timed_step(&mut world, &mut times);
@@ -49,6 +49,6 @@ fn timed_step(world: &mut World, times: &mut [Vec<f64>]) {
         sums[stage as usize] += (now - last).as_secs_f64() * 1e3;
         last = now;
     };
-    world.step(STEP, 1, &mut watch).expect("a scene can be stepped");
+    world.step_watched(STEP, 1, &mut watch).expect("a scene can be stepped");
     times.iter_mut().zip(sums).for_each(|(times, sum)| times.push(sum));
 }

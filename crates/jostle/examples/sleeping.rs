@@ -122,7 +122,7 @@ fn per_disc(seconds: f64, count: usize) -> f64 {
 /// Seconds that some steps take.
 fn time(world: &mut World, steps: usize) -> f64 {
     let start = Instant::now();
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
     start.elapsed().as_secs_f64()
 }
 

@@ -10,7 +10,7 @@ fn main() {
     for (scene, count) in [("gas", 10_000), ("pile", 10_000), ("gas", 1_000_000)] {
         let scene = scenes::find(scene).expect("there is such a scene");
         let mut world = scene.create(Some(count), 0).expect("a scene is valid");
-        world.step(STEP, 10, &mut |_| ()).expect("a scene can be stepped");
+        world.step(STEP, 10).expect("a scene can be stepped");
         let mut times: Vec<[f64; 2]> = (0..9).map(|_| times(&world)).collect();
         times.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let bytes = world.snapshot().len();

@@ -68,7 +68,7 @@ fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
         times[at] += last.elapsed().as_secs_f64() * 1e3;
         last = Instant::now();
     };
-    world.step(STEP, steps, note).expect("a step succeeds");
+    world.step_watched(STEP, steps, note).expect("a step succeeds");
     times
 }
 

@@ -1,4 +1,7 @@
 //! Positions and velocities during a step, which all threads may read and write.
+//!
+//! A position is the sum of a float32 and a residual (T. J. Dekker, *A Floating-Point Technique for Extending
+//! the Available Precision*, Numerische Mathematik 18, 1971).
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -15,7 +18,7 @@ pub struct Motion {
     /// Velocity.
     pub velocity: [f32; 2],
     /// Displacement during the last window, without position correction.
-    pub travel: [f32; 2],
+    pub displacement: [f32; 2],
 }
 
 /// A position from its float32 part and its residual.
@@ -63,7 +66,7 @@ struct Row {
     position: Two,
     residual: Two,
     velocity: Two,
-    travel: Two,
+    displacement: Two,
 }
 
 impl Row {
@@ -94,7 +97,7 @@ impl Motions {
             position: row.position.vector(),
             residual: row.residual.vector(),
             velocity: row.velocity.vector(),
-            travel: row.travel.vector(),
+            displacement: row.displacement.vector(),
         }
     }
 
@@ -105,7 +108,7 @@ impl Motions {
         row.position.set_vector(motion.position);
         row.residual.set_vector(motion.residual);
         row.velocity.set_vector(motion.velocity);
-        row.travel.set_vector(motion.travel);
+        row.displacement.set_vector(motion.displacement);
     }
 
     /// Its position alone.
@@ -128,8 +131,8 @@ impl Motions {
 
     /// Its displacement in the last window.
     #[inline(always)]
-    pub fn travel(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].travel.vector()
+    pub fn displacement(&self, place: u32) -> [f32; 2] {
+        self.0[place as usize].displacement.vector()
     }
 
     /// Replaces its position; a coordinate that changes has no residual.
@@ -154,7 +157,7 @@ impl Motions {
     #[inline(always)]
     pub fn advance(&self, place: u32, old: [f64; 2], position: [f64; 2], velocity: [f64; 2]) {
         let row = &self.0[place as usize];
-        row.travel.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
+        row.displacement.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
         row.set_exact(position);
         row.velocity.set_vector(velocity.map(|v| v as f32));
     }

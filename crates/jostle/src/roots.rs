@@ -1,4 +1,5 @@
-//! The first root of a polynomial in an interval.
+//! The first root of a polynomial in an interval, by subdivision in the Bernstein basis (J. M. Lane and
+//! R. F. Riesenfeld, *Bounds on a Polynomial*, BIT 21, 1981) and Newton's method.
 
 /// Highest degree plus one.
 const TERMS: usize = 5;

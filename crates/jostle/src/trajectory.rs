@@ -1,10 +1,10 @@
-//! Trajectories of discs between events, and the time of impact of two of them.
+//! Trajectories of discs between events, and times of impact: of two discs, and of a disc and a flat or
+//! round wall.
 //!
 //! Between two events a disc moves along a parabola (if it falls) or a straight line. The
 //! relative motion of two discs of which both fall, or none, is straight, so the time of impact
 //! is the root of a quadratic equation; otherwise it is the root of a quartic.
 
-use crate::container::Container;
 use crate::roots::first_root;
 
 /// A vector in float64.
@@ -269,42 +269,6 @@ impl Relative {
     }
 }
 
-/// The first impact on a wall, and the index of the wall; `radius` is that of the disc.
-#[inline(always)]
-pub fn wall_impact(
-    segment: &Segment,
-    radius: f64,
-    container: &Container,
-    gravity: Vector,
-    limits: impl Fn(u32) -> Limits,
-) -> Option<(Impact, u32)> {
-    match container {
-        Container::None | Container::Torus { .. } => None,
-        Container::Box { min, max } => {
-            let mut first = None::<(Impact, u32)>;
-            let sides = [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])];
-            for (number, (axis, sign, wall)) in (0..).zip(sides) {
-                let gap = sign * (segment.position[axis] - f64::from(wall)) - radius;
-                let speed = sign * segment.velocity[axis];
-                let pull = if segment.falls { -sign * gravity[axis] } else { 0.0 };
-                if let Some(impact) = flat_impact(gap, speed, pull, segment.time, &limits(number))
-                    && first.is_none_or(|(before, _)| impact.time < before.time)
-                {
-                    first = Some((impact, number));
-                }
-            }
-            first
-        }
-        Container::Circle { center, radius: outer } => {
-            let q = vector(|k| segment.position[k] - f64::from(center[k]));
-            let reach = (f64::from(*outer) - radius).max(0.0);
-            let acceleration = if segment.falls { gravity } else { [0.0; 2] };
-            round_impact(q, segment.velocity, acceleration, reach, segment.time, &limits(0))
-                .map(|impact| (impact, 0))
-        }
-    }
-}
-
 /// The impact on a flat wall at the distance `gap`, from which the disc moves away with `speed`
 /// and to which it accelerates with `pull`.
 pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> Option<Impact> {
@@ -348,7 +312,7 @@ pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits)
 }
 
 /// The impact of a point inside a circle of radius `reach` around the origin.
-fn round_impact(
+pub fn round_impact(
     q: Vector,
     v: Vector,
     a: Vector,
@@ -376,16 +340,4 @@ fn round_impact(
     };
     let kind = kind_at(wait)?;
     Some(Impact { time: start + wait, kind })
-}
-
-/// Unit normal of a wall at a position, pointing inwards.
-pub fn wall_normal(container: &Container, wall: u32, position: Vector) -> Vector {
-    match container {
-        Container::Circle { center, .. } => {
-            let out = vector(|k| f64::from(center[k]) - position[k]);
-            let length = dot(out, out).sqrt();
-            if length > 0.0 { out.map(|v| v / length) } else { [1.0, 0.0] }
-        }
-        _ => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]][wall as usize],
-    }
 }

@@ -1,27 +1,29 @@
-//! A step in a world that has made some steps allocates no memory.
+//! A step in a world that has made some steps allocates no memory, and a change of one particle little.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use jostle::Particles;
 use jostle::scenes::{self, STEP};
+use jostle::{Changes, Each, Particles};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };
+    static BYTES: Cell<usize> = const { Cell::new(0) };
 }
 
 /// The system's allocator. It counts the allocations of a thread while they are counted.
 struct Counting;
 
-fn note() {
+fn note(size: usize) {
     COUNT.with(|count| count.set(count.get().map(|number| number + 1)));
+    BYTES.with(|bytes| bytes.set(bytes.get() + size));
 }
 
 #[allow(unsafe_code, reason = "an allocator is unsafe to implement")]
 // SAFETY: every call is passed on to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        note();
+        note(layout.size());
         unsafe { System.alloc(layout) }
     }
 
@@ -30,7 +32,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        note();
+        note(size);
         unsafe { System.realloc(pointer, layout, size) }
     }
 }
@@ -43,6 +45,38 @@ fn allocations(act: impl FnOnce()) -> usize {
     COUNT.set(Some(0));
     act();
     COUNT.take().expect("they are counted")
+}
+
+/// Bytes that this thread allocates during a call.
+fn allocated_bytes(act: impl FnOnce()) -> usize {
+    BYTES.set(0);
+    act();
+    BYTES.get()
+}
+
+#[test]
+fn to_read_or_change_one_particle_copies_no_columns() {
+    for name in ["gas", "pile"] {
+        let mut world = scenes::find(name).unwrap().create(Some(20_000), 1).unwrap();
+        world.step(STEP, 1).unwrap();
+        // The first call after a step finds the places of all rows.
+        world.read(&[0]).unwrap();
+        let velocities = Some(Each::One([0.5, 0.25]));
+        let faster = Changes { velocities, ..Changes::default() };
+        let own = || Some(Each::Rows(vec![0.125]));
+        let heavier = Changes { masses: own(), friction: own(), ..Changes::default() };
+        let bytes = allocated_bytes(|| {
+            world.set(&[7], &faster).unwrap();
+            world.read(&[7, 12_345]).unwrap();
+        });
+        assert!(bytes < 4096, "{name}: {bytes} bytes");
+        assert_eq!(world.velocities()[7], [0.5, 0.25]);
+        // The column of friction is made when it is first needed.
+        world.set(&[7], &heavier).unwrap();
+        let bytes = allocated_bytes(|| world.set(&[12_345], &heavier).unwrap());
+        assert!(bytes < 4096, "{name}: {bytes} bytes");
+        assert_eq!([7, 12_345, 8].map(|row: usize| world.friction()[row]), [0.125, 0.125, 0.0]);
+    }
 }
 
 #[test]
@@ -73,8 +107,8 @@ fn a_step_allocates_nothing_after_some_steps() {
         let mut settings = *world.settings();
         settings.tree.threads = Some(1);
         world.configure(settings).unwrap();
-        world.step(STEP, 150, &mut |_| ()).unwrap();
-        let found = allocations(|| world.step(STEP, 20, &mut |_| ()).unwrap());
+        world.step(STEP, 150).unwrap();
+        let found = allocations(|| world.step(STEP, 20).unwrap());
         assert!(found <= RARE, "{name}: {found} allocations in 20 steps");
     }
 }

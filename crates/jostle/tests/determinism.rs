@@ -72,7 +72,7 @@ fn make(scene: &Scene, count: usize) -> World {
 }
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn with(world: &mut World, change: impl Fn(&mut WorldSettings)) {

@@ -15,7 +15,7 @@ type Pairs = BTreeSet<[Id; 2]>;
 /// One call of `step` as Python makes it.
 fn call(world: &mut World, steps: usize) {
     world.begin_record();
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
     world.end_record().expect("few pairs touch");
 }
 
@@ -120,7 +120,7 @@ fn follow(world: &mut World, before: &Pairs, steps: usize, seen: &mut Seen) -> P
     let mut during = Pairs::new();
     let bounces = world.settings().on_touch == OnTouch::Bounce;
     for _ in 0..steps {
-        copy.step(STEP, 1, &mut |_| ()).expect("a step succeeds");
+        copy.step(STEP, 1).expect("a step succeeds");
         if bounces {
             during.extend(copy.contacts().expect("few").iter().map(|touch| touch.pair));
         }
@@ -366,7 +366,7 @@ fn an_undone_step_leaves_no_events_and_no_collisions() {
     );
     let mut world = World::new(discs, tracked(WorldSettings::default())).expect("valid");
     world.begin_record();
-    assert!(world.step(1e3, 1, &mut |_| ()).is_err());
+    assert!(world.step(1e3, 1).is_err());
     world.end_record().expect("few");
     assert_eq!((events(&world), world.collisions()), Default::default());
 }
@@ -399,7 +399,7 @@ fn collisions_count_pairs_and_walls_of_all_substeps() {
             WorldSettings { container, substeps: Some(substeps), ..WorldSettings::default() };
         let mut world = World::new(discs, settings).expect("valid");
         world.begin_record();
-        world.step(5.0, 2, &mut |_| ()).expect("a step succeeds");
+        world.step(5.0, 2).expect("a step succeeds");
         assert_eq!(world.collisions(), Collisions { pairs: 3, walls: 2 });
         world.begin_record();
         assert_eq!(world.collisions(), Collisions::default());
@@ -456,7 +456,7 @@ fn discs_that_pass_through_each_other_in_a_step_touch() {
         let settings = tracked(base);
         let mut world = World::new(all.clone(), settings).expect("valid");
         world.begin_record();
-        world.step(0.2, 1, &mut |_| ()).expect("a step succeeds");
+        world.step(0.2, 1).expect("a step succeeds");
         world.end_record().expect("few pairs touch");
         let found = set(&events(&world).entered);
         let model = passing_by_brute_force(&all, 0.2, &settings);

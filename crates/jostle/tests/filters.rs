@@ -13,7 +13,7 @@ const ROCK: Filter = Filter { category: 1, mask: 1 };
 const GHOST: Filter = Filter { category: 2, mask: 2 };
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 /// Particles that all have one filter.

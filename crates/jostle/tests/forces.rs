@@ -23,7 +23,7 @@ fn world(particles: Particles, settings: WorldSettings, forces: Vec<Force>) -> W
 }
 
 fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(dt, steps).expect("a step succeeds");
 }
 
 fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
@@ -666,7 +666,7 @@ fn a_step_too_long_for_the_forces_is_refused() {
     let tie = Force::Springs(Springs(vec![spring([0, 1], 1e6, 1.0)]));
     for force in [pull, tie] {
         let mut world = world(bodies.clone(), WorldSettings::default(), vec![force]);
-        let error = world.step(1e20, 1, &mut |_| ()).expect_err("too long").to_string();
+        let error = world.step(1e20, 1).expect_err("too long").to_string();
         assert!(error.contains("forces would move particle "), "{error}");
         assert_eq!(world.positions(), bodies.positions);
         run(&mut world, 0.01, 1);

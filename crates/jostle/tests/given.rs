@@ -6,7 +6,7 @@ use jostle::{Container, Method, OnTouch, Particles, World, WorldSettings};
 const STEP: f64 = 1.0 / 60.0;
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn discs(positions: &[[f32; 2]]) -> Particles {
@@ -149,7 +149,7 @@ fn a_step_that_fails_keeps_them() {
     let mut world = World::new(discs(&[[0.0; 2]]), WorldSettings::default()).unwrap();
     world.add_forces(&[0], &[[1e10, 0.0]]).unwrap();
     let before = world.snapshot();
-    let text = world.step(1e10, 1, &mut |_| ()).unwrap_err().to_string();
+    let text = world.step(1e10, 1).unwrap_err().to_string();
     assert!(text.contains("forces would move particle 0"), "{text}");
     assert_eq!(world.snapshot(), before);
 }

@@ -1,13 +1,13 @@
 //! Kinematic discs: immovable ones with a velocity, which push and are not pushed.
 
 use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Spin, Stage, World, WorldSettings};
+use jostle::{Container, Method, Particles, Spin, World, WorldSettings};
 use proptest::prelude::*;
 
 const STEP: f64 = 1.0 / 60.0;
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_: Stage| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 /// Discs of radius 1, each with a position and a velocity; the first `kinematic` are immovable.

@@ -48,7 +48,7 @@ fn a_step_that_overflows_is_refused_and_undone() {
     let (steps, before, error) = (0..1000)
         .find_map(|step| {
             let before = state(&world);
-            let error = world.step(0.01, 1, &mut |_| ()).err()?;
+            let error = world.step(0.01, 1).err()?;
             Some((step, before, error.to_string()))
         })
         .expect("it overflows at some time");
@@ -58,7 +58,7 @@ fn a_step_that_overflows_is_refused_and_undone() {
     assert_eq!(world.time(), (0..steps).fold(0.0, |time, _| time + 0.01));
     // The same in one call: the steps before the one that is refused stay.
     let mut other = overflowing();
-    assert_eq!(other.step(0.01, 1000, &mut |_| ()).unwrap_err().to_string(), error);
+    assert_eq!(other.step(0.01, 1000).unwrap_err().to_string(), error);
     assert_eq!(state(&other), before);
     assert_eq!(state(&World::restore(&before.0).unwrap()).0, before.0);
     // The world can be corrected and continues.
@@ -68,7 +68,7 @@ fn a_step_that_overflows_is_refused_and_undone() {
     };
     world.edit(lighter).unwrap();
     world.set_forces(Vec::new()).unwrap();
-    world.step(0.01, 10, &mut |_| ()).unwrap();
+    world.step(0.01, 10).unwrap();
     assert!(world.velocities().iter().flatten().all(|v| v.is_finite()));
 }
 
@@ -152,21 +152,21 @@ fn poll() -> bool {
 #[test]
 fn an_interrupted_step_is_undone_wherever_it_stops() {
     for (name, mut world) in worlds() {
-        world.step(1.0 / 60.0, 5, &mut |_| ()).unwrap();
+        world.step(1.0 / 60.0, 5).unwrap();
         let mut other = World::restore(&world.snapshot()).unwrap();
         // Stop at the first check, at the second, and so on, until the step gets through.
         for checks in 0.. {
             let before = state(&world);
             LEFT.set(checks);
-            let stepped = watch(poll, || world.step(1.0 / 60.0, 1, &mut |_| ()));
+            let stepped = watch(poll, || world.step(1.0 / 60.0, 1));
             let Err(error) = stepped else { break };
             assert_eq!(error, jostle::Error::Interrupted);
             assert_eq!(state(&world), before, "{name} stopped at check {checks}");
             assert!(checks < 10_000);
         }
         world.forget_renumbering();
-        other.step(1.0 / 60.0, 1, &mut |_| ()).unwrap();
-        let steps = &mut |world: &mut World| world.step(1.0 / 60.0, 5, &mut |_| ()).unwrap();
+        other.step(1.0 / 60.0, 1).unwrap();
+        let steps = &mut |world: &mut World| world.step(1.0 / 60.0, 5).unwrap();
         steps(&mut world);
         steps(&mut other);
         assert_eq!(world.snapshot(), other.snapshot(), "{name} goes on as if nothing had been");
@@ -179,7 +179,7 @@ fn positions_that_a_caller_gave_are_back_after_a_step_that_is_undone() {
     let all = Particles::new(vec![[-3.0, 25.0], [5.0, 5.0]], vec![[1.0; 2]; 2], vec![1.0; 2], 1.0);
     let settings = WorldSettings { container: torus, ..Default::default() };
     let mut world = World::new(all, settings).unwrap();
-    watch(|| true, || world.step(0.1, 1, &mut |_| ())).unwrap_err();
+    watch(|| true, || world.step(0.1, 1)).unwrap_err();
     assert_eq!(world.positions()[0], [-3.0, 25.0]);
 }
 
@@ -191,7 +191,7 @@ fn a_round_wall_far_from_the_origin_takes_no_longer() {
     let all = Particles::new(positions.collect(), vec![[1.0, 0.5]; 1000], vec![0.5; 1000], 1.0);
     let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
     let mut world = World::new(all, settings).unwrap();
-    within_bounds(|| world.step(0.1, 3, &mut |_| ()).unwrap());
+    within_bounds(|| world.step(0.1, 3).unwrap());
     for [x, y] in world.positions() {
         let [x, y] = [x - center[0], y - center[1]].map(f64::from);
         assert!((x * x + y * y).sqrt() <= 1.6 + 1e-6);
@@ -213,7 +213,7 @@ fn a_fast_particle_on_a_torus_collides_again_and_again_in_a_step() {
     let mut world = torus_with_one_fast(6e6, 400, OnTouch::Bounce);
     let (momentum, energy) = (world.momentum(), world.kinetic_energy());
     let mut count = |stage| stages += i32::from(stage == Stage::Build);
-    within_bounds(|| world.step(0.01, 1, &mut count).unwrap());
+    within_bounds(|| world.step_watched(0.01, 1, &mut count).unwrap());
     assert!(stages <= 300, "all particles made {stages} parts");
     let close = |a: f64, b: f64, size: f64| (a - b).abs() < 1e-5 * size;
     let size = 2.0 * energy / 6e6;
@@ -235,7 +235,7 @@ fn the_number_of_steps_has_no_effect_on_a_fast_particle() {
         let settings = WorldSettings { container, ..Default::default() };
         let [once, often, oftener] = [1, 40, 60].map(|steps| {
             let mut world = World::new(all.clone(), settings).unwrap();
-            world.step(0.02 / steps as f64, steps, &mut |_| ()).unwrap();
+            world.step(0.02 / steps as f64, steps).unwrap();
             world.velocities()
         });
         let error = |found: &[[f32; 2]]| {
@@ -264,7 +264,7 @@ fn discs_that_meet_in_another_image_of_the_torus_collide() {
     let settings = WorldSettings { container, ..Default::default() };
     let [once, often] = [1, 20].map(|steps| {
         let mut world = World::new(all.clone(), settings).unwrap();
-        world.step(1.0 / steps as f64, steps, &mut |_| ()).unwrap();
+        world.step(1.0 / steps as f64, steps).unwrap();
         world.velocities()
     });
     assert!(once.iter().all(|v| *v != [-98.0, 0.0]), "the first has collided");
@@ -283,7 +283,7 @@ fn few_discs_travel_often_around_a_torus() {
     let all = Particles::new(positions, velocities.to_vec(), vec![4.0; 6], 1.0);
     let mut world = World::new(all, settings).unwrap();
     let energy = world.kinetic_energy();
-    within_bounds(|| world.step(1.0, 3, &mut |_| ()).unwrap());
+    within_bounds(|| world.step(1.0, 3).unwrap());
     assert!((world.kinetic_energy() / energy - 1.0).abs() < 1e-5);
     assert!(velocities.iter().zip(world.velocities()).all(|(a, b)| *a != b), "all have collided");
 }
@@ -297,7 +297,7 @@ fn strong_forces_on_a_torus_take_bounded_time() {
         world.set_forces(vec![Force::Attractor(pull)]).unwrap();
         let before = state(&world);
         let mut result = Ok(());
-        within_bounds(|| result = world.step(0.01, 1, &mut |_| ()));
+        within_bounds(|| result = world.step(0.01, 1));
         assert_eq!(result.is_err(), strength > 1e7, "{result:?}");
         assert!(result.is_ok() || state(&world) == before);
     }
@@ -311,7 +311,7 @@ fn a_fast_particle_in_a_wide_torus_with_many_others_takes_bounded_time() {
     all.radii.fill(0.05);
     all.velocities[0] = [1.2e5, 0.7e5];
     let mut world = World::new(all, settings).unwrap();
-    within_bounds(|| world.step(1.0, 1, &mut |_| ()).unwrap());
+    within_bounds(|| world.step(1.0, 1).unwrap());
 }
 
 #[test]
@@ -320,7 +320,7 @@ fn a_fast_particle_without_hits_moves_straight() {
     let mut world = torus_with_one_fast(5e5, 100, OnTouch::Ignore);
     let start = world.positions();
     let velocities = world.velocities();
-    world.step(0.01, 1, &mut |_| ()).unwrap();
+    world.step(0.01, 1).unwrap();
     for (row, ([x, y], [u, v])) in start.into_iter().zip(velocities).enumerate() {
         let goal = [x + u * 0.01, y + v * 0.01].map(|v| f64::from(v).rem_euclid(1000.0));
         for (found, goal) in world.positions()[row].into_iter().zip(goal) {
@@ -341,7 +341,7 @@ fn the_order_of_adding_has_no_effect_if_few_are_fast() {
         }
         World::new(all, *world.settings()).unwrap()
     });
-    worlds.iter_mut().for_each(|world| world.step(0.01, 3, &mut |_| ()).unwrap());
+    worlds.iter_mut().for_each(|world| world.step(0.01, 3).unwrap());
     let [first, second] = worlds.map(|world| world.positions());
     assert!(first.iter().eq(second.iter().rev()));
 }
@@ -357,7 +357,7 @@ fn inelastic_collapse_of_a_long_row_takes_bounded_time() {
     all.movable[len] = false;
     let settings = WorldSettings { restitution: 0.0, substeps: Some(1), ..Default::default() };
     let mut world = World::new(all, settings).unwrap();
-    within_bounds(|| world.step(0.1, 1, &mut |_| ()).unwrap());
+    within_bounds(|| world.step(0.1, 1).unwrap());
     assert!(world.positions().iter().all(|p| p[0] <= 1.0), "nothing has passed the obstacle");
 }
 
@@ -376,7 +376,7 @@ fn an_overflow_at_a_round_wall_is_no_panic() {
     };
     let mut world = World::new(all, settings).unwrap();
     let before = state(&world);
-    if world.step(1.0 / 60.0, 1, &mut |_| ()).is_err() {
+    if world.step(1.0 / 60.0, 1).is_err() {
         assert_eq!(state(&world), before);
     }
     assert_eq!(World::restore(&world.snapshot()).unwrap().snapshot(), world.snapshot());
@@ -386,6 +386,6 @@ fn an_overflow_at_a_round_wall_is_no_panic() {
 fn all_particles_of_a_world_with_gravitation_may_be_removed() {
     let mut world = overflowing();
     world.remove(&[0, 1, 2]).unwrap();
-    world.step(0.01, 1, &mut |_| ()).unwrap();
+    world.step(0.01, 1).unwrap();
     assert_eq!((world.len(), world.potential_energy()), (0, 0.0));
 }

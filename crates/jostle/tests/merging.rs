@@ -9,7 +9,7 @@ fn world(particles: Particles, settings: WorldSettings) -> World {
 }
 
 fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(dt, steps).expect("a step succeeds");
 }
 
 fn merging() -> WorldSettings {

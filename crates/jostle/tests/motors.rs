@@ -9,7 +9,7 @@ use jostle::{Container, Method, Particles, Wall, World, WorldSettings};
 const STEP: f64 = 1.0 / 60.0;
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn motor(ids: &[i64], walls: &[u32]) -> Motor {
@@ -63,7 +63,7 @@ fn the_motion_does_not_depend_on_the_steps() {
         let swing = Motor { angular_velocity: 0.8, period: 1.3, ..motor(&[0], &[]) };
         let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
         world.set_forces(vec![Force::Motor(swing), Force::Motor(piston)]).unwrap();
-        world.step(dt, steps, &mut |_| ()).unwrap();
+        world.step(dt, steps).unwrap();
         (world.positions()[0], world.walls()[0].ends)
     };
     let (disc, wall) = place(1.0 / 64.0, 640);
@@ -178,7 +178,7 @@ fn a_step_that_fails_leaves_the_velocities() {
     let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
     world.set_forces(vec![Force::Motor(turning), Force::Motor(piston)]).unwrap();
     let before = world.snapshot();
-    assert!(world.step(1e30, 1, &mut |_| ()).is_err());
+    assert!(world.step(1e30, 1).is_err());
     assert_eq!(world.snapshot(), before);
 }
 

@@ -15,7 +15,7 @@ thread_local! {
 }
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn moving(ends: [[f32; 2]; 2], velocity: [f32; 2]) -> Wall {
@@ -146,7 +146,7 @@ proptest! {
         let mut steps = 0;
         // Until there is hardly room left.
         while world.walls()[1].ends[0][0] - world.walls()[0].ends[0][0] > 12.0 && steps < 60 {
-            world.step(1e-3, 1, &mut |_| ()).expect("a step succeeds");
+            world.step(1e-3, 1).expect("a step succeeds");
             steps += 1;
             let [left, right] = [0, 1].map(|k| world.walls()[k].ends[0][0]);
             for [x, _] in world.positions() {
@@ -208,7 +208,7 @@ fn methods_threads_snapshots_and_undone_steps_do_not_show() {
                 run(&mut other, 30);
                 let mut other = World::restore(&other.snapshot()).expect("valid");
                 let before = state(&other);
-                assert!(other.step(1e30, 1, &mut |_| ()).is_err());
+                assert!(other.step(1e30, 1).is_err());
                 assert_eq!(state(&other), before);
                 run(&mut other, 30);
                 assert_eq!(state(&other), state(&first));
@@ -231,7 +231,7 @@ fn an_interrupted_step_moves_no_wall() {
             LEFT.set(left.saturating_sub(1));
             left == 0
         };
-        let step = watch(poll, || world.step(STEP, 1, &mut |_| ()));
+        let step = watch(poll, || world.step(STEP, 1));
         if step.is_ok() {
             assert!(polls > 3, "hardly anything was polled");
             return;
@@ -244,8 +244,8 @@ fn an_interrupted_step_moves_no_wall() {
 fn a_step_in_which_a_wall_would_go_too_far_is_refused() {
     let walls = vec![moving([[0.0; 2], [1.0, 0.0]], [1e17, 0.0])];
     let mut world = world(discs(&[], 1.0), walls, WorldSettings::default());
-    let error = world.step(20.0, 1, &mut |_| ()).expect_err("too far").to_string();
+    let error = world.step(20.0, 1).expect_err("too far").to_string();
     assert_eq!(error, "dt is 20; wall 0 would move out of the range ±1e18");
-    world.step(1.0, 1, &mut |_| ()).expect("not too far");
+    world.step(1.0, 1).expect("not too far");
     assert_eq!(world.walls()[0].ends[0], [1e17, 0.0]);
 }

@@ -12,7 +12,7 @@ fn world(particles: Particles, settings: WorldSettings) -> World {
 }
 
 fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(dt, steps).expect("a step succeeds");
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -650,7 +650,7 @@ fn a_refused_step_leaves_the_world_as_it_was() {
     run(&mut world, 1e-9, 1);
     let (hash, contacts, time) = (world.state_hash(), world.contacts().unwrap(), world.time());
     for dt in [1e30, f64::NAN, 0.0, -1.0, f64::INFINITY] {
-        let error = world.step(dt, 1, &mut |_| ()).unwrap_err().to_string();
+        let error = world.step(dt, 1).unwrap_err().to_string();
         assert!(error.starts_with("dt is "), "{error}");
         assert_eq!(
             (world.state_hash(), world.contacts().unwrap(), world.time()),
@@ -659,7 +659,7 @@ fn a_refused_step_leaves_the_world_as_it_was() {
     }
     let torus = Container::Torus { size: [100.0; 2] };
     world.configure(WorldSettings { container: torus, ..*world.settings() }).unwrap();
-    assert!(world.step(1.0, 1, &mut |_| ()).unwrap_err().to_string().contains("circle the torus"));
+    assert!(world.step(1.0, 1).unwrap_err().to_string().contains("circle the torus"));
 }
 
 #[test]

@@ -9,7 +9,7 @@ fn create(name: &str, n: Option<usize>, seed: u64) -> World {
 }
 
 fn run(world: &mut World, seconds: usize) {
-    world.step(STEP, 60 * seconds, &mut |_| ()).unwrap();
+    world.step(STEP, 60 * seconds).unwrap();
 }
 
 /// Positions of what can be moved.
@@ -132,7 +132,7 @@ fn the_large_disc_gets_its_share_of_the_energy() {
     let (mut large, mut all, samples) = (0.0, 0.0, 400);
     run(&mut world, 5);
     for _ in 0..samples {
-        world.step(STEP, 12, &mut |_| ()).unwrap();
+        world.step(STEP, 12).unwrap();
         let [u, v] = world.velocities()[0].map(f64::from);
         large += 0.5 * f64::from(world.masses()[0]) * (u * u + v * v);
         all += world.kinetic_energy() / world.len() as f64;

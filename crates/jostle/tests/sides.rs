@@ -8,7 +8,7 @@ const BOX: Container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
 const CIRCLE: Container = Container::Circle { center: [10.0; 2], radius: 10.0 };
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn one(velocity: [f32; 2], settings: WorldSettings) -> World {

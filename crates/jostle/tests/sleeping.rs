@@ -15,7 +15,7 @@ const STEP: f64 = 1.0 / 60.0;
 static LEFT: AtomicI32 = AtomicI32::new(0);
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn settings() -> WorldSettings {
@@ -99,7 +99,7 @@ fn a_pile_falls_asleep_and_stays_as_it_is() {
     let before = (world.particles(), world.contacts().unwrap(), world.wall_contacts());
     let energy = world.potential_energy();
     let mut stages = Vec::new();
-    world.step(STEP, 500, &mut |stage: Stage| stages.push(stage)).unwrap();
+    world.step_watched(STEP, 500, &mut |stage: Stage| stages.push(stage)).unwrap();
     assert_eq!((world.particles(), world.contacts().unwrap(), world.wall_contacts()), before);
     assert!(!before.1.is_empty() && !before.2.is_empty());
     assert_eq!(world.potential_energy(), energy);
@@ -486,13 +486,13 @@ fn a_failed_step_leaves_all_asleep() {
     ball.masses[0] = 1e30;
     world.add(ball).unwrap();
     let before = (world.snapshot(), world.asleep());
-    world.step(1e12, 1, &mut |_| ()).expect_err("it is too far");
+    world.step(1e12, 1).expect_err("it is too far");
     assert_eq!((world.snapshot(), world.asleep()), before);
     let mut interrupted = 0;
     loop {
         LEFT.store(interrupted, Ordering::Relaxed);
         let poll = || LEFT.fetch_sub(1, Ordering::Relaxed) <= 0;
-        let step = || world.step(STEP, 1, &mut |_| ());
+        let step = || world.step(STEP, 1);
         if jostle::interrupt::watch(poll, step).is_ok() {
             break;
         }
@@ -672,10 +672,10 @@ fn forged_snapshots_are_refused_or_continue() {
                 Ok(mut world) => {
                     continued += 1;
                     if at % 3 == 0 {
-                        let _ = world.step(STEP, 3, &mut |_| ());
+                        let _ = world.step(STEP, 3);
                         let _ = (world.contacts(), world.wall_contacts(), world.snapshot());
                         let _ = world.remove(&[1]);
-                        let _ = world.step(STEP, 2, &mut |_| ());
+                        let _ = world.step(STEP, 2);
                     }
                 }
             }

@@ -9,7 +9,7 @@ use jostle::{Container, Force, Method, OnTouch, Particles, Settings, Wall, World
 use proptest::prelude::*;
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn restored(world: &World) -> World {
@@ -23,7 +23,7 @@ fn assert_same(a: &World, b: &World, of: &str) {
     assert_eq!(a.forces(), b.forces(), "{of}");
     assert_eq!(a.contacts().unwrap(), b.contacts().unwrap(), "{of}");
     assert_eq!(a.wall_contacts(), b.wall_contacts(), "{of}");
-    assert_eq!((a.time(), a.stats()), (b.time(), b.stats()), "{of}");
+    assert_eq!(a.time(), b.time(), "{of}");
     assert_eq!(a.momentum(), b.momentum(), "{of}: the order within");
     assert_eq!((a.events(), a.collisions()), (b.events(), b.collisions()), "{of}");
     assert_eq!(a.snapshot(), b.snapshot(), "{of}");
@@ -105,6 +105,7 @@ fn every_scene_goes_on_to_the_bit() {
             run(&mut world, 30);
             assert_same(&world, &again, scene.name);
             assert_same(&world, &on, scene.name);
+            assert_eq!([again.stats(), on.stats()], [world.stats(); 2], "{}", scene.name);
         }
     }
 }
@@ -126,6 +127,7 @@ fn everything_that_a_world_can_have_goes_on_to_the_bit() {
                 run(world, 100);
             }
             assert_same(&world, &again, &name);
+            assert_eq!(again.stats(), world.stats(), "{name}");
         }
     }
 }
@@ -159,7 +161,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads formats 2 to 7"
+        "data is a snapshot in format 9; this version of jostle reads formats 2 to 8"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(
@@ -242,7 +244,7 @@ proptest! {
             if let Ok(added) = world.add(more) {
                 prop_assert!(world.contains(added.start));
             }
-            let _ = world.step(1e-3, 1, &mut |_| ());
+            let _ = world.step(1e-3, 1);
             let first: Vec<_> = world.ids().into_iter().take(1).collect();
             prop_assert!(world.remove(&first).is_ok());
         }

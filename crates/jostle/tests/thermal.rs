@@ -12,7 +12,7 @@ const KT: f32 = 4.0;
 const ALL: [bool; 4] = [true; 4];
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn walls(sides: [bool; 4], seed: u32) -> Force {
@@ -98,7 +98,7 @@ fn a_gas_gets_the_temperature_of_its_walls() {
         let base = WorldSettings { container, ..WorldSettings::default() };
         let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
         let mut world = world(gas(2000, 30.0), settings, vec![walls(ALL, 3)]);
-        world.step(1.0, 400, &mut |_| ()).unwrap();
+        world.step(1.0, 400).unwrap();
         check_temperature(&world, "walls");
     }
 }
@@ -139,7 +139,7 @@ fn a_disc_leaves_a_wall_as_from_a_gas() {
     let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
     let hot = walls([true, false, false, false], 9);
     let mut world = world(all, settings, vec![hot]);
-    world.step(0.5, 1, &mut |_| ()).unwrap();
+    world.step(0.5, 1).unwrap();
     let scale = (2.0 / f64::from(KT)).sqrt();
     let column = |k: usize| world.velocities().iter().map(|v| f64::from(v[k]) * scale).collect();
     let normal_speeds: Vec<f64> = column(0);
@@ -161,11 +161,11 @@ fn other_sides_stay_elastic() {
     let hot = walls([false, true, false, false], 0);
     for velocity in [[-8.0, 0.0], [0.0, -8.0], [0.0, 8.0]] {
         let mut world = world(disc(velocity), settings, vec![hot.clone()]);
-        world.step(0.75, 1, &mut |_| ()).unwrap();
+        world.step(0.75, 1).unwrap();
         assert_eq!(world.velocities(), [velocity.map(|v| 0.0 - v)]);
     }
     let mut world = world(disc([8.0, 0.0]), settings, vec![hot]);
-    world.step(0.75, 1, &mut |_| ()).unwrap();
+    world.step(0.75, 1).unwrap();
     let [[u, v]] = world.velocities()[..] else { panic!("one disc") };
     assert!(u < 0.0 && u != -8.0 && v != 0.0);
 }
@@ -181,7 +181,7 @@ fn a_thermal_floor_holds_an_atmosphere() {
     all.positions.iter_mut().for_each(|p| p[1] = 1.0);
     all.velocities.iter_mut().for_each(|v| *v = [v[0], 0.0]);
     let mut world = world(all, settings, vec![walls([false, false, true, false], 2)]);
-    world.step(0.25, 160, &mut |_| ()).unwrap();
+    world.step(0.25, 160).unwrap();
     let heights = world.positions().into_iter().map(|p| f64::from(p[1] - 0.3));
     let found = kolmogorov_smirnov(heights.collect(), |z| 1.0 - (-10.0 * z / f64::from(KT)).exp());
     assert!(found < 1.95, "{found}");
@@ -245,7 +245,7 @@ fn an_undone_step_heats_nothing() {
     let mut world = busy(WorldSettings::default(), &straight);
     run(&mut world, 3);
     let before = world.snapshot();
-    assert!(world.step(1e30, 1, &mut |_| ()).is_err());
+    assert!(world.step(1e30, 1).is_err());
     assert_eq!(world.snapshot(), before);
 }
 

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 const STEP: f64 = 1.0 / 60.0;
 
 fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps, &mut |_| ()).expect("a step succeeds");
+    world.step(STEP, steps).expect("a step succeeds");
 }
 
 fn wall(a: [f32; 2], b: [f32; 2]) -> Wall {
@@ -442,7 +442,7 @@ fn escape(seed: u64) -> Option<String> {
     let energy = |world: &World| world.kinetic_energy() + world.potential_energy();
     let (before, largest) = (energy(&world), world.kinetic_energy());
     for step in 0..15 {
-        if let Err(error) = world.step(STEP, 1, &mut |_| ()) {
+        if let Err(error) = world.step(STEP, 1) {
             return Some(format!("seed {seed} step {step}: {error}"));
         }
         for (at, &radius) in world.positions().into_iter().zip(&radii) {
@@ -489,7 +489,7 @@ fn nothing_passes_between_walls_that_share_an_end() {
                 let disc = discs(&[([normal.sin(), 5.0], [0.0, -speed])], 1.0);
                 let walls = chain(&[a, [0.0, 0.0], b]);
                 let mut world = world(disc, walls, WorldSettings::default());
-                world.step(f64::from(6.0 / speed), 1, &mut |_| ()).expect("a step succeeds");
+                world.step(f64::from(6.0 / speed), 1).expect("a step succeeds");
                 // As off an immovable point.
                 let expected = [(2.0 * normal).sin(), (2.0 * normal).cos()];
                 let found = world.velocities()[0].map(|v| v / speed);

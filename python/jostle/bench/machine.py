@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import jostle
+from jostle import _core
 
 __all__ = ["Results", "Row", "cpu", "describe", "slug", "version_of"]
 
@@ -34,15 +35,16 @@ def cores() -> int:
 
 
 def describe() -> str:
-    """Return processor, cores, system, Python and NumPy in one line."""
+    """Return processor, vector instructions, cores, system, Python and NumPy in one line."""
     system = f"{platform.system()} {platform.machine()}"
     python = f"Python {platform.python_version()}, NumPy {np.__version__}"
-    return f"{cpu()}, {cores()} cores, {system}, {python}"
+    return f"{cpu()}, {_core.instructions()}, {cores()} cores, {system}, {python}"
 
 
 def slug() -> str:
     """Return a file name for this machine."""
-    return re.sub(r"[^A-Za-z0-9]+", "-", f"{cpu()} {cores()} cores").strip("-").lower()
+    name = f"{cpu()} {_core.instructions()} {cores()} cores"
+    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()
 
 
 def version_of(package: str) -> str | None:

@@ -41,7 +41,7 @@ impl Start {
     pub fn of(scene: &str, count: usize, steps: usize, substeps: Option<usize>) -> Self {
         let scene = scenes::find(scene).expect("a scene of the library");
         let mut world = scene.create(Some(count), 1).expect("any number of particles");
-        world.step(f64::from(STEP), steps, &mut |_| ()).expect("a step");
+        world.step(f64::from(STEP), steps).expect("a step");
         Self::from(&world, substeps)
     }
 

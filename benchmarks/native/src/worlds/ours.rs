@@ -28,7 +28,7 @@ impl Ours {
 
 impl Engine for Ours {
     fn step(&mut self) {
-        self.0.step(f64::from(STEP), 1, &mut |_| ()).expect("a step");
+        self.0.step(f64::from(STEP), 1).expect("a step");
     }
 
     fn state(&mut self) -> State {

@@ -2,10 +2,9 @@
 //! comparison, repeated here on exact numbers, decides.
 
 use jostle::interrupt::{self, Pulse};
-use jostle::pairs::Filters;
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::sorting;
-use jostle::{Columns, Each, Quadtree, Result, Scalar, Settings, Shapes, pairs};
+use jostle::{Each, Result, Scalar, Shapes, pairs};
 
 use super::rules::{Circle, Edges, Kind, Rect, circles_collide};
 
@@ -38,9 +37,6 @@ const INEXACT_MARGIN: f64 = 1e-3;
 
 /// Approximate number of values read when two sprites are compared.
 const PAIR_WORK: usize = 16;
-
-/// Number of brute force tests that take as long as inserting one shape into a tree.
-const TESTS_FOR_A_SHAPE: usize = 64;
 
 /// Colliding rectangles, scaled by `ratio`. Both are compared in the type of the left one.
 pub fn rects(a: &[Rect], b: Option<&[Rect]>, ratio: f64) -> Result<Option<Found>> {
@@ -226,13 +222,5 @@ fn candidates<T: Scalar>(a: &Shapes<T>, b: Option<&Shapes<T>>) -> Result<Vec<[u3
     let Some(b) = b else {
         return Ok(pairs::find(a, None, THREADS, DEFAULT_MAX_PAIRS)?.pairs);
     };
-    let few = a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len());
-    if few {
-        let (a, b) = (Columns::of(a)?, Columns::of(b)?);
-        let (shift, filters) = ([T::ZERO; 2], Filters::Apply);
-        return Ok(pairs::brute_between(&a, &b, shift, filters, DEFAULT_MAX_PAIRS)?.pairs);
-    }
-    let settings = Settings { threads: THREADS, ..Settings::default() };
-    let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
-    Ok(pairs::between(&a, &b, None, DEFAULT_MAX_PAIRS)?.pairs)
+    Ok(pairs::find_between(a, b, THREADS, DEFAULT_MAX_PAIRS)?.pairs)
 }

@@ -7,9 +7,7 @@ use crate::forces::{ThermalSides, Thermostat};
 use crate::motion::{Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::trajectory::{
-    Impact, Limits, Relative, Segment, Vector, dot, vector, wall_impact, wall_normal,
-};
+use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, vector};
 use crate::walls::{Around, Contact, FIRST};
 
 /// Relative size of the rounding of positions with residuals, with a reserve for sums.
@@ -378,7 +376,7 @@ impl Window<'_> {
             return None;
         }
         let limits = self.side_limits(segment.position, index);
-        wall_impact(segment, radius, container, self.flight.gravity, limits)
+        container.impact(segment, radius, self.flight.gravity, limits)
     }
 
     /// Whether two discs that begin segments now touch and approach.
@@ -442,7 +440,7 @@ impl Window<'_> {
             let limits = limits_of(wall);
             let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
             debug_assert!(gap.is_finite());
-            let normal = wall_normal(container, wall, now.position);
+            let normal = container.normal(wall, now.position);
             if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 act(wall);
             }
@@ -452,7 +450,7 @@ impl Window<'_> {
     /// Unit normal of a wall where a disc begins a segment, towards the disc.
     pub fn wall_normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
         if wall < FIRST {
-            return wall_normal(&self.flight.container, wall, now.position);
+            return self.flight.container.normal(wall, now.position);
         }
         self.flight.walls.normal(index, wall, now.position, now.time)
     }

@@ -1,7 +1,8 @@
 //! Pairs that pass through each other: which of them touch.
 
+use super::Events;
 use super::flight::Window;
-use super::{Events, Part};
+use super::history::Part;
 use crate::interrupt::Stop;
 use crate::parallel;
 use crate::trajectory::{Relative, Vector};

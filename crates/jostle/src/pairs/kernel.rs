@@ -277,9 +277,12 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             let wanted = |_: usize| lanes;
             let found = self.test::<CORE>(&rows, &others, wanted, allowed, row_hits);
             let simd = self.simd;
-            emit_pairs(found, output, |row, bits, to| {
-                simd.pair_with(packed_a.place[row], places, bits, to);
-            });
+            emit_pairs(
+                found,
+                output,
+                #[inline(always)]
+                |row, bits, to| simd.pair_with(packed_a.place[row], places, bits, to),
+            );
         }
     }
 
@@ -566,9 +569,12 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         };
         let found = self.test::<CORE>(rows, others, wanted, allowed, row_hits);
         let simd = self.simd;
-        emit_pairs(found, output, |row, bits, to| {
-            simd.pair_with_places((first + row) as u32, start as u32, bits, to);
-        });
+        emit_pairs(
+            found,
+            output,
+            #[inline(always)]
+            |row, bits, to| simd.pair_with_places((first + row) as u32, start as u32, bits, to),
+        );
     }
 
     /// Finds the overlapping pairs within a leaf. The rows of each of its `strips` are tested

@@ -35,7 +35,7 @@ const BRUTE_FORCE_LIMIT: usize = 80;
 const DIFFERENT_CIRCLES_LIMIT: usize = 256;
 
 /// Maximum number of shapes in a leaf of a tree that is used for one search of pairs only.
-const LEAF_CAPACITY: usize = 320;
+pub const LEAF_CAPACITY: usize = 320;
 
 /// Number of shapes that brute force tests against one shape between two checks for interruption.
 const ROW_TESTS: usize = 1 << 14;
@@ -101,6 +101,26 @@ pub fn find_with<T: Scalar>(
     }
     tree.fill_unordered(shapes, settings)?;
     within(tree, None, max_pairs)
+}
+
+/// Number of brute force tests that take as long as inserting one shape into a tree.
+const TESTS_FOR_A_SHAPE: usize = 64;
+
+/// All overlapping pairs, the first a row of `a`, the second a row of `b`, in unspecified order, by the faster
+/// method.
+pub fn find_between<T: Scalar>(
+    a: &Shapes<T>,
+    b: &Shapes<T>,
+    threads: Option<usize>,
+    max_pairs: usize,
+) -> Result<Found> {
+    if a.len().saturating_mul(b.len()) <= TESTS_FOR_A_SHAPE * (a.len() + b.len()) {
+        let (a, b) = (Columns::of(a)?, Columns::of(b)?);
+        return brute_between(&a, &b, [T::ZERO; 2], Filters::Apply, max_pairs);
+    }
+    let settings = Settings { threads, ..Settings::default() };
+    let (a, b) = (Quadtree::new(a, settings)?, Quadtree::new(b, settings)?);
+    between(&a, &b, None, max_pairs)
 }
 
 /// All overlapping pairs of rows of one tree, `i < j`, in an order that depends on the tree. If

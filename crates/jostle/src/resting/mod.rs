@@ -17,6 +17,7 @@ mod pairs;
 mod start;
 mod walls;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::Contacts;
@@ -99,6 +100,8 @@ fn relaxation([a, b]: [f32; 2]) -> f32 {
 #[derive(Debug, Default)]
 pub struct Resting {
     velocities: Vectors,
+    /// The velocities that the particles would have at the end of the sub-step without contacts.
+    free_velocities: Vectors,
     /// Angular velocity times radius; empty if there is no friction.
     surface_speeds: Scalars,
     /// Positions at the beginning of the sub-step.
@@ -128,6 +131,8 @@ struct WallPart {
     walls: Vec<Walls>,
     /// The contacts of a particle and walls.
     found: Vec<segments::Contact>,
+    /// The particles that may be near walls.
+    near: Vec<u32>,
 }
 
 /// The contacts of an iteration.
@@ -162,12 +167,6 @@ pub struct WallPush {
 }
 
 impl Support<'_> {
-    /// The velocity that a particle would have at the end of the sub-step without contacts.
-    fn free_velocity(&self, place: usize, kick: &Kick) -> [f32; 2] {
-        let velocity = self.motions.velocity(place as u32);
-        [0, 1].map(|k| velocity[k] + self.change(kick, k) as f32)
-    }
-
     /// The pushes of a wall in the sub-step before.
     fn pushes_before(&self, row: u32, wall: u32) -> [f32; 2] {
         let found = self.pushes.binary_search_by_key(&(row, wall), |of| (of.row, of.wall));
@@ -185,6 +184,32 @@ impl Support<'_> {
         let is_exhausted = self.is_exhausted(place);
         let velocity = if is_exhausted { 0.0 } else { self.spins.velocity(place as u32) };
         velocity * self.particles.radii[place]
+    }
+
+    /// Those of some particles that may be near enough to walls to rest on them. `near` is scratch.
+    fn near_walls<'n>(
+        &self,
+        places: Range<usize>,
+        kicks: &[Kick],
+        near: &'n mut Vec<u32>,
+    ) -> &'n [u32] {
+        near.clear();
+        if !self.walls.is_empty() {
+            near.extend(places.map(|place| place as u32));
+            return near;
+        }
+        let inner = self.container.inner();
+        let h = self.flow.duration as f32;
+        near.resize(places.len(), 0);
+        let mut count = 0;
+        for place in places {
+            // Twice the distance, so that rounding does not matter.
+            let far = 2.0 * FARTHEST * kicks[place].speed * h + self.particles.radii[place];
+            // Without a branch, which would often be predicted wrongly.
+            near[count] = place as u32;
+            count += usize::from(!inner.contains(self.motions.position(place as u32), far));
+        }
+        &near[..count]
     }
 
     fn is_exhausted(&self, place: usize) -> bool {
@@ -297,8 +322,10 @@ impl Resting {
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         let threads = scene.threads;
-        let Self { velocities, surface_speeds, blocks, frictions, walls, .. } = self;
-        let (velocities, surface_speeds) = (&*velocities, &*surface_speeds);
+        let Self { velocities, free_velocities, surface_speeds, blocks, frictions, walls, .. } =
+            self;
+        let (velocities, free_velocities) = (&*velocities, &*free_velocities);
+        let surface_speeds = &*surface_speeds;
         let (is_fast, uneven_walls) = (self.is_fast, self.uneven_walls);
         let mut sweep = |pass, which| {
             for colour in &contacts.blocks.colours {
@@ -330,15 +357,18 @@ impl Resting {
                 solve_walls(walls, Pass::Impact, Which::All);
                 sweep(Pass::Impact, Which::All);
             }
+            parallel::for_rows(threads, kicks.len(), |place| {
+                let [u, v] = velocities.get(place as u32);
+                let [x, y] = [0, 1].map(|k| scene.change(&kicks[place], k) as f32);
+                if scene.moving[place] {
+                    velocities.set(place as u32, [u + x, v + y]);
+                }
+            });
+        } else {
+            parallel::for_rows(threads, kicks.len(), |place| {
+                velocities.set(place as u32, free_velocities.get(place as u32));
+            });
         }
-        let change = |place: usize| {
-            let [u, v] = velocities.get(place as u32);
-            let [x, y] = [0, 1].map(|k| scene.change(&kicks[place], k) as f32);
-            if scene.moving[place] {
-                velocities.set(place as u32, [u + x, v + y]);
-            }
-        };
-        parallel::for_rows(threads, kicks.len(), change);
         sweep(Pass::Start, Which::All);
         parallel::for_chunks(threads, walls, |_, chunk| {
             chunk.iter().for_each(|walls| walls.start(velocities, surface_speeds));
@@ -371,7 +401,8 @@ impl Resting {
     /// Writes the velocities without contacts, and the speeds that gravity and forces give.
     fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) {
         // One more for lanes without a pair.
-        for vectors in [&mut self.velocities, &mut self.positions, &mut self.speeds] {
+        let Self { velocities, free_velocities, positions, speeds, .. } = self;
+        for vectors in [velocities, free_velocities, positions, speeds] {
             vectors.resize(kicks.len() + 1);
             vectors.set(kicks.len() as u32, [0.0; 2]);
         }
@@ -381,16 +412,20 @@ impl Resting {
         parallel::for_rows(scene.threads, turning, |place| {
             surface_speeds.set(place as u32, scene.surface_speed(place));
         });
-        let Self { velocities, positions, speeds, .. } = self;
-        let (velocities, positions, speeds) = (&*velocities, &*positions, &*speeds);
+        let Self { velocities, free_velocities, positions, speeds, .. } = self;
+        let (velocities, free_velocities) = (&*velocities, &*free_velocities);
+        let (positions, speeds) = (&*positions, &*speeds);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, place) in kicks.iter_mut().zip(first..) {
-                velocities.set(place as u32, scene.velocity(place));
+                let mut velocity = scene.velocity(place);
+                velocities.set(place as u32, velocity);
                 positions.set(place as u32, scene.motions.position(place as u32));
                 if scene.moving[place] {
-                    let [x, y] = [0, 1].map(|k| scene.change(kick, k));
-                    kick.speed = (x * x + y * y).sqrt() as f32;
+                    let change = [0, 1].map(|k| scene.change(kick, k));
+                    kick.speed = (change[0] * change[0] + change[1] * change[1]).sqrt() as f32;
+                    velocity = [0, 1].map(|k| velocity[k] + change[k] as f32);
                 }
+                free_velocities.set(place as u32, velocity);
                 speeds.set(place as u32, [kick.speed, 0.0]);
             }
         });
@@ -436,12 +471,15 @@ impl Resting {
                 |place: &usize| scene.moving[*place] && contacts.is_uneven(*place as u32) == uneven;
             let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
             parallel::for_each(scene.threads, tasks, |(part, first)| {
-                let WallPart { walls, found } = part;
+                let WallPart { walls, found, near } = part;
                 let places = first..kicks.len().min(first + WALL_PART);
-                walls.extend(places.filter(is_listed).filter_map(|place| {
-                    let friction = friction.get(place).copied().unwrap_or_default();
-                    Walls::of(place, normal[place], friction, scene, &kicks[place], found)
-                }));
+                let near = scene.near_walls(places, kicks, near).iter();
+                walls.extend(near.map(|&place| place as usize).filter(is_listed).filter_map(
+                    |place| {
+                        let friction = friction.get(place).copied().unwrap_or_default();
+                        Walls::of(place, normal[place], friction, scene, &kicks[place], found)
+                    },
+                ));
             });
             parts.iter_mut().for_each(|part| walls.append(&mut part.walls));
             walls.len()
@@ -469,7 +507,7 @@ impl Resting {
                     self.set_spin(scene, place);
                 }
                 let new = self.velocities.get(place as u32);
-                if new == scene.free_velocity(place, kick) {
+                if new == self.free_velocities.get(place as u32) {
                     continue;
                 }
                 let old = scene.motions.velocity(place as u32);

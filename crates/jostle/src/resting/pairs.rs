@@ -125,7 +125,7 @@ impl Block {
         pass: Pass,
     ) -> [S::Block; 4] {
         let phase = pass.phase() as usize;
-        let [nx, ny] = self.normal.map(|column| simd.load(&column));
+        let [nx, ny] = [simd.load(&self.normal[0]), simd.load(&self.normal[1])];
         let impulses = &mut self.impulses[phase];
         let old = simd.load(impulses);
         let change = if pass == Pass::Start {
@@ -156,7 +156,8 @@ impl Block {
         [x, y]: [S::Block; 2],
         impulse: S::Block,
     ) -> [S::Block; 4] {
-        let [a, b] = self.inverse_masses.map(|column| simd.mul(impulse, simd.load(&column)));
+        let [a, b] = &self.inverse_masses;
+        let (a, b) = (simd.mul(impulse, simd.load(a)), simd.mul(impulse, simd.load(b)));
         [
             simd.sub(ax, simd.mul(x, a)),
             simd.sub(ay, simd.mul(y, a)),

@@ -497,14 +497,12 @@ fn pairs_512(_: Avx512, first: u32, others: __m512i, bits: u32, to: &mut [[u32; 
         _mm_storeu_si128(to.cast(), _mm_unpacklo_epi32(own, low));
         _mm_storeu_si128(to.add(2).cast(), _mm_unpackhi_epi32(own, low));
         if bits.count_ones() > 4 {
-            let halves = [
-                _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23),
-                _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31),
-            ];
+            let low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let high =
+                _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
             let own = _mm512_set1_epi32(first as i32);
-            let pairs = halves.map(|half| _mm512_permutex2var_epi32(own, half, others));
-            _mm512_storeu_si512(to.cast(), pairs[0]);
-            _mm512_storeu_si512(to.add(8).cast(), pairs[1]);
+            _mm512_storeu_si512(to.cast(), _mm512_permutex2var_epi32(own, low, others));
+            _mm512_storeu_si512(to.add(8).cast(), _mm512_permutex2var_epi32(own, high, others));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where discs touch walls, and how they are pushed out of them.
+//! The closest points of discs and walls, and position correction at walls.
 
 use super::{Around, FIRST, Part, Walls};
 use crate::trajectory::{Vector, dot, vector};

@@ -1,4 +1,4 @@
-//! Which walls each disc may touch during a step.
+//! The broad phase of walls: which of them each disc may touch during a step.
 
 use std::cell::Cell;
 

@@ -3,21 +3,23 @@
 //! An island that falls asleep is appended. One that wakes is only marked; the marked ones are
 //! removed when they are more than half. So both cost as much as the island is large. Trees over
 //! ranges of the particles find those that others touch. The tree of a new range takes in those
-//! before that are not much larger, so there are few.
+//! before that are not much larger, so there are few (the logarithmic method: J. L. Bentley and J. B. Saxe,
+//! *Decomposable Searching Problems I*, Journal of Algorithms 1, 1980).
 
 use std::iter;
 use std::ops::Range;
 
+use super::discs::Discs;
 use super::touches::WallImpulse;
 use super::{MAX_CANDIDATES, WorldSettings};
 use crate::contacts::Contact;
-use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::pairs::{self, Filters, JoinScratch};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::{Each, Shapes, fill_filters};
+use crate::table::Table;
 
 /// Where the parts of an island are in the columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,10 +32,7 @@ pub(super) struct Island {
 /// Islands with all that they need to continue when they wake.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sleepers {
-    pub(super) particles: Particles,
-    pub(super) rows: Vec<u32>,
-    pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
-    pub(super) wall_frictions: Vec<[f32; MAX_WALLS]>,
+    pub(super) discs: Discs,
     /// Those of the last step in which they were awake. Their places are rows: the other
     /// particle may be immovable, and is awake then.
     pub(super) contacts: Vec<Contact>,
@@ -43,21 +42,23 @@ pub(super) struct Sleepers {
 }
 
 impl Sleepers {
+    /// Number of particles.
+    fn len(&self) -> usize {
+        self.discs.rows.len()
+    }
+
     /// Appends islands.
     fn extend(&mut self, other: &Self) {
         let moved = |range: &Range<u32>, by: usize| range.start + by as u32..range.end + by as u32;
-        let Self { rows, contacts, wall_impulses, .. } = &*self;
+        let Self { contacts, wall_impulses, .. } = &*self;
         let [first, first_contact, first_impulse] =
-            [rows.len(), contacts.len(), wall_impulses.len()];
+            [self.len(), contacts.len(), wall_impulses.len()];
         self.islands.extend(other.islands.iter().map(|island| Island {
             particles: moved(&island.particles, first),
             contacts: moved(&island.contacts, first_contact),
             wall_impulses: moved(&island.wall_impulses, first_impulse),
         }));
-        self.particles.extend(&other.particles);
-        self.rows.extend_from_slice(&other.rows);
-        self.wall_pushes.extend_from_slice(&other.wall_pushes);
-        self.wall_frictions.extend_from_slice(&other.wall_frictions);
+        self.discs.append(first, &other.discs, other.len());
         self.contacts.extend_from_slice(&other.contacts);
         self.wall_impulses.extend_from_slice(&other.wall_impulses);
     }
@@ -77,11 +78,8 @@ impl Sleepers {
                 [0, 1, 2].map(|k| starts[k] as u32..ends[k] as u32);
             copy.islands.push(Island { particles, contacts, wall_impulses });
         }
-        copy.particles.gather(&self.particles, &order, Some(1));
-        copy.particles.simplify();
-        copy.rows.extend(order.iter().map(|&at| self.rows[at as usize]));
-        copy.wall_pushes.extend(order.iter().map(|&at| self.wall_pushes[at as usize]));
-        copy.wall_frictions.extend(order.iter().map(|&at| self.wall_frictions[at as usize]));
+        copy.discs.gather(&self.discs, &order, Some(1));
+        copy.discs.drop_defaults();
         copy
     }
 }
@@ -113,7 +111,7 @@ pub(super) struct Asleep {
 impl Asleep {
     /// Number of sleeping particles.
     pub(super) fn len(&self) -> usize {
-        self.sleepers.rows.len() - self.awake
+        self.sleepers.len() - self.awake
     }
 
     /// Whether no particle sleeps.
@@ -139,7 +137,7 @@ impl Asleep {
 
     /// The rows of the sleeping particles.
     pub(super) fn rows(&self) -> impl Iterator<Item = u32> + '_ {
-        self.indices().map(|at| self.sleepers.rows[at])
+        self.indices().map(|at| self.sleepers.discs.rows[at])
     }
 
     /// The contacts of the sleeping particles; their places are rows.
@@ -161,22 +159,22 @@ impl Asleep {
 
     /// Appends islands that fall asleep. If there is an error, nothing changes.
     pub(super) fn append(&mut self, new: &Sleepers, settings: Settings) -> Result<()> {
-        let end = self.sleepers.rows.len() + new.rows.len();
-        let mut first = self.sleepers.rows.len();
+        let end = self.sleepers.len() + new.len();
+        let mut first = self.sleepers.len();
         let mut kept = self.layers.len();
         while kept > 0 && self.layers[kept - 1].tree.len() <= 2 * (end - first) {
             kept -= 1;
             first = self.layers[kept].first;
         }
-        let old = &self.sleepers.particles;
+        let (old, added) = (&self.sleepers.discs.particles, &new.discs.particles);
         let Particles { positions, radii, .. } = old;
-        let centers = [&positions[first..], &new.particles.positions].concat();
-        let radii = Each::Rows([&radii[first..], &new.particles.radii].concat());
+        let centers = [&positions[first..], &added.positions].concat();
+        let radii = Each::Rows([&radii[first..], &added.radii].concat());
         let mut shapes = Shapes { centers, radii, ..Shapes::default() };
-        if !old.filters.is_empty() || !new.particles.filters.is_empty() {
+        if !old.filters.is_empty() || !added.filters.is_empty() {
             let filter = |at: usize| match at.checked_sub(old.len()) {
                 None => old.filter(at),
-                Some(at) => new.particles.filter(at),
+                Some(at) => added.filter(at),
             };
             fill_filters((first..end).map(filter), &mut shapes.filters);
         }
@@ -233,24 +231,25 @@ impl Asleep {
         Ok(islands)
     }
 
-    /// The islands that touch a marked row, ascending.
-    pub(super) fn islands_touching(&self, marked: &[bool]) -> Vec<u32> {
+    /// The islands that touch one of some rows, which are sorted; ascending.
+    pub(super) fn islands_touching(&self, rows: &[u32]) -> Vec<u32> {
         let touches = |&island: &u32| {
             let Range { start, end } = self.sleepers.islands[island as usize].contacts.clone();
             let contacts = &self.sleepers.contacts[start as usize..end as usize];
-            contacts.iter().flat_map(|contact| contact.places).any(|row| marked[row as usize])
+            contacts
+                .iter()
+                .flat_map(|contact| contact.places)
+                .any(|row| rows.binary_search(&row).is_ok())
         };
         self.islands().filter(touches).collect()
     }
 
-    /// The islands of which a row is marked, ascending.
-    pub(super) fn islands_of(&self, marked: &[bool]) -> Vec<u32> {
-        let has_marked = |&island: &u32| {
-            let Range { start, end } = self.sleepers.islands[island as usize].particles.clone();
-            let rows = &self.sleepers.rows[start as usize..end as usize];
-            rows.iter().any(|&row| marked[row as usize])
-        };
-        self.islands().filter(has_marked).collect()
+    /// The islands of the particles with some indices, ascending.
+    pub(super) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Vec<u32> {
+        let mut islands: Vec<u32> = indices.map(|at| self.island_of[at]).collect();
+        islands.sort_unstable();
+        islands.dedup();
+        islands
     }
 
     /// Wakes islands and returns a copy of them.
@@ -277,7 +276,7 @@ impl Asleep {
     /// Makes waking final. Removes the islands that are awake if they are more than half.
     pub(super) fn forget_woken(&mut self) {
         self.woken.clear();
-        if 2 * self.awake <= self.sleepers.rows.len() {
+        if 2 * self.awake <= self.sleepers.len() {
             return;
         }
         let mut rest = Self::default();
@@ -290,7 +289,8 @@ impl Asleep {
 
     /// Renumbers the rows.
     pub(super) fn renumber(&mut self, new: &[u32]) {
-        let Sleepers { rows, contacts, wall_impulses, .. } = &mut self.sleepers;
+        let Sleepers { discs: Discs { rows, .. }, contacts, wall_impulses, .. } =
+            &mut self.sleepers;
         // Of islands that are awake, rows may be gone. Nothing reads them.
         let renumber = |row: &mut u32| *row = new.get(*row as usize).copied().unwrap_or(0);
         rows.iter_mut().for_each(renumber);

@@ -1,4 +1,5 @@
-//! Bounds: for each particle a circle in which it is expected to stay during a step.
+//! Swept bounds: for each particle a circle in which it is expected to stay during a step. The tree of these
+//! circles is the broad phase (C. Ericson, *Real-Time Collision Detection*, 2005).
 //!
 //! A particle that leaves its circle gets a larger one, or, if it travels around a torus, a chain of
 //! circles along its trajectory.
@@ -8,7 +9,7 @@ use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::feel::aside;
+use super::force_step::force_displacement;
 use super::{MAX_CANDIDATES, OnTouch, World};
 use crate::container::Container;
 use crate::error::{Error, Result};
@@ -48,7 +49,7 @@ const MOST_SPLITS: f64 = 4096.0;
 /// Candidate pairs of a particle that cost less to test than another part of the step.
 const WORTH_A_SPLIT: f64 = 4.0;
 
-/// Displacements, in units of [`Container::reach`], up to which one circle is made. It and a particle
+/// Displacements, in units of [`Container::max_displacement`], up to which one circle is made. It and a particle
 /// together are at most half as large as the torus.
 const ONE_CIRCLE: f64 = 1.6;
 
@@ -59,18 +60,20 @@ const GROWTH: f64 = 1.25;
 impl World {
     /// Computes the bounds of a step of `dt` seconds. If a particle gets further,
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
-    pub(super) fn bound(&mut self, dt: f32) {
+    pub(super) fn find_bounds(&mut self, dt: f32) {
         let threads = self.threads();
         let super::Memory { reaches, forces, usual_speed, shapes, .. } = &mut self.memory;
         let (particles, settings) = (&self.particles, &self.settings);
-        let usual = (*usual_speed * dt).min(settings.container.reach());
+        let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
-        let pulled = |place: usize| aside(accelerations.get(place), None, dt).unwrap_or(0.0);
+        let pulled =
+            |place: usize| force_displacement(accelerations.get(place), None, dt).unwrap_or(0.0);
         let [gx, gy] = settings.gravity;
         let fall = 0.5 * dt * dt * (gx * gx + gy * gy).sqrt();
         // Particles that merge are not searched again.
         let is_merging = settings.on_touch == OnTouch::Merge;
-        let longest = if is_merging { f32::INFINITY } else { settings.container.reach() };
+        let longest =
+            if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
         let len = particles.len();
         shapes.centers.clone_from(&particles.positions);
         shapes.half_sizes = None;
@@ -89,13 +92,13 @@ impl World {
             for ((((reach, radius), (&[u, v], &center)), (&own_radius, &is_movable)), place) in all
             {
                 let own = (u * u + v * v).sqrt() * dt * 1.000_01;
-                let mut aside = fall;
+                let mut by_forces = fall;
                 if !accelerations.is_empty() {
-                    aside += pulled(place);
+                    by_forces += pulled(place);
                 }
-                let (least, aside) = if is_movable { (usual, aside) } else { (0.0, 0.0) };
-                *reach = (own.max(least) + aside).min(longest);
-                any_cut |= *reach < own + aside;
+                let (least, by_forces) = if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
+                *reach = (own.max(least) + by_forces).min(longest);
+                any_cut |= *reach < own + by_forces;
                 *radius = own_radius + *reach + rounding_of(center, sides);
             }
             if any_cut {
@@ -136,7 +139,7 @@ impl World {
     /// of radius r meets 2 v (N r + Σ r) / A others in a second, with the area A.
     fn parts_with_few_collisions(&self, dt: f64) -> f64 {
         let Particles { velocities, radii, .. } = &self.particles;
-        let Container::Torus { size } = self.settings.container else { return 1.0 };
+        let Some(size) = self.settings.container.period() else { return 1.0 };
         let [width, height] = size.map(f64::from);
         let mean_radius = mean(radii.iter().copied());
         let share = 2.0 * dt * radii.len() as f64 / (width * height);
@@ -184,10 +187,7 @@ fn rounding_of([x, y]: [f32; 2], sides: f32) -> f32 {
 
 /// Sum of the sides of a torus; 0 for other containers.
 fn torus_sides(container: &Container) -> f32 {
-    match container {
-        Container::Torus { size: [width, height] } => width + height,
-        _ => 0.0,
-    }
+    container.period().map_or(0.0, |[width, height]| width + height)
 }
 
 /// Area of the smallest AABB around some points.
@@ -230,6 +230,13 @@ pub(super) struct Grown {
     stack: Vec<u32>,
 }
 
+impl Grown {
+    /// Begins a step.
+    pub(super) fn clear(&mut self) {
+        self.circles.clear();
+    }
+}
+
 /// The bounds of a step, and the tree of those that it began with.
 pub(super) struct StepBounds<'a> {
     tree: &'a Quadtree<f32>,
@@ -249,7 +256,6 @@ impl<'a> StepBounds<'a> {
         grown: &'a mut Grown,
         container: Container,
     ) -> Self {
-        grown.circles.clear();
         let area = container.area().unwrap_or(f64::INFINITY);
         let spacing = (area / particles.len() as f64).sqrt() as f32;
         Self { tree, particles, reaches, grown, container, spacing }
@@ -258,7 +264,7 @@ impl<'a> StepBounds<'a> {
     /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
     fn cover(&mut self, outside: &Outside, gravity: Vector, end: f64) -> Result<()> {
         let Outside { index, distance, .. } = *outside;
-        if distance > ONE_CIRCLE * f64::from(self.container.reach()) {
+        if distance > ONE_CIRCLE * f64::from(self.container.max_displacement()) {
             return self.cover_by_chain(outside, gravity, end);
         }
         let reach = &mut self.reaches[index as usize];
@@ -289,8 +295,10 @@ impl<'a> StepBounds<'a> {
         });
         let displacement = speeds[0].max(speeds[1]) * (end - time);
         // Circles about as large as the distances between particles find few of them.
-        let size =
-            self.container.reach().min(self.spacing.max(self.particles.radii[index as usize]));
+        let size = self
+            .container
+            .max_displacement()
+            .min(self.spacing.max(self.particles.radii[index as usize]));
         let count = (displacement / f64::from(size)).ceil().max(1.0);
         if count > MOST_CIRCLES {
             return Err(Error::TooManyCandidates { limit: MOST_NEW });
@@ -315,10 +323,8 @@ impl<'a> StepBounds<'a> {
 
     /// The copies of the torus that have a point within some distance of it.
     fn tiles(&self, distance: f32) -> impl Iterator<Item = [i32; 2]> + use<> {
-        let [columns, rows] = match self.container {
-            Container::Torus { size } => size.map(|side| (distance / side).ceil() as i32),
-            _ => [0; 2],
-        };
+        let sides = self.container.period().unwrap_or([f32::INFINITY; 2]);
+        let [columns, rows] = sides.map(|side| (distance / side).ceil() as i32);
         (-columns..=columns).flat_map(move |i| (-rows..=rows).map(move |j| [i, j]))
     }
 }

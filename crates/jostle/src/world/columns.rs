@@ -6,17 +6,17 @@ use crate::error::Result;
 use crate::particles::{Particles, Spin};
 use crate::quadtree::Quadtree;
 use crate::shapes::{Each, Filter, Shapes, fill_filters};
+use crate::table::Table;
 
 impl World {
     /// A copy of all particles in the order of adding.
     pub fn particles(&self) -> Particles {
-        self.particles_at(&self.places())
+        self.particles_at(self.places())
     }
 
     /// A copy of the particles in some rows, in this order.
     pub(super) fn particles_in(&self, rows: &[u32]) -> Particles {
-        let places = self.places();
-        self.particles_at(&rows.iter().map(|&row| places[row as usize]).collect::<Vec<u32>>())
+        self.particles_at(&self.places_of(rows))
     }
 
     /// A copy of the particles at some places, in this order.
@@ -26,14 +26,12 @@ impl World {
             copy.gather(&self.particles, places, Some(1));
             return copy;
         }
-        let (awake, sleepers) = (self.rows.len(), self.asleep.sleepers());
-        for &place in places {
-            match (place as usize).checked_sub(awake) {
-                None => copy.push(&self.particles, place as usize),
-                Some(at) => copy.push(&sleepers.particles, at),
-            }
+        copy.resize(places.len());
+        for (row, &place) in places.iter().enumerate() {
+            let (all, at) = self.disc_at(place as usize);
+            copy.put(places.len(), row, all, at);
         }
-        copy.simplify();
+        copy.drop_defaults();
         copy
     }
 
@@ -84,10 +82,7 @@ impl World {
 
     /// Angles in radians, −π to π without π, in the order of adding.
     pub fn angles(&self) -> Vec<f32> {
-        // Rounded to float32 an angle below π may be π.
-        let last = std::f32::consts::PI;
-        let rounded = |angle: f32| if angle >= last { -last } else { angle };
-        self.spins(|spin| rounded(spin.angle as f32))
+        self.spins(|spin| spin.rounded_angle())
     }
 
     /// Angular velocities in the order of adding.
@@ -107,7 +102,7 @@ impl World {
 
     /// Whether some particles may not touch others.
     fn has_filters(&self) -> bool {
-        let sleepers = &self.asleep.sleepers().particles;
+        let sleepers = &self.asleep.sleepers().discs.particles;
         !self.particles.filters.is_empty() || !sleepers.filters.is_empty()
     }
 
@@ -127,23 +122,54 @@ impl World {
         for (at, &row) in self.rows.iter().enumerate() {
             column[row as usize] = value(&self.particles, at);
         }
-        let sleepers = self.asleep.sleepers();
+        let sleepers = &self.asleep.sleepers().discs;
         for at in self.asleep.indices() {
             column[sleepers.rows[at] as usize] = value(&sleepers.particles, at);
         }
         column
     }
 
-    /// The place of each row; those of sleeping particles come after those of all others.
-    pub(super) fn places(&self) -> Vec<u32> {
-        let mut places = vec![0; self.len()];
-        for (place, &row) in self.rows.iter().enumerate() {
-            places[row as usize] = place as u32;
+    /// The columns of the particle at a place, and its row in them.
+    pub(super) fn disc_at(&self, place: usize) -> (&Particles, usize) {
+        match place.checked_sub(self.rows.len()) {
+            None => (&self.particles, place),
+            Some(at) => (&self.asleep.sleepers().discs.particles, at),
         }
-        let awake = self.rows.len();
-        for at in self.asleep.indices() {
-            places[self.asleep.sleepers().rows[at] as usize] = (awake + at) as u32;
-        }
+    }
+
+    /// The places of some rows.
+    pub(super) fn places_of(&self, rows: &[u32]) -> Vec<u32> {
+        let places = if rows.is_empty() { &[] } else { self.places() };
+        rows.iter().map(|&row| places[row as usize]).collect()
+    }
+
+    /// The place of each row; those of sleeping particles come after those of all others. They are
+    /// computed when they are first needed, and kept until [`World::forget_places`].
+    pub(super) fn places(&self) -> &[u32] {
+        let places = self.places.get_or_init(|| self.find_places());
+        debug_assert!(self.are_places(places));
         places
+    }
+
+    /// Must be called when the order of the particles or their number changes.
+    pub(super) fn forget_places(&mut self) {
+        self.places.take();
+    }
+
+    fn find_places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.len()];
+        self.rows_and_places().for_each(|(row, place)| places[row as usize] = place);
+        places
+    }
+
+    fn are_places(&self, places: &[u32]) -> bool {
+        let is_right = |(row, place): (u32, u32)| places.get(row as usize) == Some(&place);
+        places.len() == self.len() && self.rows_and_places().all(is_right)
+    }
+
+    fn rows_and_places(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let (awake, rows) = (self.rows.len(), &self.asleep.sleepers().discs.rows);
+        let asleep = self.asleep.indices().map(move |at| (rows[at], (awake + at) as u32));
+        self.rows.iter().copied().zip(0..).chain(asleep)
     }
 }

@@ -19,11 +19,11 @@ impl World {
     /// those before.
     pub(super) fn drive(&mut self, dt: f64) -> Driven {
         let mut before = Driven { particles: Vec::new(), walls: Vec::new() };
-        let places = self.places();
         for motor in forces::motors(&self.forces) {
             let drive = motor.drive(self.time, dt);
-            for &row in &motor.ids {
-                let place = places[row as usize] as usize;
+            let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
+            for place in self.places_of(&rows) {
+                let place = place as usize;
                 let all = &mut self.particles;
                 // It may have become movable, and may sleep then.
                 if all.movable.get(place) != Some(&false) {

@@ -58,12 +58,13 @@ impl World {
         for (given, movable) in accelerations.iter_mut().zip(self.movable()) {
             *given = if movable { *given } else { [0.0; 2] };
         }
-        let acts: Vec<bool> = accelerations.iter().map(|&given| given != [0.0; 2]).collect();
-        if acts.contains(&true) {
-            self.wake_changed(&acts);
-            self.given = accelerations;
-        } else {
+        let acts = (0..).zip(&accelerations).filter(|(_, given)| **given != [0.0; 2]);
+        let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
+        if rows.is_empty() {
             self.given.clear();
+        } else {
+            self.wake_changed(&rows);
+            self.given = accelerations;
         }
     }
 

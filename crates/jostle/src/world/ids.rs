@@ -81,7 +81,7 @@ impl Ids {
     pub(super) fn remove(&mut self, gone: &[bool]) {
         let next = self.next;
         let all = self.listed.get_or_insert_with(|| (0..next).collect());
-        super::retain_unless(all, gone);
+        super::edits::retain_unless(all, gone);
     }
 
     /// What is wrong with an id that no particle has.
@@ -118,13 +118,16 @@ impl World {
     /// The same; refuses ids given twice, too.
     pub fn distinct_rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
         let rows = self.rows_of(ids)?;
-        let mut seen = vec![false; self.len()];
-        for (index, &row) in rows.iter().enumerate() {
-            if std::mem::replace(&mut seen[row as usize], true) {
-                return Err(Error::at("ids", index, ids[index], "it is given twice"));
-            }
+        if rows.is_sorted_by(|a, b| a < b) {
+            return Ok(rows);
         }
-        Ok(rows)
+        let mut sorted: Vec<_> = rows.iter().zip(0..).collect();
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).filter(|two| two[0].0 == two[1].0);
+        match twice.map(|two: &[(&u32, usize)]| two[1].1).min() {
+            Some(index) => Err(Error::at("ids", index, ids[index], "it is given twice")),
+            None => Ok(rows),
+        }
     }
 
     /// What became of each id, if particles merged since the last reset: merged particles share the

@@ -14,69 +14,83 @@ use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
 use crate::shapes::Filter;
 use crate::space::Id;
+use crate::table::Table;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
 const ROUNDS: usize = 16;
 
 /// A candidate pair of particles that may merge.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Meeting {
+pub(super) struct CandidateMerge {
     places: [u32; 2],
     /// Offset that is added to the second (torus).
     image: [f32; 2],
     /// Sum of the radii.
-    reach: f32,
-    happened: bool,
+    radius_sum: f32,
+    has_touched: bool,
 }
 
 /// Lists the pairs to test.
-pub(super) fn expect(
+pub(super) fn list_candidates(
     lists: &[([f32; 2], Vec<[u32; 2]>)],
     all: &Particles,
-    meetings: &mut Vec<Meeting>,
+    candidates: &mut Vec<CandidateMerge>,
 ) {
-    meetings.clear();
+    candidates.clear();
     for (image, pairs) in lists {
         for &places in pairs {
             let [a, b] = places.map(|place| place as usize);
             if all.movable[a] || all.movable[b] {
-                let reach = all.radii[a] + all.radii[b];
-                meetings.push(Meeting { places, image: *image, reach, happened: false });
+                let radius_sum = all.radii[a] + all.radii[b];
+                candidates.push(CandidateMerge {
+                    places,
+                    image: *image,
+                    radius_sum,
+                    has_touched: false,
+                });
             }
         }
     }
 }
 
 /// Marks the pairs that touched during the sub-step that has just ended.
-pub(super) fn note(meetings: &mut [Meeting], motions: &Motions, threads: Option<usize>) {
-    parallel::for_chunks(threads, meetings, |_, chunk| {
-        chunk.iter_mut().for_each(|meeting| meeting.happened |= met(meeting, motions));
+pub(super) fn mark_touching(
+    candidates: &mut [CandidateMerge],
+    motions: &Motions,
+    threads: Option<usize>,
+) {
+    parallel::for_chunks(threads, candidates, |_, chunk| {
+        chunk.iter_mut().for_each(|candidate| candidate.has_touched |= touched(candidate, motions));
     });
 }
 
-fn met(meeting: &Meeting, motions: &Motions) -> bool {
+fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
     let both = |f: fn(&Motions, u32) -> [f32; 2]| {
-        let [a, b] = meeting.places.map(|place| f(motions, place).map(f64::from));
+        let [a, b] = candidate.places.map(|place| f(motions, place).map(f64::from));
         [b[0] - a[0], b[1] - a[1]]
     };
-    let (offset, way) = (both(Motions::position), both(Motions::travel));
-    let end = [0, 1].map(|k| offset[k] + f64::from(meeting.image[k]));
+    let (offset, displacement) = (both(Motions::position), both(Motions::displacement));
+    let end = [0, 1].map(|k| offset[k] + f64::from(candidate.image[k]));
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     // The share of the displacement, back from its end, at which they are nearest.
-    let back = if dot(way, way) > 0.0 { dot(end, way) / dot(way, way) } else { 0.0 };
+    let back = if dot(displacement, displacement) > 0.0 {
+        dot(end, displacement) / dot(displacement, displacement)
+    } else {
+        0.0
+    };
     let back = back.clamp(0.0, 1.0);
-    let nearest = [0, 1].map(|k| end[k] - way[k] * back);
-    let reach = f64::from(meeting.reach);
-    dot(nearest, nearest) < reach * reach
+    let nearest = [0, 1].map(|k| end[k] - displacement[k] * back);
+    let radius_sum = f64::from(candidate.radius_sum);
+    dot(nearest, nearest) < radius_sum * radius_sum
 }
 
 impl World {
     /// Merges the particles that touched, and those that merged particles then overlap.
     pub(super) fn merge(&mut self) {
-        let meetings = std::mem::take(&mut self.memory.meetings);
-        let happened = meetings.iter().filter(|meeting| meeting.happened);
-        let mut touching: Vec<[u32; 2]> = happened.map(|meeting| meeting.places).collect();
-        self.memory.meetings = meetings;
+        let candidates = std::mem::take(&mut self.memory.candidate_merges);
+        let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
+        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.places).collect();
+        self.memory.candidate_merges = candidates;
         for _ in 0..ROUNDS {
             self.record_pairs(&touching);
             if touching.is_empty() || !self.merge_touching(&touching) {
@@ -110,11 +124,9 @@ impl World {
             };
             any = true;
             self.merge_given(&places);
-            self.particles.put(places[0], &one, 0);
-            self.wall_pushes[places[0]] = Default::default();
-            if !self.wall_frictions.is_empty() {
-                self.wall_frictions[places[0]] = Default::default();
-            }
+            let len = self.rows.len();
+            self.particles.put(len, places[0], &one, 0);
+            self.persistent.forget_sides_of(places[0]);
             let rows = places.iter().map(|&place| self.rows[place]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);

@@ -10,18 +10,23 @@
 mod asleep;
 mod bounds;
 mod columns;
+mod contacts;
 mod defaults;
+mod discs;
 mod drive;
-mod feel;
+mod edits;
+mod force_step;
 mod given;
 mod ids;
 mod merge;
 mod record;
+mod reorder;
 mod search;
 mod settings;
 mod sleeping;
 mod snapshot;
 mod step;
+mod store;
 mod substeps;
 mod sums;
 mod touches;
@@ -29,10 +34,10 @@ mod touching;
 mod undo;
 mod waking;
 
-use std::ops::Range;
+use std::sync::OnceLock;
 
 use crate::contacts::Contacts;
-use crate::container::{Container, MAX_WALLS};
+use crate::container::Container;
 use crate::correction::Correction;
 use crate::error::{Error, Result};
 use crate::events::Events;
@@ -42,21 +47,21 @@ use crate::motion::{Motions, Spins};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::resting::{Resting, WallPush};
-use crate::shapes::{MOST_ROWS, Shapes};
+use crate::shapes::Shapes;
 use crate::space::Id;
 use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
 pub use defaults::Defaults;
-use feel::ForceMemory;
+use discs::{Discs, Persistent};
+use force_step::ForceMemory;
 use ids::Ids;
 use record::Record;
 pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
-use sleeping::Drift;
 use step::MAX_CANDIDATES;
 use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
-use undo::{Before, Ordered};
+use undo::Before;
 
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +101,9 @@ impl Stage {
     ];
 }
 
+/// A callback that is called when a stage of a step ends, to time it.
+pub type Watch<'a> = dyn FnMut(Stage) + Send + 'a;
+
 /// The search of the last step, and its unresolved particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
@@ -119,7 +127,7 @@ pub struct Stats {
 /// let (left, right) = ([-2.0, 0.0], [2.0, 0.0]);
 /// let discs = Particles::new(vec![left, right], vec![[1.0, 0.0], [0.0, 0.0]], vec![1.0; 2], 1.0);
 /// let mut world = World::new(discs, WorldSettings::default())?;
-/// world.step(0.1, 40, &mut |_| ())?;
+/// world.step(0.1, 40)?;
 /// assert_eq!(world.particles().velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
 /// # Ok::<(), jostle::Error>(())
 /// ```
@@ -131,19 +139,16 @@ pub struct World {
     walls: Walls,
     /// The accelerations of the rows by forces of the caller; empty if there are none.
     given: Vec<[f32; 2]>,
-    /// Those that are awake, in canonical order, like `rows`, `wall_pushes` and `contacts`.
+    /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.
     rows: Vec<u32>,
+    persistent: Persistent,
+    /// The place of each row, once it was needed.
+    places: OnceLock<Vec<u32>>,
     /// The id of each row.
     ids: Ids,
     defaults: Defaults,
-    /// How each particle moved in the last quarters of a second; empty if nothing may fall asleep.
-    drifts: Vec<Drift>,
-    /// Impulse over mass that each wall gave in the last sub-step, at rest.
-    wall_pushes: Vec<[f32; MAX_WALLS]>,
-    /// The same of friction; empty if no particle has friction.
-    wall_frictions: Vec<[f32; MAX_WALLS]>,
     contacts: Contacts,
     /// The impulses that walls gave in the last step, sorted by row.
     wall_impulses: Vec<WallImpulse>,
@@ -212,14 +217,14 @@ struct Memory {
     overlaps: search::Lists,
     overlap_parts: Vec<Vec<[u32; 2]>>,
     /// The candidate pairs of a world whose particles merge.
-    meetings: Vec<merge::Meeting>,
+    candidate_merges: Vec<merge::CandidateMerge>,
     kicks: Vec<Kick>,
     forces: ForceMemory,
     before: Before,
     /// The record before, until a step of the present one is complete.
     record_before: Option<Record>,
     /// Columns to reorder into, for all parts of a step but the first.
-    spare: Ordered,
+    spare: Discs,
 }
 
 impl World {
@@ -255,11 +260,10 @@ impl World {
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             self.wake_all();
-            self.drifts.clear();
+            self.persistent.drifts.clear();
         }
         if settings.container != self.settings.container {
-            self.wall_pushes.fill([0.0; MAX_WALLS]);
-            self.wall_frictions.clear();
+            self.persistent.forget_sides();
             self.wall_impulses.clear();
         }
         if track_events != self.settings.track_events {
@@ -283,7 +287,7 @@ impl World {
         let mut walls = Walls::new(walls, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
-        self.drifts.clear();
+        self.persistent.drifts.clear();
         let is_kept = |wall: usize| {
             let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(wall));
             old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
@@ -307,157 +311,9 @@ impl World {
         self.check_motors(&forces)?;
         forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
         self.wake_all();
-        self.drifts.clear();
+        self.persistent.drifts.clear();
         self.forces = forces;
         Ok(())
-    }
-
-    /// Adds particles after the others and returns their ids, which are above all ids before. An
-    /// immovable one wakes all.
-    pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
-        particles.validate()?;
-        self.settings.container.check_fit(&particles.radii)?;
-        particles.simplify();
-        let (old, new) = (self.len(), self.len() + particles.len());
-        if new > MOST_ROWS {
-            return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
-        }
-        let ids = self.ids.add(particles.len())?;
-        if !particles.movable.iter().all(|&movable| movable) {
-            self.wake_all();
-        }
-        self.particles.extend(&particles);
-        self.rows.extend(old as u32..new as u32);
-        if !self.given.is_empty() {
-            self.given.resize(new, [0.0; 2]);
-        }
-        let awake = self.rows.len();
-        self.wall_pushes.resize(awake, [0.0; MAX_WALLS]);
-        if !self.wall_frictions.is_empty() {
-            self.wall_frictions.resize(awake, [0.0; MAX_WALLS]);
-        }
-        if !self.drifts.is_empty() {
-            self.drifts.resize(awake, Drift::UNKNOWN);
-        }
-        Ok(ids)
-    }
-
-    /// Removes particles. The rows after them move up; the ids of others stay. Springs and
-    /// attractors of a removed particle are removed too. The islands of removed particles wake; all
-    /// wake if an immovable one is removed.
-    pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
-        let rows = self.distinct_rows_of(ids)?;
-        if rows.is_empty() {
-            return Ok(());
-        }
-        let mut gone = vec![false; self.len()];
-        rows.iter().for_each(|&row| gone[row as usize] = true);
-        self.wake_changed(&gone);
-        let shifted = self.take_out(&gone);
-        forces::follow(&mut self.forces, |row| {
-            (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
-        });
-        self.shorten_renumbering();
-        Ok(())
-    }
-
-    /// Removes rows, so that the others move up; returns how many remain before each.
-    fn take_out(&mut self, gone: &[bool]) -> Vec<u32> {
-        let mut shifted = Vec::with_capacity(self.len());
-        let mut left = 0;
-        for &gone in gone {
-            shifted.push(left);
-            left += u32::from(!gone);
-        }
-        let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
-        // In a step whose particles merge, these are of the rows before.
-        self.memory.wall_pushes.clear();
-        self.wall_impulses.retain(|of| !gone[of.row as usize]);
-        self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
-        self.keep(&keep);
-        self.ids.remove(gone);
-        retain_unless(&mut self.given, gone);
-        self.asleep.renumber(&shifted);
-        self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        shifted
-    }
-
-    /// Keeps some places of all columns, and the contacts between them.
-    fn keep(&mut self, keep: &[bool]) {
-        self.particles.retain(|place| keep[place]);
-        self.particles.simplify();
-        self.contacts.retain(keep);
-        retain(&mut self.rows, keep);
-        retain(&mut self.wall_pushes, keep);
-        retain(&mut self.wall_frictions, keep);
-        retain(&mut self.drifts, keep);
-    }
-
-    /// Changes columns of the particles: `change` gets a copy of them in the order of
-    /// adding. A particle with a new position has no residual. Refused values change nothing.
-    /// The islands of changed particles wake. All wake if an immovable one changes, but those that do not
-    /// touch it sleep on if only its velocities change.
-    pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
-        let rows: Vec<u32> = (0..self.len() as u32).collect();
-        self.edit_rows(&rows, change)
-    }
-
-    /// As [`World::edit`], of the particles in some rows, in this order; each at most once.
-    pub fn edit_rows(
-        &mut self,
-        rows: &[u32],
-        change: impl FnOnce(&mut Particles) -> Result<()>,
-    ) -> Result<()> {
-        let mut copy = self.particles_in(rows);
-        let before = copy.clone();
-        change(&mut copy)?;
-        if copy.len() != rows.len() {
-            let (found, expected) = (copy.len(), rows.len());
-            return Err(Error::Length { argument: "positions", found, expected });
-        }
-        copy.validate()?;
-        self.settings.container.check_fit(&copy.radii)?;
-        copy.simplify();
-        let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
-        let moved = pairs.filter(|(_, (new, old))| new != old);
-        moved.for_each(|(residual, _)| *residual = [0.0; 2]);
-        let mut changed = vec![false; self.len()];
-        let mut driven = vec![false; self.len()];
-        for (index, &row) in rows.iter().enumerate() {
-            let is_driven = !copy.movable[index] && copy.is_same_at_rest(index, &before);
-            let marked = if is_driven { &mut driven } else { &mut changed };
-            marked[row as usize] = !copy.is_same(index, &before);
-        }
-        self.wake_driven(&driven);
-        self.wake_changed(&changed);
-        for (drift, &row) in self.drifts.iter_mut().zip(&self.rows) {
-            if changed[row as usize] {
-                *drift = Drift::UNKNOWN;
-            }
-        }
-        self.put(rows, &copy);
-        Ok(())
-    }
-
-    /// Writes particles over those in some rows. Sleeping ones, which have not changed, stay.
-    fn put(&mut self, rows: &[u32], copy: &Particles) {
-        let (places, awake) = (self.places(), self.rows.len());
-        if !copy.spins.is_empty() {
-            self.particles.spins_mut();
-        }
-        if !copy.filters.is_empty() {
-            self.particles.filters_mut();
-        }
-        if !copy.sensors.is_empty() {
-            self.particles.sensors_mut();
-        }
-        for (index, &row) in rows.iter().enumerate() {
-            let place = places[row as usize] as usize;
-            if place < awake {
-                self.particles.put(place, copy, index);
-            }
-        }
-        self.particles.simplify();
     }
 
     /// Simulated seconds.
@@ -473,21 +329,9 @@ impl World {
 
 /// Refuses walls on a torus.
 fn check_plane(container: Container, walls: usize) -> Result<()> {
-    if walls > 0 && matches!(container, Container::Torus { .. }) {
+    if walls > 0 && container.period().is_some() {
         let rule = "on a torus there can be no walls";
         return Err(Error::of("walls", format!("{walls} walls"), rule));
     }
     Ok(())
-}
-
-/// Keeps some values of a column, which may be empty.
-fn retain<V>(column: &mut Vec<V>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    column.retain(|_| keep.next().is_some_and(|&keep| keep));
-}
-
-/// Removes some values of a column.
-fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
-    let mut gone = gone.iter();
-    column.retain(|_| gone.next().is_some_and(|&gone| !gone));
 }

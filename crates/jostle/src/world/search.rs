@@ -1,4 +1,4 @@
-//! Pairs of particles, by whichever method the world uses.
+//! The broad phase: candidate pairs of particles, by the tree or by brute force.
 
 use std::cmp::Ordering;
 use std::iter;
@@ -32,7 +32,6 @@ pub(super) fn list(
 ) -> Result<u64> {
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
-    let is_brute = settings.method == Method::Brute;
     let ListScratch { join, sorting } = memory;
     let images = iter::once([0.0; 2]).chain(settings.container.images());
     let (mut count, mut tests) = (0, 0);
@@ -43,11 +42,15 @@ pub(super) fn list(
         let (image_of_list, list) = &mut lists[count];
         let (is_within, columns) = (count == 0, tree.columns());
         join.keep(std::mem::take(list));
-        let found = match (is_within, is_brute) {
-            (true, true) => pairs::brute(columns, threads, max),
-            (true, false) => pairs::places_within(tree, max, join),
-            (false, true) => pairs::brute_between(columns, columns, image, Filters::Apply, max),
-            (false, false) => pairs::places_between(tree, tree, image, Filters::Apply, max, join),
+        let found = match (settings.method, is_within) {
+            (Method::Quadtree, true) => pairs::places_within(tree, max, join),
+            (Method::Quadtree, false) => {
+                pairs::places_between(tree, tree, image, Filters::Apply, max, join)
+            }
+            (Method::Brute, true) => pairs::brute(columns, threads, max),
+            (Method::Brute, false) => {
+                pairs::brute_between(columns, columns, image, Filters::Apply, max)
+            }
         };
         let mut found = found.map_err(|error| match error {
             Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { limit: max_pairs },
@@ -73,7 +76,7 @@ pub(super) struct Overlap {
     /// From the first to the second.
     offset: [f32; 2],
     /// Sum of the radii.
-    reach: f32,
+    radius_sum: f32,
 }
 
 impl World {
@@ -97,8 +100,8 @@ impl World {
                 if all.may_touch(a, b) {
                     let [from, to] = [a, b].map(|place| shapes.centers[place]);
                     let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
-                    let reach = all.radii[a] + all.radii[b];
-                    found.push(Overlap { places, offset, reach });
+                    let radius_sum = all.radii[a] + all.radii[b];
+                    found.push(Overlap { places, offset, radius_sum });
                 }
             }
         }
@@ -107,7 +110,7 @@ impl World {
 
     /// The overlapping pairs by id, as callers see them.
     pub(super) fn overlaps(&self) -> Result<Vec<Touch>> {
-        let touch = |Overlap { places, offset, reach }: Overlap| {
+        let touch = |Overlap { places, offset, radius_sum }: Overlap| {
             let [i, j] = places.map(|place| self.rows[place as usize]);
             let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
             let sign = if i < j { 1.0 } else { -1.0 };
@@ -115,7 +118,7 @@ impl World {
             let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
             let (normal_impulse, friction_impulse) = (0.0, 0.0);
             let pair = [i.min(j), i.max(j)].map(|row| self.ids.of(row));
-            let depth = reach - length;
+            let depth = radius_sum - length;
             Touch { pair, normal, depth, normal_impulse, friction_impulse }
         };
         let mut touches: Vec<Touch> = self.overlapping()?.0.into_iter().map(touch).collect();

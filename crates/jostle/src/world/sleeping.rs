@@ -19,6 +19,7 @@ use crate::error::Result;
 use crate::forces::Force;
 use crate::parallel;
 use crate::particles::Particles;
+use crate::table::{Table, dense};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
 const SLOW: f64 = 0.01;
@@ -143,7 +144,7 @@ impl World {
     /// error, the step can be undone.
     pub(super) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
         if !self.may_sleep() || self.is_elastic() {
-            self.drifts.clear();
+            self.persistent.drifts.clear();
             return Ok(());
         }
         self.note_velocities(dt);
@@ -158,7 +159,7 @@ impl World {
             self.record.knows_sleepers = false;
             let island_of = &self.memory.sleeping.island_of;
             let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
-            self.drop_wall_impulses(sleepers.rows);
+            self.drop_wall_impulses(sleepers.discs.rows);
             self.keep(&keep);
         }
         Ok(())
@@ -173,7 +174,8 @@ impl World {
     /// Adds the displacements of a step of `dt` seconds to the drifts of all particles.
     fn note_velocities(&mut self, dt: f64) {
         let (threads, gravity) = (self.threads(), self.gravity());
-        let Self { particles, settings, drifts, rows, given, .. } = self;
+        let Self { particles, settings, persistent, rows, given, .. } = self;
+        let drifts = &mut persistent.drifts;
         let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
         drifts.resize(rows.len(), Drift::UNKNOWN);
         parallel::for_chunks(threads, drifts, |first, drifts| {
@@ -210,11 +212,11 @@ impl World {
     /// Computes the mean speeds of the quarter that ends, and begins the next one.
     fn end_quarter(&mut self) {
         let gravity = self.gravity();
-        let Self { particles, drifts, memory, .. } = self;
+        let Self { particles, persistent, memory, .. } = self;
         let Scratch { squares, changes, .. } = &mut memory.sleeping;
         squares.clear();
         changes.clear();
-        for (Drift { before, now }, &radius) in drifts.iter_mut().zip(&particles.radii) {
+        for (Drift { before, now }, &radius) in persistent.drifts.iter_mut().zip(&particles.radii) {
             let limit = QUARTER * SLOW * (gravity * f64::from(radius)).sqrt();
             // A point is slow only if it does not move.
             let relative = |v: f32| if v == 0.0 { 0.0 } else { f64::from(v) / limit };
@@ -265,7 +267,7 @@ impl World {
     /// overlapped, and what each rests on. Static particles belong to no island; kinematic ones keep
     /// theirs awake.
     fn find_islands(&mut self) {
-        let Self { particles, contacts, wall_pushes, wall_impulses, rows, memory, .. } = self;
+        let Self { particles, contacts, persistent, wall_impulses, rows, memory, .. } = self;
         let super::Memory { pairs, sensed, sleeping: Scratch { groups, rests, .. }, .. } = memory;
         let movable = &particles.movable;
         groups.reset(movable.len());
@@ -283,7 +285,7 @@ impl World {
             let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
             of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
         };
-        rests.extend(wall_pushes.iter().zip(&*rows).map(|(pushes, &row)| {
+        rests.extend(persistent.wall_pushes.iter().zip(&*rows).map(|(pushes, &row)| {
             let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
             if is_supported { Rest::Supported } else { Rest::Free }
         }));
@@ -301,20 +303,19 @@ impl World {
 
     /// The islands that fall asleep, at rest. They are still among the others, too.
     fn take_sleepers(&mut self) -> Sleepers {
-        let Self { particles, rows, wall_pushes, wall_frictions, contacts, memory, .. } =
-            &mut *self;
+        let Self { particles, rows, persistent, contacts, memory, .. } = &mut *self;
         let Scratch { members, island_of, .. } = &mut memory.sleeping;
         let mut new = Sleepers::default();
         let order: Vec<u32> = members.iter().map(|&[_, place]| place).collect();
-        new.particles.gather(particles, &order, Some(1));
-        new.particles.velocities.fill([0.0; 2]);
-        new.particles.spins.iter_mut().for_each(|spin| spin.velocity = 0.0);
-        new.particles.simplify();
+        let discs = &mut new.discs;
+        discs.particles.gather(particles, &order, Some(1));
+        discs.particles.velocities.fill([0.0; 2]);
+        discs.particles.spins.iter_mut().for_each(|spin| spin.velocity = 0.0);
+        discs.particles.simplify();
+        dense::gather(&mut discs.rows, rows, &order, Some(1));
+        discs.persistent.gather(persistent, &order, Some(1));
+        discs.persistent.drifts.clear();
         let places = || order.iter().map(|&place| place as usize);
-        new.rows.extend(places().map(|place| rows[place]));
-        new.wall_pushes.extend(places().map(|place| wall_pushes[place]));
-        let friction = |place: usize| wall_frictions.get(place).copied().unwrap_or_default();
-        new.wall_frictions.extend(places().map(friction));
         island_of.clear();
         island_of.resize(rows.len(), NONE);
         let mut start = 0;

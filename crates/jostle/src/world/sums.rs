@@ -1,7 +1,7 @@
 //! Sums over a world: momentum, energies, and a hash of its state.
 
 use super::World;
-use super::feel::{bodies, find_places};
+use super::force_step::{bodies, find_places};
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::particles::{Particles, Spin};
 use crate::shapes::Filter;
@@ -47,7 +47,7 @@ impl World {
         };
         let awake = self.movable_places().map(|at| energy(&self.particles, at));
         let asleep = self.asleep.indices();
-        let asleep = asleep.map(|at| energy(&self.asleep.sleepers().particles, at));
+        let asleep = asleep.map(|at| energy(&self.asleep.sleepers().discs.particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();
         if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
@@ -97,23 +97,27 @@ impl World {
             hash = (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
         };
         mix(all.len() as u32);
+        // All columns are named, so that none is forgotten.
+        #[rustfmt::skip]
+        let Particles {
+            positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
+        } = &all;
         for row in 0..all.len() {
-            let ([x, y], [u, v]) = (all.positions[row], all.velocities[row]);
-            let [a, b] = all.residuals[row];
-            let own = [all.radii[row], all.masses[row], all.restitutions[row]];
+            let ([x, y], [u, v], [a, b]) = (positions[row], velocities[row], residuals[row]);
+            let own = [radii[row], masses[row], restitutions[row]];
             [x, y, a, b, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
-            mix(u32::from(all.movable[row]));
+            mix(u32::from(movable[row]));
         }
-        for Spin { friction, velocity, angle } in &all.spins {
+        for Spin { friction, velocity, angle } in spins {
             let angle = angle.to_bits();
             let words =
                 [friction.to_bits(), velocity.to_bits(), angle as u32, (angle >> 32) as u32];
             words.into_iter().for_each(&mut mix);
         }
-        for &Filter { category, mask } in &all.filters {
+        for &Filter { category, mask } in filters {
             [category, mask].into_iter().for_each(&mut mix);
         }
-        all.sensors.iter().for_each(|&is_sensor| mix(u32::from(is_sensor)));
+        sensors.iter().for_each(|&is_sensor| mix(u32::from(is_sensor)));
         hash
     }
 }

@@ -1,12 +1,12 @@
 //! What touched during the last step, and with which impulses.
 
-use super::{OnTouch, World};
+use super::{Collisions, OnTouch, World};
 use crate::contacts::Contact;
 use crate::error::Result;
+use crate::events::{Bounce, WALL};
 use crate::motion::exact;
 use crate::resting::WallPush;
 use crate::space::Id;
-use crate::trajectory::wall_normal;
 use crate::walls::FIRST;
 
 /// Two particles that touched during the last step.
@@ -69,6 +69,81 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
 }
 
 impl World {
+    /// Collects what touched in a part of a step, and with which impulses, from the results of the
+    /// sub-steps.
+    pub(super) fn collect_touches(&mut self) {
+        self.list_exhausted();
+        let bounced = &mut self.memory.events.bounced;
+        if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
+            bounced.sort_unstable_by(Bounce::order);
+        }
+        self.count_collisions();
+        self.collect_wall_impulses();
+        let mut sensed = std::mem::take(&mut self.memory.events.sensed);
+        sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
+        sensed.sort_unstable();
+        sensed.dedup();
+        if self.settings.on_touch == OnTouch::Bounce {
+            self.update_contacts(&sensed);
+        } else {
+            self.record_pairs(&sensed);
+        }
+        self.memory.events.sensed = sensed;
+    }
+
+    /// Lists the rows that had too many events.
+    fn list_exhausted(&mut self) {
+        let exhausted = &mut self.memory.exhausted;
+        let new = self.memory.events.exhausted.iter().map(|&place| self.rows[place as usize]);
+        exhausted.extend(new);
+        exhausted.sort_unstable();
+        self.stats.unresolved = exhausted.len() as u64;
+    }
+
+    fn count_collisions(&mut self) {
+        let Collisions { pairs, walls } = &mut self.memory.collisions;
+        let bounced = self.memory.events.bounced.iter();
+        for of in bounced.filter(|of| of.impulses[0] > 0.0) {
+            *(if of.pair[1] == WALL { &mut *walls } else { &mut *pairs }) += 1;
+        }
+    }
+
+    /// Lists the impulses of walls: of bounces in the order of time, and of resting contacts.
+    fn collect_wall_impulses(&mut self) {
+        let memory = &mut self.memory;
+        let bounced = memory.events.bounced.iter().filter(|of| of.pair[1] == WALL);
+        let bounced = bounced.map(|of| (of.pair[0], of.code, of.impulses));
+        let all = bounced.chain(memory.wall_impulses.drain(..));
+        self.wall_impulses.extend(all.map(|(place, wall, impulses)| WallImpulse {
+            row: self.rows[place as usize],
+            wall,
+            impulses,
+            pushes: [0.0; 2],
+        }));
+    }
+
+    /// Keeps the contacts that last, adds the pairs that bounced in this part of the step, those that touched
+    /// in earlier parts and those that passed through each other (`sensed`), and measures all.
+    fn update_contacts(&mut self, sensed: &[[u32; 2]]) {
+        let threads = self.threads();
+        let Self { settings, memory, particles, contacts, .. } = self;
+        let motions = &memory.motions;
+        let bounced = memory.events.bounced.iter().filter(|of| of.pair[1] != WALL);
+        let bounced = bounced.map(|of| (of.pair, of.impulses));
+        let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
+        let touched = bounced.chain(sensed).chain(memory.touched_before.iter().copied());
+        let touched = touched.map(|([a, b], impulses)| {
+            let pair = [a.min(b), a.max(b)];
+            let image = settings.container.nearest_image(|| {
+                let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
+                [0, 1].map(|k| q[k] - p[k])
+            });
+            (pair, image, impulses)
+        });
+        contacts.keep_lasting(touched, particles, particles.len());
+        contacts.each(threads, |contact| contact.measure(motions));
+    }
+
     /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
     pub(super) fn keep_wall_pushes(&mut self) {
         let pushes = self.memory.wall_pushes.iter();
@@ -107,15 +182,12 @@ impl World {
         let (places, container) = (self.places(), &self.settings.container);
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
             let place = places[row as usize] as usize;
-            let (all, place) = match place.checked_sub(self.rows.len()) {
-                None => (&self.particles, place),
-                Some(at) => (&self.asleep.sleepers().particles, at),
-            };
+            let (all, place) = self.disc_at(place);
             let position = exact(all.positions[place], all.residuals[place]);
             let radius = f64::from(all.radii[place]);
             let (gap, normal) = if wall < FIRST {
                 let gap = container.gaps(position, radius)[wall as usize]?;
-                (gap, wall_normal(container, wall, position))
+                (gap, container.normal(wall, position))
             } else {
                 let contact = self.walls.contact(wall, position, radius);
                 (contact.gap, contact.normal)

@@ -1,34 +1,23 @@
-//! Restores the state before a step that is refused or interrupted.
+//! Rollback: restores the state before a step that is refused or interrupted.
 
+use super::discs::Discs;
 use super::ids::Ids;
-use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{Collisions, Stats, World};
 use crate::contacts::Contacts;
-use crate::container::MAX_WALLS;
 use crate::forces::Force;
 use crate::particles::Particles;
 use crate::resting::WallPush;
 use crate::space::Id;
 use crate::walls::Wall;
 
-/// The columns that a step reorders.
-#[derive(Debug, Default)]
-pub(super) struct Ordered {
-    pub(super) particles: Particles,
-    pub(super) rows: Vec<u32>,
-    pub(super) wall_pushes: Vec<[f32; MAX_WALLS]>,
-    pub(super) wall_frictions: Vec<[f32; MAX_WALLS]>,
-    pub(super) drifts: Vec<Drift>,
-}
-
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.
 #[derive(Debug, Default)]
 pub(super) struct Before {
     /// Whether the old columns and contacts are here.
-    pub(super) arranged: bool,
-    pub(super) ordered: Ordered,
+    pub(super) is_reordered: bool,
+    pub(super) discs: Discs,
     pub(super) contacts: Contacts,
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
@@ -49,7 +38,7 @@ impl World {
     /// Begins a step.
     pub(super) fn begin(&mut self) {
         let before = &mut self.memory.before;
-        before.arranged = false;
+        before.is_reordered = false;
         before.forces.clone_from(&self.forces);
         before.given.clone_from(&self.given);
         before.walls.clear();
@@ -83,16 +72,14 @@ impl World {
     /// Restores the state at the beginning of the step.
     pub(super) fn undo(&mut self) {
         let before = &mut self.memory.before;
-        if before.arranged {
-            let Ordered { particles, rows, wall_pushes, wall_frictions, drifts } =
-                &mut before.ordered;
+        if before.is_reordered {
+            let Discs { particles, rows, persistent } = &mut before.discs;
             std::mem::swap(&mut self.particles, particles);
             std::mem::swap(&mut self.rows, rows);
-            std::mem::swap(&mut self.wall_pushes, wall_pushes);
-            std::mem::swap(&mut self.wall_frictions, wall_frictions);
-            std::mem::swap(&mut self.drifts, drifts);
+            std::mem::swap(&mut self.persistent, persistent);
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
+            self.places.take();
         }
         if let Some([positions, residuals]) = before.unwrapped.take() {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);

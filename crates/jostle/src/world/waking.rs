@@ -10,14 +10,14 @@ use std::cmp::Ordering;
 
 use super::World;
 use super::bounds::rounding;
-use super::sleeping::Drift;
+use super::discs::Discs;
 use crate::contacts::Contact;
-use crate::container::MAX_WALLS;
 use crate::error::Result;
 use crate::forces;
 use crate::pairs::JoinScratch;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
+use crate::table::Table;
 
 /// Scratch.
 #[derive(Debug, Default)]
@@ -94,18 +94,12 @@ impl World {
         let total = self.len();
         let woken = self.asleep.wake(islands);
         let first = self.rows.len();
-        let len = first + woken.rows.len();
-        self.particles.extend(&woken.particles);
-        self.rows.extend_from_slice(&woken.rows);
-        self.wall_pushes.extend_from_slice(&woken.wall_pushes);
-        let has_friction = woken.wall_frictions.iter().any(|of| *of != [0.0; MAX_WALLS]);
-        if has_friction || !self.wall_frictions.is_empty() {
-            self.wall_frictions.resize(first, [0.0; MAX_WALLS]);
-            self.wall_frictions.extend_from_slice(&woken.wall_frictions);
-        }
-        if !self.drifts.is_empty() {
-            self.drifts.resize(len, Drift::UNKNOWN);
-        }
+        let Discs { particles, rows, persistent } = &woken.discs;
+        let len = first + rows.len();
+        self.particles.extend(particles);
+        self.rows.extend_from_slice(rows);
+        self.persistent.append(first, persistent, rows.len());
+        self.forget_places();
         self.wall_impulses.extend_from_slice(&woken.wall_impulses);
         self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
         // Contacts are with each other or with immovable particles.
@@ -125,33 +119,45 @@ impl World {
     /// Wakes all islands.
     pub(super) fn wake_all(&mut self) {
         let all: Vec<u32> = self.asleep.islands().collect();
-        self.wake(&all);
-        self.asleep.forget_woken();
+        self.wake_to_stay(&all);
     }
 
-    /// Wakes the islands that touch a marked row: an immovable particle of which only the
-    /// velocities have changed.
-    pub(super) fn wake_driven(&mut self, marked: &[bool]) {
-        if self.asleep.is_empty() || !marked.contains(&true) {
+    /// Wakes the islands that touch one of some rows: immovable particles of which only the velocities have
+    /// changed.
+    pub(super) fn wake_driven(&mut self, rows: &mut [u32]) {
+        if self.asleep.is_empty() || rows.is_empty() {
             return;
         }
-        let islands = self.asleep.islands_touching(marked);
-        self.wake(&islands);
-        self.asleep.forget_woken();
+        rows.sort_unstable();
+        let islands = self.asleep.islands_touching(rows);
+        self.wake_to_stay(&islands);
     }
 
-    /// Wakes the islands of which a row is marked; all if an immovable particle is.
-    pub(super) fn wake_changed(&mut self, marked: &[bool]) {
+    /// Wakes the islands of some rows; all if one of these is immovable.
+    pub(super) fn wake_changed(&mut self, rows: &[u32]) {
         if self.asleep.is_empty() {
             return;
         }
-        let mut awake = self.rows.iter().zip(&self.particles.movable);
-        if awake.any(|(&row, &movable)| marked[row as usize] && !movable) {
+        let (places, awake) = (self.places_of(rows), self.rows.len());
+        let movable = &self.particles.movable;
+        if places.iter().any(|&place| movable.get(place as usize) == Some(&false)) {
             return self.wake_all();
         }
-        let islands = self.asleep.islands_of(marked);
-        self.wake(&islands);
+        let indices = places.iter().filter_map(|&place| (place as usize).checked_sub(awake));
+        let islands = self.asleep.islands_of(indices);
+        self.wake_to_stay(&islands);
+    }
+
+    /// Wakes islands between two steps.
+    fn wake_to_stay(&mut self, islands: &[u32]) {
+        self.wake(islands);
+        self.forget_woken();
+    }
+
+    /// Makes waking final.
+    pub(super) fn forget_woken(&mut self) {
         self.asleep.forget_woken();
+        self.forget_places();
     }
 
     /// Removes the impulses of walls on some rows.
@@ -161,9 +167,8 @@ impl World {
     }
 
     /// Puts the islands to sleep again that were woken for a step that failed; `awake` is the
-    /// number of particles that were awake before, and `had_friction` whether the walls gave
-    /// friction.
-    pub(super) fn cancel_waking(&mut self, awake: usize, had_friction: bool) {
+    /// number of particles that were awake before.
+    pub(super) fn cancel_waking(&mut self, awake: usize) {
         if self.rows.len() == awake {
             return;
         }
@@ -171,9 +176,7 @@ impl World {
         self.drop_wall_impulses(rows);
         let keep: Vec<bool> = (0..self.rows.len()).map(|place| place < awake).collect();
         self.keep(&keep);
-        if !had_friction {
-            self.wall_frictions.clear();
-        }
         self.asleep.cancel_waking();
+        self.forget_places();
     }
 }

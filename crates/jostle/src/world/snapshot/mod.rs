@@ -1,8 +1,8 @@
 //! A world as bytes. A world restored from them continues with the same bits.
 //!
 //! They contain everything that the next step depends on: settings, forces, particles in
-//! their canonical order, and the impulses of resting contacts with walls and particles. A
-//! column with the same value for all particles is stored as one value.
+//! their canonical order, and the impulses of resting contacts with walls and particles; not the
+//! statistics of the last step. A column with the same value for all particles is stored as one value.
 
 mod defaults;
 mod forces;
@@ -14,7 +14,7 @@ use super::drive::check_walls;
 use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
-use super::{OnTouch, Stats, Walls, World, WorldSettings, check_plane};
+use super::{OnTouch, Walls, World, WorldSettings, check_plane};
 use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
@@ -37,7 +37,8 @@ const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 /// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
 /// version 4 no sleeping, version 5 no walls besides the container, version 6 no moving walls, no
 /// ids, no defaults, no given accelerations, no categories and masks, and no coefficients of the container.
-const VERSION: u32 = 7;
+/// Versions up to 7 had the statistics of the last step.
+const VERSION: u32 = 8;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -47,7 +48,7 @@ impl World {
     /// let disc = Particles::new(vec![[0.0, 0.0]], vec![[1.0, 0.0]], vec![1.0], 1.0);
     /// let mut world = World::new(disc, WorldSettings::default())?;
     /// let bytes = world.snapshot();
-    /// world.step(0.1, 10, &mut |_| ())?;
+    /// world.step(0.1, 10)?;
     /// let again = World::restore(&bytes)?;
     /// assert_eq!(again.positions(), [[0.0, 0.0]]);
     /// # Ok::<(), jostle::Error>(())
@@ -56,20 +57,17 @@ impl World {
         let mut to = Writer::with_capacity(48 * self.len() + 256);
         put_settings(&mut to, &self.settings);
         to.put(self.time);
-        let Stats { nodes, leaves, depth, tests, unresolved } = self.stats;
-        [nodes, leaves, depth].into_iter().for_each(|number| to.put_count(number));
-        to.put(tests);
-        to.put(unresolved);
         to.put_count(self.rows.len());
         to.put_count(self.asleep.len());
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
-        put_wall_pushes(&mut to, &self.wall_pushes);
-        put_wall_pushes(&mut to, &self.wall_frictions);
+        put_wall_pushes(&mut to, &self.persistent.wall_pushes);
+        put_wall_pushes(&mut to, &self.persistent.wall_frictions);
         put_contacts(&mut to, self.contacts.lasting().collect());
         put_wall_impulses(&mut to, &self.wall_impulses);
-        to.put(u8::from(!self.drifts.is_empty()));
-        let drifts = self.drifts.iter().flat_map(|of| [of.before, of.now]);
+        let drifts = &self.persistent.drifts;
+        to.put(u8::from(!drifts.is_empty()));
+        let drifts = drifts.iter().flat_map(|of| [of.before, of.now]);
         to.put_all(&drifts.collect::<Vec<[f32; 3]>>());
         put_sleepers(&mut to, &self.asleep.copy());
         to.put_count(self.forces.len());
@@ -92,22 +90,18 @@ impl World {
         if !world.time.is_finite() {
             return Err(damaged("its time is not finite"));
         }
-        world.stats = Stats {
-            nodes: from.get_count()?,
-            leaves: from.get_count()?,
-            depth: from.get_count()?,
-            tests: from.get()?,
-            unresolved: from.get()?,
-        };
+        if version < 8 {
+            skip_stats(&mut from)?;
+        }
         let len = from.get_count()?;
         let sleeping = if version > 4 { from.get_count()? } else { 0 };
         let rows: Vec<u32> = from.get_all(len)?;
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.rows = rows;
-        get_wall_pushes(&mut from, &mut world.wall_pushes, 0.0)?;
+        get_wall_pushes(&mut from, &mut world.persistent.wall_pushes, 0.0)?;
         if version > 3 {
-            world.wall_frictions.resize(len, [0.0; MAX_WALLS]);
-            get_wall_pushes(&mut from, &mut world.wall_frictions, f32::MIN)?;
+            world.persistent.wall_frictions.resize(len, [0.0; MAX_WALLS]);
+            get_wall_pushes(&mut from, &mut world.persistent.wall_frictions, f32::MIN)?;
         }
         world.contacts.recall(get_contacts(&mut from, len, version)?, len);
         if version > 3 {
@@ -117,11 +111,12 @@ impl World {
         }
         if version > 4 {
             if from.get::<u8>()? > 0 {
-                world.drifts = get_drifts(&mut from, len, version)?;
+                world.persistent.drifts = get_drifts(&mut from, len, version)?;
             }
             let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
             world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
         }
+        world.forget_places();
         world.ids = Ids::of_rows(world.len());
         let all_rows = world.rows.iter().copied().chain(world.asleep.rows()).map(Id::from);
         world.distinct_rows_of(&all_rows.collect::<Vec<Id>>()).map_err(valid)?;
@@ -149,6 +144,16 @@ impl World {
         from.close()?;
         Ok(world)
     }
+}
+
+/// Reads the statistics of the last step: nodes, leaves, depth, tests and unresolved particles.
+fn skip_stats(from: &mut Reader<'_>) -> Result<()> {
+    for _ in 0..3 {
+        from.get_count()?;
+    }
+    from.get::<u64>()?;
+    from.get::<u64>()?;
+    Ok(())
 }
 
 fn put_settings(to: &mut Writer, settings: &WorldSettings) {
@@ -212,23 +217,28 @@ fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
 }
 
 fn put_particles(to: &mut Writer, all: &Particles) {
-    to.put_all(&all.positions);
-    to.put_all(&all.residuals);
-    to.put_all(&all.velocities);
-    for column in [&all.radii, &all.masses, &all.restitutions] {
+    // All columns are named, so that none is forgotten.
+    #[rustfmt::skip]
+    let Particles {
+        positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
+    } = all;
+    to.put_all(positions);
+    to.put_all(residuals);
+    to.put_all(velocities);
+    for column in [radii, masses, restitutions] {
         let same = column.windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
         to.put(u8::from(same));
         to.put_all(&column[..if same { column.len().min(1) } else { column.len() }]);
     }
-    let movable: Vec<u8> = all.movable.iter().map(|&movable| u8::from(movable)).collect();
+    let movable: Vec<u8> = movable.iter().map(|&movable| u8::from(movable)).collect();
     to.put_all(&movable);
-    to.put(u8::from(!all.spins.is_empty()));
-    for Spin { friction, velocity, angle } in &all.spins {
+    to.put(u8::from(!spins.is_empty()));
+    for Spin { friction, velocity, angle } in spins {
         to.put([*friction, *velocity]);
         to.put(*angle);
     }
-    put_filters(to, &all.filters);
-    put_sensors(to, &all.sensors);
+    put_filters(to, filters);
+    put_sensors(to, sensors);
 }
 
 fn put_given(to: &mut Writer, given: &[[f32; 2]]) {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::super::World;
 use super::super::asleep::{Island, Sleepers};
+use super::super::discs::Discs;
 use super::{
     get_contacts, get_particles, get_wall_impulses, get_wall_pushes, put_contacts, put_particles,
     put_wall_impulses, put_wall_pushes,
@@ -17,11 +18,17 @@ use crate::shapes::MOST_ROWS;
 impl World {
     /// Refuses restored drifts and sleeping particles that no world can have.
     pub(super) fn check_sleeping(&self) -> Result<()> {
-        if self.drifts.iter().flat_map(|of| of.before.into_iter().chain(of.now)).any(f32::is_nan) {
+        if self
+            .persistent
+            .drifts
+            .iter()
+            .flat_map(|of| of.before.into_iter().chain(of.now))
+            .any(f32::is_nan)
+        {
             return Err(damaged("a mean speed is not possible"));
         }
-        let Sleepers { particles, contacts, wall_impulses, islands, rows, .. } =
-            self.asleep.sleepers();
+        let Sleepers { discs, contacts, wall_impulses, islands } = self.asleep.sleepers();
+        let Discs { particles, rows, .. } = discs;
         let container = &self.settings.container;
         container.check_fit(&particles.radii).map_err(|error| damaged(&error.to_string()))?;
         let places = self.places();
@@ -57,10 +64,11 @@ pub(super) fn put_sleepers(to: &mut Writer, all: &Sleepers) {
     for Island { particles, contacts, wall_impulses } in &all.islands {
         to.put([particles, contacts, wall_impulses].map(|range| range.len() as u32));
     }
-    to.put_all(&all.rows);
-    put_particles(to, &all.particles);
-    put_wall_pushes(to, &all.wall_pushes);
-    put_wall_pushes(to, &all.wall_frictions);
+    let Discs { particles, rows, persistent } = &all.discs;
+    to.put_all(rows);
+    put_particles(to, particles);
+    put_wall_pushes(to, &persistent.wall_pushes);
+    put_wall_pushes(to, &persistent.wall_frictions);
     put_contacts(to, all.contacts.iter().collect());
     put_wall_impulses(to, &all.wall_impulses);
 }
@@ -88,13 +96,15 @@ pub(super) fn get_sleepers(
         islands.push(Island { particles, contacts, wall_impulses });
     }
     let total = len.saturating_add(awake);
-    let mut all = Sleepers { rows: from.get_all(len)?, islands, ..Sleepers::default() };
-    all.particles = get_particles(from, len, version)?;
-    all.particles.validate().map_err(|error| damaged(&error.to_string()))?;
-    all.wall_pushes = vec![[0.0; MAX_WALLS]; len];
-    get_wall_pushes(from, &mut all.wall_pushes, 0.0)?;
-    all.wall_frictions = vec![[0.0; MAX_WALLS]; len];
-    get_wall_pushes(from, &mut all.wall_frictions, f32::MIN)?;
+    let mut all = Sleepers { islands, ..Sleepers::default() };
+    let Discs { particles, rows, persistent } = &mut all.discs;
+    *rows = from.get_all(len)?;
+    *particles = get_particles(from, len, version)?;
+    particles.validate().map_err(|error| damaged(&error.to_string()))?;
+    persistent.wall_pushes = vec![[0.0; MAX_WALLS]; len];
+    get_wall_pushes(from, &mut persistent.wall_pushes, 0.0)?;
+    persistent.wall_frictions = vec![[0.0; MAX_WALLS]; len];
+    get_wall_pushes(from, &mut persistent.wall_frictions, f32::MIN)?;
     all.contacts = get_contacts(from, total, version)?;
     all.wall_impulses = get_wall_impulses(from, total, version)?;
     let found = [len, all.contacts.len(), all.wall_impulses.len()];

@@ -51,7 +51,7 @@ impl ForceMemory {
 impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
-    pub(super) fn feel(&mut self, dt: f32) -> Result<()> {
+    pub(super) fn apply_forces(&mut self, dt: f32) -> Result<()> {
         let substeps = self.memory.substeps;
         let settings = &self.settings;
         let memory = &mut self.memory.forces;
@@ -79,19 +79,20 @@ impl World {
         }
         let ForceMemory { accelerations, reaches, .. } = &self.memory.forces;
         let particles = &self.particles;
-        let way = |place: usize| aside(accelerations.get(place), reaches.get(place), dt);
-        let longest = (0..particles.len()).filter_map(way).fold(0.0, f32::max);
+        let displacement =
+            |place: usize| force_displacement(accelerations.get(place), reaches.get(place), dt);
+        let longest = (0..particles.len()).filter_map(displacement).fold(0.0, f32::max);
         if longest <= particles::FARTHEST {
             return Ok(());
         }
         let most = particles::FARTHEST;
-        let id = self.id_of(longest, |place| way(place).unwrap_or(0.0));
+        let id = self.id_of(longest, |place| displacement(place).unwrap_or(0.0));
         let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
     }
 
     /// Gives some particles the velocities of a bath at the end of a step of `dt` seconds.
-    pub(super) fn meet_bath(&mut self, dt: f32) {
+    pub(super) fn apply_bath(&mut self, dt: f32) {
         let Some(bath) = forces::bath(&self.forces) else { return };
         let (threads, time) = (self.threads(), self.time);
         let Particles { positions, residuals, velocities, masses, movable, .. } =
@@ -179,7 +180,11 @@ fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
 }
 
 /// Estimated displacement by forces in `dt` seconds, beside that of the velocity.
-pub(super) fn aside(acceleration: Option<&[f32; 2]>, reach: Option<&f32>, dt: f32) -> Option<f32> {
+pub(super) fn force_displacement(
+    acceleration: Option<&[f32; 2]>,
+    reach: Option<&f32>,
+    dt: f32,
+) -> Option<f32> {
     let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
     match (pulled, reach) {
         (None, None) => None,

@@ -1,8 +1,12 @@
-//! The container: walls, or a torus.
+//! The container: walls around the particles, or a torus. It alone knows its shape: gaps and normals, the
+//! nearest position inside, times of impact; `torus` has periodic positions and minimum images.
+
+mod torus;
 
 use crate::error::{Error, Result};
-use crate::motion;
 use crate::particles::FARTHEST;
+use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
+pub use torus::{MOST_TOURS, minimum_image_within};
 
 /// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,11 +51,8 @@ pub const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 /// Number of walls that a particle can touch at once, at most.
 pub const MAX_WALLS: usize = 4;
 
-/// Times that a particle may travel around a torus in a step at most.
-pub const MOST_TOURS: f32 = 125.0;
-
 /// A rectangle.
-struct Inner {
+pub struct Inner {
     low: [f32; 2],
     high: [f32; 2],
 }
@@ -59,7 +60,7 @@ struct Inner {
 impl Inner {
     /// Whether it contains a disc.
     #[inline(always)]
-    fn contains(&self, position: [f32; 2], radius: f32) -> bool {
+    pub fn contains(&self, position: [f32; 2], radius: f32) -> bool {
         let along =
             |k: usize| (self.low[k] + radius < position[k]) & (position[k] < self.high[k] - radius);
         along(0) & along(1)
@@ -138,51 +139,6 @@ impl Container {
         }
     }
 
-    /// Offsets between a torus and its images, one of each opposite two. They are added to the
-    /// second particle of a pair.
-    pub fn images(&self) -> impl Iterator<Item = [f32; 2]> + use<> {
-        let images = match *self {
-            Self::Torus { size: [w, h] } => Some([[-w, 0.0], [0.0, -h], [-w, -h], [-w, h]]),
-            _ => None,
-        };
-        images.into_iter().flatten()
-    }
-
-    /// How often a displacement goes around a torus.
-    pub fn tours(&self, displacement: f32) -> f32 {
-        match self {
-            Self::Torus { size } => displacement / size[0].min(size[1]),
-            _ => 0.0,
-        }
-    }
-
-    /// The copy of the torus in which a position is, counted from the one at the origin.
-    pub fn tile(&self, position: [f64; 2]) -> [i32; 2] {
-        match self {
-            Self::Torus { size } => {
-                [0, 1].map(|k| (position[k] / f64::from(size[k])).floor() as i32)
-            }
-            _ => [0; 2],
-        }
-    }
-
-    /// The offset between the torus and one of its copies.
-    pub fn offset(&self, tile: [i32; 2]) -> [f64; 2] {
-        match self {
-            Self::Torus { size } => [0, 1].map(|k| f64::from(tile[k]) * f64::from(size[k])),
-            _ => [0.0; 2],
-        }
-    }
-
-    /// The bounds that particles have at the beginning of a step allow for a displacement of this
-    /// at most, unless they merge, so that few images of others are in them.
-    pub fn reach(&self) -> f32 {
-        match self {
-            Self::Torus { size } => size[0].min(size[1]) / 8.0,
-            _ => f32::INFINITY,
-        }
-    }
-
     /// The nearest position that the container allows.
     #[inline(always)]
     pub fn clamp(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
@@ -195,7 +151,7 @@ impl Container {
 
     /// A region in which particles are certainly inside the container.
     #[inline(always)]
-    fn inner(&self) -> Inner {
+    pub fn inner(&self) -> Inner {
         let Self::Box { min, max } = self else {
             return Inner { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2] };
         };
@@ -243,67 +199,6 @@ impl Container {
         }
     }
 
-    /// The equivalent position within a torus.
-    #[inline]
-    pub fn wrap(&self, position: [f32; 2]) -> [f32; 2] {
-        let Self::Torus { size } = self else { return position };
-        let wrapped = |axis: usize| {
-            let (v, side) = (position[axis], size[axis]);
-            let v = if v < 0.0 || v >= side { v - (v / side).floor() * side } else { v };
-            // Rounding can leave a tiny negative number at the far side.
-            if v >= side || v < 0.0 { 0.0 } else { v }
-        };
-        [wrapped(0), wrapped(1)]
-    }
-
-    /// The equivalent position within a torus, in float32, and its residual.
-    pub fn wrap_exact(&self, position: [f32; 2], residual: [f32; 2]) -> ([f32; 2], [f32; 2]) {
-        let Self::Torus { size } = self else { return (position, residual) };
-        let exact = motion::exact(position, residual);
-        let mut inside = exact;
-        let mut rounded = [0.0; 2];
-        for k in [0, 1] {
-            let side = f64::from(size[k]);
-            inside[k] -= side * (exact[k] / side).floor();
-            rounded[k] = inside[k] as f32;
-            // A position that rounds to the far side is at the near one.
-            if rounded[k] >= size[k] {
-                (inside[k], rounded[k]) = (inside[k] - side, 0.0);
-            }
-        }
-        (rounded, motion::residual(inside, rounded))
-    }
-
-    /// The minimum image of an offset: the offset to the nearest image. The offset may span several
-    /// periods.
-    #[inline]
-    pub fn minimum_image(&self, offset: [f64; 2]) -> [f64; 2] {
-        let Self::Torus { size } = self else { return offset };
-        [0, 1].map(|k| {
-            let side = f64::from(size[k]);
-            offset[k] - side * (offset[k] / side).round()
-        })
-    }
-
-    /// What has to be added to an offset between two positions to make it the minimum image. The
-    /// offset is computed only where it matters.
-    #[inline(always)]
-    pub fn nearest_image(&self, offset: impl FnOnce() -> [f64; 2]) -> [f32; 2] {
-        if !matches!(self, Self::Torus { .. }) {
-            return [0.0; 2];
-        }
-        let offset = offset();
-        let nearest = self.minimum_image(offset);
-        [0, 1].map(|k| (nearest[k] - offset[k]) as f32)
-    }
-
-    /// The minimum image of an offset between two positions within the torus, in float32.
-    #[inline(always)]
-    pub fn minimum_image_within(&self, offset: [f32; 2]) -> [f32; 2] {
-        let Self::Torus { size } = self else { return offset };
-        minimum_image_within(*size, offset)
-    }
-
     /// Distances from the surface of a disc to the walls, each flat one at its own index.
     pub fn gaps(&self, position: [f64; 2], radius: f64) -> [Option<f64>; MAX_WALLS] {
         match self {
@@ -333,6 +228,65 @@ impl Container {
             position[k] - min > far[k] && max - position[k] > far[k]
         };
         is_between(0) && is_between(1)
+    }
+
+    /// Whether a disc may be less than `far` from a wall along an axis; true for a disc in a round
+    /// container, and where a number overflows.
+    #[inline(always)]
+    pub fn is_near_side(&self, position: [f32; 2], far: [f32; 2]) -> bool {
+        let Self::Box { min, max } = self else { return self.has_walls() };
+        let near = |k: usize| !((position[k] - min[k] > far[k]) & (max[k] - position[k] > far[k]));
+        near(0) | near(1)
+    }
+
+    /// The first impact of a disc on a wall, and the index of the wall; `limits` are those at a wall.
+    #[inline(always)]
+    pub fn impact(
+        &self,
+        segment: &Segment,
+        radius: f64,
+        gravity: Vector,
+        limits: impl Fn(u32) -> Limits,
+    ) -> Option<(Impact, u32)> {
+        match self {
+            Self::None | Self::Torus { .. } => None,
+            Self::Box { min, max } => {
+                let mut first = None::<(Impact, u32)>;
+                let sides =
+                    [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])];
+                for (number, (axis, sign, wall)) in (0..).zip(sides) {
+                    let gap = sign * (segment.position[axis] - f64::from(wall)) - radius;
+                    let speed = sign * segment.velocity[axis];
+                    let pull = if segment.falls { -sign * gravity[axis] } else { 0.0 };
+                    if let Some(impact) =
+                        flat_impact(gap, speed, pull, segment.time, &limits(number))
+                        && first.is_none_or(|(before, _)| impact.time < before.time)
+                    {
+                        first = Some((impact, number));
+                    }
+                }
+                first
+            }
+            Self::Circle { center, radius: outer } => {
+                let q = vector(|k| segment.position[k] - f64::from(center[k]));
+                let reach = (f64::from(*outer) - radius).max(0.0);
+                let acceleration = if segment.falls { gravity } else { [0.0; 2] };
+                round_impact(q, segment.velocity, acceleration, reach, segment.time, &limits(0))
+                    .map(|impact| (impact, 0))
+            }
+        }
+    }
+
+    /// Unit normal of a wall at a position, pointing inwards.
+    pub fn normal(&self, wall: u32, position: Vector) -> Vector {
+        match self {
+            Self::Circle { center, .. } => {
+                let out = vector(|k| f64::from(center[k]) - position[k]);
+                let length = dot(out, out).sqrt();
+                if length > 0.0 { out.map(|v| v / length) } else { [1.0, 0.0] }
+            }
+            _ => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]][wall as usize],
+        }
     }
 
     /// The walls around a particle, each flat one at its own index.
@@ -384,19 +338,4 @@ fn down(value: f64) -> f32 {
 /// The smallest float32 that is not below `value`.
 fn up(value: f64) -> f32 {
     -down(-value)
-}
-
-/// [`Container::minimum_image_within`] for a torus of a size.
-#[inline(always)]
-pub fn minimum_image_within(size: [f32; 2], offset: [f32; 2]) -> [f32; 2] {
-    [0, 1].map(|k| {
-        let (side, offset) = (size[k], offset[k]);
-        if offset > 0.5 * side {
-            offset - side
-        } else if offset < -0.5 * side {
-            offset + side
-        } else {
-            offset
-        }
-    })
 }

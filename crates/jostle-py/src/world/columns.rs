@@ -1,0 +1,378 @@
+//! The columns of the particles as properties.
+
+use jostle::{Changes, Each, Error, Filter};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+use super::{PyWorld, State};
+use crate::arrays::{bit_sets, column, read_only, reals, table};
+use crate::error::refused;
+use crate::particles::{Draft, angles, truths, vectors};
+
+#[pymethods]
+impl PyWorld {
+    /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
+    ///
+    /// Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
+    /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
+    /// ``world.positions = world.positions + 1``, or change some particles with
+    /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let positions = self.long(py, |state| state.world.positions())?;
+        Ok(read_only(table(py, positions)?))
+    }
+
+    #[setter]
+    fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let positions = vectors("positions", Some(value), len)?.map(Each::Rows);
+            Ok(Changes { positions, ..Changes::default() })
+        })
+    }
+
+    /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
+    /// second.
+    ///
+    /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
+    /// or change some particles with ``world.set([0], velocities=[(7, 7)])``.
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let velocities = self.long(py, |state| state.world.velocities())?;
+        Ok(read_only(table(py, velocities)?))
+    }
+
+    #[setter]
+    fn set_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let velocities = vectors("velocities", Some(value), len)?.map(Each::Rows);
+            Ok(Changes { velocities, ..Changes::default() })
+        })
+    }
+
+    /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`. Masses stay
+    /// the same.
+    #[getter]
+    fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let radii = self.long(py, |state| state.world.radii())?;
+        Ok(read_only(column(py, radii)))
+    }
+
+    #[setter]
+    fn set_radii(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let radii = reals("radii", Some(value), len)?;
+            Ok(Changes { radii, ..Changes::default() })
+        })
+    }
+
+    /// Masses: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    #[getter]
+    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let masses = self.long(py, |state| state.world.masses())?;
+        Ok(read_only(column(py, masses)))
+    }
+
+    #[setter]
+    fn set_masses(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let masses = reals("masses", Some(value), len)?;
+            Ok(Changes { masses, ..Changes::default() })
+        })
+    }
+
+    /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    #[getter]
+    fn restitutions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let restitutions = self.long(py, |state| state.world.restitutions())?;
+        Ok(read_only(column(py, restitutions)))
+    }
+
+    #[setter]
+    fn set_restitutions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let restitutions = reals("restitutions", Some(value), len)?;
+            Ok(Changes { restitutions, ..Changes::default() })
+        })
+    }
+
+    /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// The others keep their velocities: a disc that is made immovable while it moves becomes
+    /// kinematic.
+    ///
+    /// To change all, assign an array or one bool; to change some, use `set`.
+    #[getter]
+    fn movable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let movable = self.long(py, |state| state.world.movable())?;
+        Ok(read_only(column(py, movable)))
+    }
+
+    #[setter]
+    fn set_movable(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let movable = truths("movable", Some(value), len)?;
+            Ok(Changes { movable, ..Changes::default() })
+        })
+    }
+
+    /// Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an assigned coefficient is not finite or below 0, or the shape is wrong.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=1.0)
+    /// >>> world.friction = 0.5
+    /// >>> world.set(1, friction=0.8)
+    /// >>> world.friction
+    /// array([0.5, 0.8], dtype=float32)
+    #[getter]
+    fn friction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let friction = self.long(py, |state| state.world.friction())?;
+        Ok(read_only(column(py, friction)))
+    }
+
+    #[setter]
+    fn set_friction(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let friction = reals("friction", Some(value), len)?;
+            Ok(Changes { friction, ..Changes::default() })
+        })
+    }
+
+    /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
+    ///
+    /// Positive angles are from +x to +y. To change all, assign an array or one number; to
+    /// change some, use `set`. Numbers outside the range are wrapped into it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an assigned angle is not finite, or the shape is wrong.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0, angular_velocities=0.5)
+    /// >>> world.step(0.25, steps=8)
+    /// >>> world.angles
+    /// array([1.], dtype=float32)
+    #[getter]
+    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let angles = self.long(py, |state| state.world.angles())?;
+        Ok(read_only(column(py, angles)))
+    }
+
+    #[setter]
+    fn set_angles(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let angles = angles(Some(value), len)?;
+            Ok(Changes { angles, ..Changes::default() })
+        })
+    }
+
+    /// Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
+    ///
+    /// Those of particles of radius 0 are 0. To change all, assign an
+    /// array or one number; to change some, use `set`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an assigned angular velocity is not finite or above 1e18, or the shape is wrong.
+    ///
+    /// See Also
+    /// --------
+    /// angles : The angles that follow from them.
+    #[getter]
+    fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let angular_velocities = self.long(py, |state| state.world.angular_velocities())?;
+        Ok(read_only(column(py, angular_velocities)))
+    }
+
+    #[setter]
+    fn set_angular_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let angular_velocities = reals("angular_velocities", Some(value), len)?;
+            Ok(Changes { angular_velocities, ..Changes::default() })
+        })
+    }
+
+    /// Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
+    ///
+    /// Particles i and j may touch only if ``categories[i] & masks[j]`` and
+    /// ``categories[j] & masks[i]``. To change all, assign an array or one number; to change some,
+    /// use `set`. The islands of changed particles wake.
+    ///
+    /// See Also
+    /// --------
+    /// masks : The categories that each particle may touch.
+    ///
+    /// Examples
+    /// --------
+    /// Ghosts pass through each other, and bounce off everything else:
+    ///
+    /// >>> import jostle
+    /// >>> GHOST = 2
+    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+    /// >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
+    /// >>> world.step(0.1, steps=90)
+    /// >>> world.velocities[:, 0]
+    /// array([0., 0., 1.], dtype=float32)
+    /// >>> world.categories
+    /// array([2, 2, 1], dtype=uint32)
+    #[getter]
+    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.filter_bits(py, |filter| filter.category)
+    }
+
+    #[setter]
+    fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let categories = bit_sets("categories", Some(value), len)?;
+            Ok(Changes { categories, ..Changes::default() })
+        })
+    }
+
+    /// Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
+    /// each particle may touch, see `categories`.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    #[getter]
+    fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.filter_bits(py, |filter| filter.mask)
+    }
+
+    #[setter]
+    fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let masks = bit_sets("masks", Some(value), len)?;
+            Ok(Changes { masks, ..Changes::default() })
+        })
+    }
+
+    /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// A sensor and another particle pass through each other; `contacts` and `events` report that
+    /// they touch, without impulses. A disc that passes through a sensor within a step, at any
+    /// speed, is found too: it has entered and left. Walls, the container and forces act on sensors
+    /// that are movable, as on other particles; one with ``movable=False`` stays where it is put or
+    /// moves with its velocity, and reports other particles that are not movable, too. Two sensors
+    /// report each other if one is movable. Categories and masks determine what they report. They
+    /// never merge.
+    ///
+    /// To change all, assign an array or one bool; to change some, use `set`.
+    ///
+    /// See Also
+    /// --------
+    /// events : The pairs that began and ceased to touch.
+    ///
+    /// Examples
+    /// --------
+    /// A fast disc passes through a sensor within one step:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
+    /// >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
+    /// >>> world.step(1 / 60)
+    /// >>> world.events.entered, world.events.left
+    /// (array([[0, 1]]), array([[0, 1]]))
+    /// >>> world.velocities[0]
+    /// array([900.,   0.], dtype=float32)
+    #[getter]
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let sensors = self.long(py, |state| state.world.sensors())?;
+        Ok(read_only(column(py, sensors)))
+    }
+
+    #[setter]
+    fn set_sensors(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.write_all(py, |len| {
+            let sensors = truths("sensors", Some(value), len)?;
+            Ok(Changes { sensors, ..Changes::default() })
+        })
+    }
+
+    /// Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
+    ///
+    /// An island of particles that touch or nearly touch falls asleep under gravity if each of them
+    /// rests on something and has been slow for half a second, and if their motion is steady and
+    /// does not grow.
+    /// Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
+    /// those of the last step in which they were awake. An island wakes if a moving particle comes
+    /// so near that it could touch it in the step, or if one of its particles is changed or removed
+    /// (also if `world.positions` is assigned: to move a few, use `world.set`).
+    /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
+    /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
+    /// velocities of an immovable particle change, the islands that touch it wake. Nothing falls
+    /// asleep if there is a force other than `Thermostat`, or with another `on_touch` than
+    /// "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+    ///
+    /// See Also
+    /// --------
+    /// sleeping : Turns it off.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 1), (5, 1)], [(0, 0), (2, 0)], radii=1.0, gravity=(0, -9.8), restitution=0.5,
+    /// ...     container=jostle.Box(-9, 0, 99, 9),
+    /// ... )
+    /// >>> world.step(1 / 60, steps=60)
+    /// >>> world.asleep
+    /// array([ True, False])
+    #[getter]
+    fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let asleep = self.long(py, |state| state.world.asleep())?;
+        Ok(read_only(column(py, asleep)))
+    }
+}
+
+impl PyWorld {
+    fn filter_bits<'py>(
+        &self,
+        py: Python<'py>,
+        bits: fn(Filter) -> u32,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let filters = self.long(py, |state| state.world.filters())?;
+        Ok(read_only(column(py, filters.into_iter().map(bits).collect())))
+    }
+
+    /// Replaces whole columns; `read` makes them for the number of particles.
+    fn write_all(
+        &self,
+        py: Python<'_>,
+        read: impl FnOnce(usize) -> PyResult<Changes>,
+    ) -> PyResult<()> {
+        let len = self.len(py)?;
+        let changes = read(len)?;
+        self.long(py, |state| state.write_all(changes, len))?.map_err(refused)
+    }
+}
+
+impl State {
+    fn write_all(&mut self, changes: Changes, found: usize) -> jostle::Result<()> {
+        let expected = self.world.len();
+        if found != expected {
+            // Another thread has added or removed particles in the meantime.
+            return Err(Error::Length { argument: "the new column", found, expected });
+        }
+        self.world.set_all(&changes)?;
+        let draft = Draft { columns: changes, densities: None };
+        self.world.set_defaults(draft.defaults(self.world.defaults()))
+    }
+}

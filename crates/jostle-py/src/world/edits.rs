@@ -1,0 +1,475 @@
+//! Adding, removing, reading and changing particles; ids and given accelerations.
+
+use std::ops::Range;
+
+use jostle::{Changes, Each, Id};
+use numpy::{PyArray1, PyArray2};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+use super::{PyWorld, State};
+use crate::arrays::{column, number, read_only, reals, table};
+use crate::error::refused;
+use crate::ids::Ids;
+use crate::particles::{Arguments, Draft, angles, only_vector, vectors};
+use crate::queries::result_of;
+use crate::results;
+
+#[pymethods]
+impl PyWorld {
+    /// Add one particle or many, after the others.
+    ///
+    /// The default of an omitted argument is the number that was last given for all particles: to
+    /// `World`, as in ``World(..., friction=0.5)``, or by assignment, as in ``world.friction =
+    /// 0.5``. An array with a number for each particle does not change the default.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+    /// radii : array_like, a number or shape (k,), optional
+    ///     Required if no number was given for all particles.
+    /// masses : array_like, a number or shape (k,), optional
+    ///     If omitted and no number was given for all particles, or if `densities` are given,
+    ///     density times radius squared.
+    /// densities : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was given to `World`.
+    /// restitutions : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
+    ///     of all contacts anyway.
+    /// movable : array_like of bool, one or shape (k,), default True
+    /// friction : array_like, a number or shape (k,), optional
+    ///     0.0 if no number was given for all particles.
+    /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+    /// categories, masks : array_like of int, a number or shape (k,), optional
+    ///     1 and all bits if no number was given for all particles.
+    /// sensors : array_like of bool, one or shape (k,), default False
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (k,), or int
+    ///     Their ids, above all ids before; one id for one position. Their rows are the last ones
+    ///     of every column.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for a new world; then nothing is added.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
+    /// >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
+    /// array([1, 2])
+    /// >>> world.add((0, 5), velocities=(1, 0))
+    /// 3
+    /// >>> world.radii
+    /// array([1. , 0.5, 0.5, 1. ], dtype=float32)
+    #[pyo3(signature = (
+        positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
+        movable=None, friction=None, angles=None, angular_velocities=None,
+        categories=None, masks=None, sensors=None,
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn add<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+        velocities: &Bound<'py, PyAny>,
+        radii: Option<&Bound<'py, PyAny>>,
+        masses: Option<&Bound<'py, PyAny>>,
+        densities: Option<&Bound<'py, PyAny>>,
+        restitutions: Option<&Bound<'py, PyAny>>,
+        movable: Option<&Bound<'py, PyAny>>,
+        friction: Option<&Bound<'py, PyAny>>,
+        angles: Option<&Bound<'py, PyAny>>,
+        angular_velocities: Option<&Bound<'py, PyAny>>,
+        categories: Option<&Bound<'py, PyAny>>,
+        masks: Option<&Bound<'py, PyAny>>,
+        sensors: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (columns, many) = Draft::of_one_or_many(positions, velocities, radii)?;
+        let len = many.unwrap_or(1);
+        let densities = reals("densities", densities, len)?;
+        let arguments = Arguments {
+            masses,
+            restitutions,
+            movable,
+            friction,
+            angles,
+            angular_velocities,
+            categories,
+            masks,
+            sensors,
+        };
+        let draft = Draft { columns: arguments.read(len, columns)?, densities };
+        if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
+            let rule = "add needs radii: no number was given for all particles of this world";
+            return Err(PyTypeError::new_err(rule));
+        }
+        let ids = result_of(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        if many.is_none() {
+            ids.start.into_bound_py_any(py)
+        } else {
+            Ok(column(py, ids.collect()).into_any())
+        }
+    }
+
+    /// Remove particles. Their ids are never used again.
+    ///
+    /// The ids of other particles stay the same; in the columns, the rows after a removed one move
+    /// up. Springs and attractors of a removed particle are removed too.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles, each at most once.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an id does not exist or is given twice; then none is removed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(1)
+    /// >>> world.positions
+    /// array([[0., 0.],
+    ///        [9., 0.]], dtype=float32)
+    /// >>> world.ids
+    /// array([0, 2])
+    fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
+        let ids = Ids::read(ids, "particle")?;
+        ids.result_of(self.long(py, |state| state.world.remove(&ids.all))?)
+    }
+
+    /// Change some columns of some particles.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles, each at most once.
+    /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
+    /// radii, masses, restitutions : array_like, a number or shape (k,), optional
+    ///     A new radius does not change the mass.
+    /// movable : array_like of bool, one or shape (k,), optional
+    /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+    /// categories, masks : array_like of int, a number or shape (k,), optional
+    /// sensors : array_like of bool, one or shape (k,), optional
+    ///     Omitted columns stay the same.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for a new world, or if an id does not exist or is given twice; then nothing
+    ///     is changed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0)
+    /// >>> world.set([1], velocities=[(2, 0)], masses=3.0)
+    /// >>> world.momentum
+    /// (6.0, 0.0)
+    /// >>> world.set(0, positions=(2, 1))
+    #[pyo3(signature = (
+        ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
+        movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
+        masks=None, sensors=None,
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn set(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        positions: Option<&Bound<'_, PyAny>>,
+        velocities: Option<&Bound<'_, PyAny>>,
+        radii: Option<&Bound<'_, PyAny>>,
+        masses: Option<&Bound<'_, PyAny>>,
+        restitutions: Option<&Bound<'_, PyAny>>,
+        movable: Option<&Bound<'_, PyAny>>,
+        friction: Option<&Bound<'_, PyAny>>,
+        angles: Option<&Bound<'_, PyAny>>,
+        angular_velocities: Option<&Bound<'_, PyAny>>,
+        categories: Option<&Bound<'_, PyAny>>,
+        masks: Option<&Bound<'_, PyAny>>,
+        sensors: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let ids = Ids::read(ids, "particle")?;
+        let len = ids.all.len();
+        let columns = Changes {
+            positions: vectors_of(&ids, "positions", positions)?.map(Each::Rows),
+            velocities: vectors_of(&ids, "velocities", velocities)?.map(Each::Rows),
+            radii: reals("radii", radii, len)?,
+            ..Changes::default()
+        };
+        let arguments = Arguments {
+            masses,
+            restitutions,
+            movable,
+            friction,
+            angles,
+            angular_velocities,
+            categories,
+            masks,
+            sensors,
+        };
+        let changes = arguments.read(len, columns)?;
+        ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)
+    }
+
+    /// Read all columns of one particle or some, without those of the others.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles; one may be given more than once.
+    ///
+    /// Returns
+    /// -------
+    /// WorldParticles or WorldParticle
+    ///     Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
+    ///     `add` and `set`, with a row for each id; single values for one id. The cost depends on the
+    ///     number of ids alone, except that the first call after a step reads all row numbers.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If no particle has an id.
+    ///
+    /// See Also
+    /// --------
+    /// set : Writes columns of some particles.
+    /// positions : The positions of all particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (2, 1)], radii=[1.0, 0.5])
+    /// >>> world.read(1).velocities, world.read(1).masses
+    /// (array([2., 1.], dtype=float32), 0.25)
+    /// >>> world.read([1, 0]).radii
+    /// array([0.5, 1. ], dtype=float32)
+    ///
+    /// A copy of particle 1, in another place:
+    ///
+    /// >>> copy = world.read(1)._replace(positions=(9, 0))
+    /// >>> world.add(**copy._asdict())
+    /// 2
+    fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let ids = Ids::read(ids, "particle")?;
+        let copy = ids.result_of(self.long(py, |state| state.world.read(&ids.all))?)?;
+        if ids.single {
+            results::world_particle(py, copy)
+        } else {
+            results::world_particles(py, copy)
+        }
+    }
+
+    /// Add given forces on some particles, for the next call of `step`.
+    ///
+    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces
+    /// on the same particle add up.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles; one may be given more than once. Immovable ones are not accelerated.
+    /// forces : array_like, shape (k, 2), or (2,) for one id
+    ///     In units of mass times length per second². A force wakes the particle.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     If an id does not exist, a shape is wrong, or a number is not finite or too large; then
+    ///     nothing is changed.
+    ///
+    /// See Also
+    /// --------
+    /// World.accelerations : Those of all particles.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
+    /// >>> world.force(1, (0, 6))
+    /// >>> world.step(0.5, steps=2)
+    /// >>> world.velocities.tolist()
+    /// [[0.0, 0.0], [0.0, 3.0]]
+    fn force(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        forces: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let ids = Ids::read(ids, "particle")?;
+        let forces = vectors_of(&ids, "forces", Some(forces))?.unwrap_or_default();
+        ids.result_of(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
+    }
+
+    /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
+    ///
+    /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
+    /// used again. ``id in world`` is True if a particle has the id.
+    ///
+    /// See Also
+    /// --------
+    /// rows : The rows of ids.
+    /// renumbered : The new ids after particles merged.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(0)
+    /// >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
+    /// array([3])
+    /// >>> world.ids
+    /// array([1, 2, 3])
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
+        let ids = self.long(py, |state| state.world.ids())?;
+        Ok(read_only(column(py, ids)))
+    }
+
+    /// Return the rows that particles have in the columns.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (k,), or int
+    ///     Their rows, until a particle before them is removed or merges; one row for one id.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If no particle has an id.
+    ///
+    /// See Also
+    /// --------
+    /// ids : The ids of all rows.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world.remove(0)
+    /// >>> world.positions[world.rows(2)]
+    /// array([9., 0.], dtype=float32)
+    fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let ids = Ids::read(ids, "particle")?;
+        let rows = ids.result_of(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
+        if ids.single {
+            rows[0].into_bound_py_any(py)
+        } else {
+            Ok(column(py, rows.into_iter().map(i64::from).collect()).into_any())
+        }
+    }
+
+    /// Given accelerations in the next call of `step`: ndarray of float32, shape
+    /// (n, 2), a read-only copy in units of length per second².
+    ///
+    /// Assign an array of this shape before each call, or None for none; `force` adds to it. They
+    /// act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+    /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
+    /// the call.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the shape is wrong, or a number is not finite or too large.
+    ///
+    /// See Also
+    /// --------
+    /// World.force : Forces on some particles.
+    ///
+    /// Examples
+    /// --------
+    /// A force towards the x axis:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
+    /// >>> for _ in range(157):  # half a period: π / 0.02 steps
+    /// ...     world.accelerations = -world.positions * (0, 1)
+    /// ...     world.step(0.02)
+    /// >>> world.positions.round(1).tolist()
+    /// [[0.0, -1.0]]
+    #[getter]
+    fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let given = self.long(py, |state| {
+            let mut given = state.world.given_accelerations().to_vec();
+            given.resize(state.world.len(), [0.0; 2]);
+            given
+        })?;
+        Ok(read_only(table(py, given)?))
+    }
+
+    #[setter]
+    fn set_accelerations(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let len = self.state(py)?.world.len();
+        let given = vectors("accelerations", value, len)?.unwrap_or_else(|| vec![[0.0; 2]; len]);
+        self.long(py, |state| state.world.set_accelerations(given))?.map_err(refused)
+    }
+
+    /// The new id of each id after the last call of `step`: a read-only ndarray of int64, or None
+    /// if no particles merged.
+    ///
+    /// It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
+    /// ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
+    /// stands for an id that no particle has, also if it was removed since. Each call of `step`
+    /// replaces the array: read it after every call that may merge particles.
+    ///
+    /// Raises
+    /// ------
+    /// MemoryError
+    ///     If more than 134217728 ids were given, or there is not enough memory.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World(
+    /// ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
+    /// ... )
+    /// >>> world.step(0.1)
+    /// >>> world.ids
+    /// array([0, 1, 3])
+    /// >>> mine = np.array([2, 3])
+    /// >>> world.renumbered[mine]  # 2 is part of 0 now
+    /// array([0, 3])
+    #[getter]
+    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
+        let ids = self.long(py, |state| state.world.renumbered())?.map_err(refused)?;
+        let ids = ids.map(|ids| ids.into_iter().map(|id| id.unwrap_or(-1)).collect());
+        Ok(ids.map(|ids| read_only(column(py, ids))))
+    }
+}
+
+impl State {
+    fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
+        let particles = draft.particles(len, &self.world.defaults())?;
+        self.world.add(particles)
+    }
+}
+
+/// One pair for each id, or a single pair for one id.
+fn vectors_of(
+    ids: &Ids,
+    name: &'static str,
+    value: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<Vec<[f32; 2]>>> {
+    if !ids.single {
+        return vectors(name, value, ids.all.len());
+    }
+    value.map(|value| only_vector(name, value, "id")).transpose()
+}

@@ -1,0 +1,153 @@
+//! Snapshots, files and pickles.
+
+use std::path::{Path, PathBuf};
+
+use jostle::{Error, World};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyType};
+
+use super::PyWorld;
+use crate::error::{refused, type_error};
+use crate::files;
+
+#[pymethods]
+impl PyWorld {
+    /// Return the whole state of the world in bytes.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     Particles, settings, forces, the time, and the resting contacts, the same bytes on
+    ///     every machine. A world that `restore` makes from them continues with the same bits.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+    /// >>> before = world.snapshot()
+    /// >>> world.step(0.5, steps=4)
+    /// >>> world.time, jostle.World.restore(before).time
+    /// (2.0, 0.0)
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.long(py, |state| state.world.snapshot())?;
+        PyBytes::new_with(py, bytes.len(), |to| {
+            py.detach(|| to.copy_from_slice(&bytes));
+            Ok(())
+        })
+    }
+
+    /// Make a world from the bytes of `snapshot`.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : bytes, bytearray or memoryview
+    ///
+    /// Returns
+    /// -------
+    /// World
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `data` is not bytes.
+    /// ValueError
+    ///     If they are not from `snapshot`, or are truncated or damaged.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.scenes.create("gas", n=100)
+    /// >>> copy = jostle.World.restore(world.snapshot())
+    /// >>> world.step(0.01, steps=50); copy.step(0.01, steps=50)
+    /// >>> copy.state_hash() == world.state_hash()
+    /// True
+    #[classmethod]
+    fn restore(_class: &Bound<'_, PyType>, data: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = data.py();
+        let bytes = if let Ok(bytes) = data.cast::<PyBytes>() {
+            bytes.clone()
+        } else if data.is_instance_of::<PyByteArray>() || data.is_instance_of::<PyMemoryView>() {
+            py.get_type::<PyBytes>().call1((data,))?.cast_into()?
+        } else {
+            return Err(type_error("data", "bytes", data));
+        };
+        let bytes = bytes.as_bytes();
+        Ok(Self::of(py.detach(|| World::restore(bytes)).map_err(refused)?))
+    }
+
+    /// Write the world into a file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     An existing file is replaced when the new one is complete; it keeps its
+    ///     permissions. If the path is a symbolic link, its target is replaced.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written; then an existing one is unchanged.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, os, tempfile
+    /// >>> path = os.path.join(tempfile.mkdtemp(), "gas.jostle")
+    /// >>> jostle.scenes.create("gas", n=100).save(path)
+    /// >>> len(jostle.World.load(path))
+    /// 100
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let bytes = self.long(py, |state| state.world.snapshot())?;
+        files::replace(py, &path, &bytes)
+    }
+
+    /// Read a world from a file that `save` has written.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///
+    /// Returns
+    /// -------
+    /// World
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     If it does not contain a world, or is truncated or damaged; the message names the
+    ///     file.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, os, tempfile
+    /// >>> path = os.path.join(tempfile.mkdtemp(), "pile.jostle")
+    /// >>> jostle.scenes.create("pile", n=50).save(path)
+    /// >>> jostle.World.load(path)
+    /// <jostle.World of 50 particles after 0.000 s>
+    #[classmethod]
+    fn load(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        let py = class.py();
+        let bytes = files::read(py, &path)?;
+        let world = py.detach(|| World::restore(&bytes));
+        Ok(Self::of(world.map_err(|error| in_file(&path, &error))?))
+    }
+
+    /// Copies and pickles use snapshots.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((py.get_type::<Self>().getattr("restore")?, (self.snapshot(py)?,)))
+    }
+}
+
+/// An error about a file of a world.
+fn in_file(path: &Path, error: &Error) -> PyErr {
+    let found = match error {
+        Error::Value { value, rule, .. } => format!("{value}; {rule}"),
+        other => other.to_string(),
+    };
+    PyValueError::new_err(format!("{} holds {found}", path.display()))
+}

@@ -1,0 +1,145 @@
+//! Steps, and what a world says about the last one in numbers.
+
+use std::time::{Duration, Instant};
+
+use jostle::Stage;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::{PyWorld, State};
+use crate::arrays::{Given, count, number};
+use crate::error::refused;
+use crate::interrupt::detached;
+use crate::results;
+
+/// Interval at which a call of `step` runs signal handlers and lets other threads use the world,
+/// between two steps.
+const LOOK_UP: Duration = Duration::from_millis(50);
+
+#[pymethods]
+impl PyWorld {
+    /// Advance the simulation.
+    ///
+    /// Other threads may read the world during the call; they see its state between two steps.
+    /// If a step is refused, or interrupted with Ctrl-C, the world keeps the state before
+    /// that step. In a call with `steps` above 1, the previous steps remain done.
+    ///
+    /// Parameters
+    /// ----------
+    /// dt : float
+    ///     Length of a step in seconds, above 0.
+    /// steps : int, default 1
+    ///     Number of steps.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If `dt` is not finite and above 0, if a particle would move too far, if too many
+    ///     particles are in one place, or if a number would become infinite or NaN; then the
+    ///     message names the particle.
+    /// KeyboardInterrupt
+    ///     After Ctrl-C, within a fraction of a second also during a long step.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0)], [(8, 0)], radii=1.0)
+    /// >>> world.step(0.25, steps=2)
+    /// >>> world.positions
+    /// array([[4., 0.]], dtype=float32)
+    #[pyo3(signature = (dt, steps=Given::NOTHING), text_signature = "($self, dt, steps=1)")]
+    fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>, steps: Given<'_>) -> PyResult<()> {
+        let dt = number("dt", dt)?;
+        let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
+        // Checked before anything changes.
+        self.long(py, |state| state.begin(dt))?.map_err(refused)?;
+        while left > 0 {
+            left = self.step_some(py, dt, left)?;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// Simulated time in seconds.
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.state(py)?.world.time())
+    }
+
+    /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
+    /// "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+    #[getter]
+    fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (times, forces) = {
+            let state = self.state(py)?;
+            (state.profile, !state.world.forces().is_empty())
+        };
+        let profile = PyDict::new(py);
+        for ((stage, name), time) in Stage::ALL.into_iter().zip(times) {
+            if stage != Stage::Forces || forces {
+                profile.set_item(name, time.as_secs_f64() * 1e3)?;
+            }
+        }
+        Ok(profile)
+    }
+
+    /// The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
+    /// `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
+    /// that had too many collisions and stood still for the rest of the step. All are 0 before the
+    /// first step, and after `restore` and `load`.
+    #[getter]
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let stats = self.state(py)?.world.stats();
+        results::world_stats(py, stats)
+    }
+}
+
+impl PyWorld {
+    /// Does some of the steps, and returns how many are left.
+    fn step_some(&self, py: Python<'_>, dt: f64, left: usize) -> PyResult<usize> {
+        let left = detached(py, || PyResult::Ok(self.state.lock()?.step(dt, left)))??;
+        py.check_signals()?;
+        left.map_err(refused)
+    }
+}
+
+impl State {
+    /// Begins a call of `step`.
+    fn begin(&mut self, dt: f64) -> jostle::Result<()> {
+        self.world.step(dt, 0)?;
+        self.world.forget_renumbering();
+        self.world.begin_record();
+        Ok(())
+    }
+
+    /// Does some of the steps, and returns how many are left. If one is refused, those before are
+    /// done.
+    fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+        let left = self.step_for_a_while(dt, left);
+        self.world.end_record()?;
+        left
+    }
+
+    fn step_for_a_while(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
+        let start = Instant::now();
+        while left > 0 {
+            let mut profile = <[Duration; Stage::ALL.len()]>::default();
+            let mut since = Instant::now();
+            let watch = &mut |stage: Stage| {
+                let now = Instant::now();
+                profile[stage as usize] += now - since;
+                since = now;
+            };
+            self.world.step_watched(dt, 1, watch)?;
+            self.profile = profile;
+            left -= 1;
+            if start.elapsed() >= LOOK_UP {
+                break;
+            }
+        }
+        if left == 0 {
+            self.world.clear_accelerations();
+        }
+        Ok(left)
+    }
+}

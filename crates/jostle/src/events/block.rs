@@ -1,0 +1,163 @@
+//! Blocks of discs that are simulated by themselves at first.
+
+use std::ops::Range;
+
+use super::flight::{Flight, Window};
+use super::history::{Bounce, History};
+use super::neighbors::Neighbors;
+use super::queue::{Event, WALL};
+use super::simulation::{Scratch, Simulation};
+use crate::cache;
+use crate::interrupt::Stop;
+use crate::parallel;
+use crate::particles::Particles;
+
+/// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
+/// the most part. Large blocks have fewer trajectories to test against other blocks.
+const BLOCK: Range<usize> = 1024..8192;
+
+/// Blocks for other threads to share, at least, if they are not too small.
+const SHARED: usize = 16;
+
+/// Discs of each block but the last.
+pub(super) fn size(len: usize, threads: Option<usize>) -> usize {
+    let least = if parallel::is_parallel(threads) { SHARED } else { 1 };
+    len.div_ceil(least).clamp(BLOCK.start, BLOCK.end).next_power_of_two()
+}
+
+/// A range of discs that are simulated together.
+#[derive(Debug, Default)]
+pub(super) struct Block {
+    pub(super) number: usize,
+    pub(super) range: Range<u32>,
+    /// Impacts along the first segments.
+    pub(super) first: Vec<Event>,
+    /// The same with discs of other blocks.
+    pub(super) crossing: Vec<Event>,
+    pub(super) history: History,
+    pub(super) is_simulated: bool,
+}
+
+/// Arguments of the simulation of a block.
+pub(super) struct Arguments<'a> {
+    pub(super) window: &'a Window<'a>,
+    pub(super) neighbors: &'a Neighbors,
+    pub(super) course_of: &'a mut [u32],
+    pub(super) reaches: &'a [f32],
+    pub(super) stop: &'a Stop,
+    pub(super) scratch: &'a mut Scratch,
+}
+
+impl Block {
+    /// Empties the block for a window.
+    pub(super) fn begin_window(&mut self, number: usize, range: Range<u32>) {
+        self.number = number;
+        self.range = range;
+        self.first.clear();
+        self.crossing.clear();
+        self.history.clear();
+        self.is_simulated = false;
+    }
+
+    /// Predicts the impacts of a shorter window again: what is too slow to matter depends on its
+    /// end.
+    pub(super) fn shorten(&mut self, window: &Window<'_>, neighbors: &Neighbors) {
+        self.history.clear();
+        self.is_simulated = false;
+        for events in [&mut self.first, &mut self.crossing] {
+            events.retain_mut(|event| {
+                let Event { time, pair: [a, b], code, .. } = *event;
+                if time > window.end {
+                    return false;
+                }
+                let new = if b == WALL {
+                    window.wall_event(a, &window.segment(a), 0)
+                } else {
+                    let [p, q] = [a, b].map(|disc| window.segment(disc));
+                    let impact =
+                        window.impact((a, &p), (b, &q), neighbors.image_of(code), window.end);
+                    impact.map(|impact| Event::of_discs(impact, [a, b], code, [0; 2]))
+                };
+                new.is_some_and(|new| {
+                    *event = new;
+                    true
+                })
+            });
+        }
+    }
+
+    pub(super) fn load_starts(&self, arguments: &Arguments<'_>) {
+        let range = self.range.start as usize..self.range.end as usize;
+        cache::load(&arguments.window.starts[range]);
+    }
+
+    /// Loads into the cache what events need of a few discs each, in the order of time.
+    pub(super) fn load(&self, arguments: &Arguments<'_>) {
+        let range = self.range.start as usize..self.range.end as usize;
+        let Particles { positions, residuals, .. } = arguments.window.flight.particles;
+        arguments.neighbors.load(self.number);
+        cache::load(&positions[range.clone()]);
+        cache::load(&residuals[range.clone()]);
+        cache::load(&arguments.reaches[range]);
+    }
+
+    /// Finds the impacts on walls along the first segments.
+    pub(super) fn find_first_wall_impacts(&mut self, window: &Window<'_>) {
+        let start = |index: u32| &window.starts[index as usize];
+        let Flight { container, walls, .. } = window.flight;
+        if walls.is_empty() && !container.has_walls() {
+            return;
+        }
+        for index in self.range.clone() {
+            let may_hit = !walls.is_empty() && window.may_hit_walls(index);
+            if may_hit || window.may_hit_container(start(index)) {
+                self.first.extend(window.wall_event(index, &window.segment(index), 0));
+            }
+        }
+    }
+
+    /// Simulates the events of the block by itself.
+    pub(super) fn simulate(&mut self, arguments: &mut Arguments<'_>) {
+        self.is_simulated = true;
+        let Arguments { window, neighbors, course_of, reaches, stop, scratch } = arguments;
+        let (range, history) = (self.range.clone(), &mut self.history);
+        let (mark, base) = (0, 0);
+        let simulation = Simulation {
+            window,
+            neighbors,
+            range,
+            course_of,
+            reaches,
+            history,
+            mark,
+            base,
+            stop,
+            scratch,
+        };
+        simulation.run(&self.first, &[]);
+        self.history.bounces.sort_unstable_by(Bounce::order);
+        if window.flight.keeps_starts() {
+            // The discs are in the cache now. Those that are simulated again are moved again.
+            self.move_discs(window, course_of);
+        }
+    }
+
+    /// Moves the discs of the block to the end of the window, by its own history.
+    pub(super) fn move_discs(&self, window: &Window<'_>, course_of: &[u32]) {
+        for (index, &number) in self.range.clone().zip(course_of) {
+            match self.history.courses.get(number as usize) {
+                Some(course) => window.move_disc(index, &course.segment, course.stopped),
+                None if window.starts[index as usize].is_movable => {
+                    window.move_disc(index, &window.segment(index), None);
+                }
+                None => window.carry(index),
+            }
+        }
+    }
+
+    /// The number of impacts after the start, until `end`.
+    pub(super) fn impacts_until(&self, end: f64) -> usize {
+        let is_counted = |event: &&Event| event.time > 0.0 && event.time <= end;
+        self.first.iter().chain(&self.crossing).filter(is_counted).count()
+    }
+}

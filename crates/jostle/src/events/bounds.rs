@@ -1,0 +1,87 @@
+//! The bounds in which discs were searched for neighbours, and the discs that leave them.
+
+use super::Events;
+use super::flight::{Start, Window};
+use super::neighbors::NearPair;
+use crate::error::Result;
+use crate::trajectory::{Segment, Vector};
+
+/// Where discs may be during a step, and how to find others that may be there too.
+pub trait Bounds {
+    /// Distances from their positions at the beginning of the step within which discs were
+    /// searched for neighbours.
+    fn reaches(&self) -> &[f32];
+    /// Forgets what was added for the window before.
+    fn begin_window(&mut self);
+    /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and appends
+    /// the pairs that may meet in them.
+    fn grow(
+        &mut self,
+        outside: &[Outside],
+        gravity: Vector,
+        end: f64,
+        pairs: &mut Vec<NearPair>,
+    ) -> Result<()>;
+}
+
+/// A disc that leaves its bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Outside {
+    /// The disc.
+    pub index: u32,
+    /// How far it gets from its position at the beginning of the step, if it has no further events.
+    pub distance: f64,
+    /// The segment that it is on.
+    pub segment: Segment,
+}
+
+impl Events {
+    /// Adds the neighbours that the discs outside their bounds have in larger bounds.
+    pub(super) fn grow(&mut self, window: &Window<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+        self.new.clear();
+        if self.outside.is_empty() || !(window.flight.pairs || window.flight.senses_all) {
+            return Ok(());
+        }
+        if !window.flight.limits.is_empty() {
+            self.may_be_outside_limits.extend(self.outside.iter().map(|outside| outside.index));
+        }
+        self.near.clear();
+        bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;
+        self.take_sensed(window);
+        self.neighbors.add(&self.near, &mut self.new);
+        Ok(())
+    }
+
+    /// Lists the discs that get further than their limits in the window.
+    pub(super) fn find_outside_limits(&mut self, window: &Window<'_>) {
+        let mut listed = std::mem::take(&mut self.may_be_outside_limits);
+        listed.sort_unstable();
+        listed.dedup();
+        for &index in &listed {
+            let squares = self.trajectory(window, index);
+            let squares = squares.map(|part| window.longest_square(index, &part.segment));
+            let distance = squares.fold(0.0, f64::max).sqrt();
+            if distance > f64::from(window.flight.limits[index as usize]) {
+                self.outside_limits.push((index, distance));
+            }
+        }
+        self.may_be_outside_limits = listed;
+    }
+}
+
+/// Lists the discs whose first segment leaves their bounds.
+pub(super) fn find_outside_at_start(
+    window: &Window<'_>,
+    reaches: &[f32],
+    outside: &mut Vec<Outside>,
+) {
+    let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
+    let moving = (0..).zip(window.starts).filter(|(_, start)| moves(start));
+    let all = moving.map(|(index, _)| {
+        let segment = window.segment(index);
+        let distance = window.longest_square(index, &segment).sqrt();
+        Outside { index, distance, segment }
+    });
+    outside.clear();
+    outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));
+}

@@ -1,0 +1,91 @@
+//! Limits of the values of particles.
+
+use super::Spin;
+use crate::error::{Error, Result};
+use crate::shapes::{self, check_finite};
+
+/// Largest coordinate, component of a velocity, and displacement of a step.
+pub const FARTHEST: f32 = 1e18;
+
+/// Range of masses, so that they and their inverses are far from the limits of float32.
+pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
+
+/// Refuses positions or velocities that are not finite or too large.
+pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()> {
+    for (index, &[x, y]) in vectors.iter().enumerate() {
+        check_finite(argument, &[[x, y]]).map_err(|_| {
+            Error::at(argument, index, format!("({x}, {y})"), "both coordinates must be finite")
+        })?;
+        if x.abs() > FARTHEST || y.abs() > FARTHEST {
+            let rule = format!("both coordinates must lie within ±{FARTHEST:e}");
+            return Err(Error::at(argument, index, format!("({x:e}, {y:e})"), &rule));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses invalid radii.
+pub fn check_radii(radii: &[f32]) -> Result<()> {
+    shapes::check_radii("radii", radii)
+}
+
+/// Refuses masses outside [`MASS_RANGE`].
+pub fn check_masses(masses: &[f32]) -> Result<()> {
+    let [least, most] = MASS_RANGE;
+    match masses.iter().position(|m| !(least..=most).contains(m)) {
+        Some(index) => {
+            let rule = format!("a mass must lie between {least:e} and {most:e}");
+            Err(Error::at("masses", index, masses[index], &rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses restitutions outside 0 to 1.
+pub fn check_restitutions(restitutions: &[f32]) -> Result<()> {
+    match restitutions.iter().position(|e| !(0.0..=1.0).contains(e)) {
+        Some(index) => {
+            let rule = "a restitution must lie between 0 and 1";
+            Err(Error::at("restitutions", index, restitutions[index], rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses coefficients of friction that are not finite or below 0.
+pub fn check_friction(friction: &[f32]) -> Result<()> {
+    match friction.iter().position(|&friction| !(friction >= 0.0 && friction.is_finite())) {
+        Some(index) => {
+            let rule = "a coefficient of friction must be finite and at least 0";
+            Err(Error::at("friction", index, friction[index], rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses angular velocities that are not finite or too large.
+pub fn check_angular_velocities(velocities: &[f32]) -> Result<()> {
+    let is_allowed = |velocity: &f32| velocity.abs() <= FARTHEST;
+    match velocities.iter().position(|velocity| !is_allowed(velocity)) {
+        Some(index) => {
+            let rule = format!("an angular velocity must be finite and lie within ±{FARTHEST:e}");
+            Err(Error::at("angular_velocities", index, velocities[index], &rule))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses angles that are not finite.
+pub fn check_angles(angles: &[f64]) -> Result<()> {
+    match angles.iter().position(|angle| !angle.is_finite()) {
+        Some(index) => Err(Error::at("angles", index, angles[index], "an angle must be finite")),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn check_spins(spins: &[Spin]) -> Result<()> {
+    let column = |of: fn(&Spin) -> f32| spins.iter().map(of).collect::<Vec<f32>>();
+    check_friction(&column(|spin| spin.friction))?;
+    check_angular_velocities(&column(|spin| spin.velocity))?;
+    check_angles(&spins.iter().map(|spin| spin.angle).collect::<Vec<f64>>())
+}

@@ -1,0 +1,291 @@
+//! The particles of a world as columns: `limits` checks their values, `changes` writes new ones.
+
+mod changes;
+mod limits;
+
+use std::cmp::Ordering;
+use std::f64::consts::{PI, TAU};
+
+use crate::error::{Error, Result};
+use crate::shapes::Filter;
+use crate::table;
+use crate::table::{Table, sparse_value};
+pub use changes::{Changes, Effect};
+use limits::check_spins;
+pub use limits::{
+    FARTHEST, MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses,
+    check_radii, check_restitutions, check_vectors,
+};
+
+/// Friction and rotation of a disc. Its moment of inertia is m r²/2; one of radius 0 does not turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spin {
+    /// Coefficient of friction, at least 0; a pair has the square root of the product of its two.
+    pub friction: f32,
+    /// Angular velocity in radians per second, positive from +x to +y.
+    pub velocity: f32,
+    /// Angle in radians, see [`wrap_angle`].
+    pub angle: f64,
+}
+
+impl Spin {
+    /// The angle in float32, −π to π without π.
+    pub fn rounded_angle(&self) -> f32 {
+        // Rounded to float32 an angle below π may be π.
+        let (angle, last) = (self.angle as f32, std::f32::consts::PI);
+        if angle >= last { -last } else { angle }
+    }
+}
+
+table! {
+    /// Discs with a velocity and a mass, one row each.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct Particles {
+        /// Centres.
+        pub positions: dense [f32; 2],
+        /// What rounding to float32 removed from the centres; the next step adds it to them.
+        pub residuals: dense [f32; 2],
+        /// In world units per second. Nothing changes those of immovable particles: a particle is kinematic
+        /// if it has one or turns, else static.
+        pub velocities: dense [f32; 2],
+        /// Radii, at least 0.
+        pub radii: dense f32,
+        /// Masses, more than 0.
+        pub masses: dense f32,
+        /// Coefficients of restitution, 0 to 1; a pair has the product of its two.
+        pub restitutions: dense f32,
+        /// Whether contacts and forces can change the velocity of the particle.
+        pub movable: dense bool,
+        /// Friction and rotation; empty if no disc has friction or an angle, or turns.
+        pub spins: sparse Spin,
+        /// Categories and masks; empty if all have the default.
+        pub filters: sparse Filter,
+        /// Whether the particle is a sensor: it touches others, and neither pushes them nor is pushed.
+        /// Empty if none is.
+        pub sensors: sparse bool,
+    }
+}
+
+impl Particles {
+    /// Particles with the article's masses (density × radius²), elastic and movable.
+    pub fn new(
+        positions: Vec<[f32; 2]>,
+        velocities: Vec<[f32; 2]>,
+        radii: Vec<f32>,
+        density: f32,
+    ) -> Self {
+        let len = positions.len();
+        let masses = radii.iter().map(|r| density * r * r).collect();
+        let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
+        let movable = vec![true; len];
+        let base = Self { positions, residuals, velocities, radii, masses, ..Self::default() };
+        Self { restitutions, movable, ..base }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Refuses columns of different lengths and values out of range.
+    pub fn validate(&self) -> Result<()> {
+        let expected = self.len();
+        let mut wrong = None;
+        self.wrong_lengths(expected, &mut |argument, found| {
+            wrong = wrong.or(Some((argument, found)));
+        });
+        if let Some((column, found)) = wrong {
+            // The first argument of callers that is in the column.
+            let argument = match column {
+                "spins" => "friction",
+                "filters" => "categories",
+                other => other,
+            };
+            return Err(Error::Length { argument, found, expected });
+        }
+        check_vectors("positions", &self.positions)?;
+        check_vectors("residuals", &self.residuals)?;
+        check_vectors("velocities", &self.velocities)?;
+        check_radii(&self.radii)?;
+        check_masses(&self.masses)?;
+        check_restitutions(&self.restitutions)?;
+        check_spins(&self.spins)
+    }
+
+    /// Friction and rotation of a disc.
+    pub fn spin(&self, row: usize) -> Spin {
+        sparse_value(&self.spins, row)
+    }
+
+    /// Sets the angular velocity of a disc; points do not turn.
+    pub fn set_angular_velocity(&mut self, row: usize, velocity: f32) {
+        let velocity = if self.radii[row] == 0.0 { 0.0 } else { velocity };
+        if self.spin(row).velocity != velocity {
+            self.spins_mut()[row].velocity = velocity;
+        }
+    }
+
+    /// Category and mask of a disc.
+    pub fn filter(&self, row: usize) -> Filter {
+        sparse_value(&self.filters, row)
+    }
+
+    /// Whether a disc is a sensor.
+    #[inline(always)]
+    pub fn is_sensor(&self, row: usize) -> bool {
+        self.sensors.get(row).is_some_and(|&is_sensor| is_sensor)
+    }
+
+    /// Whether two discs that overlap touch: one of them must be movable, or just one a sensor.
+    #[inline(always)]
+    pub fn may_touch(&self, a: usize, b: usize) -> bool {
+        self.movable[a] || self.movable[b] || self.is_sensor(a) != self.is_sensor(b)
+    }
+
+    /// Coefficient of friction of two discs.
+    #[inline(always)]
+    pub fn pair_friction(&self, a: usize, b: usize) -> f32 {
+        if self.spins.is_empty() {
+            return 0.0;
+        }
+        let [a, b] = [a, b].map(|row| f64::from(self.spins[row].friction));
+        (a * b).sqrt() as f32
+    }
+
+    /// Friction and rotation of all discs, to be changed.
+    pub fn spins_mut(&mut self) -> &mut [Spin] {
+        self.spins.resize(self.positions.len(), Spin::default());
+        &mut self.spins
+    }
+
+    /// Categories and masks of all discs, to be changed.
+    pub fn filters_mut(&mut self) -> &mut [Filter] {
+        self.filters.resize(self.positions.len(), Filter::default());
+        &mut self.filters
+    }
+
+    /// Which discs are sensors, to be changed.
+    pub fn sensors_mut(&mut self) -> &mut [bool] {
+        self.sensors.resize(self.positions.len(), false);
+        &mut self.sensors
+    }
+
+    /// Sets the angular velocities of points to 0. Removes the column of friction and rotation if
+    /// all is 0, that of categories and masks if all have the default, and that of sensors if there
+    /// are none.
+    pub fn simplify(&mut self) {
+        for (spin, &radius) in self.spins.iter_mut().zip(&self.radii) {
+            spin.angle = wrap_angle(spin.angle);
+            if radius == 0.0 {
+                spin.velocity = 0.0;
+            }
+        }
+        self.drop_defaults();
+    }
+
+    /// Replaces the contents by the rows `order` of `source`, in that order.
+    pub fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
+        Table::gather(self, source, order, threads);
+    }
+
+    /// Appends the row `from` of `source`.
+    pub fn push(&mut self, source: &Self, from: usize) {
+        let len = self.len() + 1;
+        self.resize(len);
+        self.put(len, len - 1, source, from);
+    }
+
+    /// Keeps the rows for which `keep` returns true.
+    pub fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        let keep: Vec<bool> = (0..self.len()).map(keep).collect();
+        self.keep(&keep);
+    }
+
+    /// Appends the rows of `other`.
+    pub fn extend(&mut self, other: &Self) {
+        self.append(self.len(), other, other.len());
+    }
+
+    /// Whether a row has the same values in `other`.
+    pub fn is_same(&self, row: usize, other: &Self) -> bool {
+        self.velocities[row] == other.velocities[row]
+            && self.spin(row).velocity == other.spin(row).velocity
+            && self.is_same_at_rest(row, other)
+    }
+
+    /// Whether a row has the same values in `other` apart from the velocities.
+    pub fn is_same_at_rest(&self, row: usize, other: &Self) -> bool {
+        // All columns are named, so that none is forgotten.
+        #[rustfmt::skip]
+        let Self {
+            positions, residuals, velocities: _, radii, masses, restitutions, movable,
+            spins: _, filters: _, sensors: _,
+        } = self;
+        let spin = |all: &Self| Spin { velocity: 0.0, ..all.spin(row) };
+        positions[row] == other.positions[row]
+            && residuals[row] == other.residuals[row]
+            && radii[row] == other.radii[row]
+            && masses[row] == other.masses[row]
+            && restitutions[row] == other.restitutions[row]
+            && movable[row] == other.movable[row]
+            && spin(self) == spin(other)
+            && self.filter(row) == other.filter(row)
+            && self.is_sensor(row) == other.is_sensor(row)
+    }
+
+    /// Orders two rows by all their values: a total order, the same on every machine.
+    pub fn compare(&self, a: usize, b: usize) -> Ordering {
+        // All columns are named, so that none is forgotten.
+        #[rustfmt::skip]
+        let Self {
+            positions, residuals, velocities, radii, masses, restitutions, movable,
+            spins: _, filters: _, sensors: _,
+        } = self;
+        let numbers = |row: usize| {
+            let ([x, y], [u, v], [c, d]) = (positions[row], velocities[row], residuals[row]);
+            [x, y, c, d, u, v, radii[row], masses[row], restitutions[row]]
+        };
+        let turning = |row: usize| {
+            let Spin { friction, velocity, angle } = self.spin(row);
+            [f64::from(friction), f64::from(velocity), angle]
+        };
+        let pairs = numbers(a).into_iter().zip(numbers(b));
+        let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+        let pairs = turning(a).into_iter().zip(turning(b));
+        let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+        let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
+        let order = order.then_with(|| movable[a].cmp(&movable[b]));
+        let order = order.then_with(|| self.filter(a).cmp(&self.filter(b)));
+        order.then_with(|| self.is_sensor(a).cmp(&self.is_sensor(b)))
+    }
+
+    /// Whether nothing can move the particle, and it does not move or turn by itself.
+    #[inline]
+    pub fn is_static(&self, row: usize) -> bool {
+        !self.movable[row] && self.velocities[row] == [0.0; 2] && self.spin(row).velocity == 0.0
+    }
+
+    /// One over the mass; 0 for an immovable particle.
+    #[inline]
+    pub fn inverse_mass(&self, row: usize) -> f32 {
+        if self.movable[row] { 1.0 / self.masses[row] } else { 0.0 }
+    }
+}
+
+/// The same angle between −π, which is allowed, and π, which is not.
+pub fn wrap_angle(angle: f64) -> f64 {
+    // The remainder is exact.
+    let rest = angle % TAU;
+    if rest >= PI {
+        rest - TAU
+    } else if rest < -PI {
+        rest + TAU
+    } else {
+        rest
+    }
+}

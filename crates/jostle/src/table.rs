@@ -1,0 +1,313 @@
+//! Tables: structures of arrays whose columns are declared once.
+//!
+//! [`table!`](crate::table!) declares a struct of columns and implements [`Table`] for it, so whatever moves
+//! rows (reordering, removing, appending) needs no change for a new column. A column is *dense*, with a
+//! value for each row; *sparse*, empty if all rows have the default value; or *nested*, a table itself.
+
+/// Operations on all columns of a table. `len` is the number of rows before the operation, which a sparse
+/// column does not know.
+pub trait Table {
+    /// Replaces the contents by the rows `order` of `source`, in that order.
+    fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>);
+    /// Appends the rows of `other`, of which there are `added`.
+    fn append(&mut self, len: usize, other: &Self, added: usize);
+    /// Writes the row `from` of `other` over `row`.
+    fn put(&mut self, len: usize, row: usize, other: &Self, from: usize);
+    /// Keeps the marked rows.
+    fn keep(&mut self, keep: &[bool]);
+    /// Removes rows at the end, or appends rows with default values.
+    fn resize(&mut self, len: usize);
+    /// Empties sparse columns in which all rows have the default value.
+    fn drop_defaults(&mut self);
+    /// The length of each column that has not `len` rows, with its name.
+    fn wrong_lengths(&self, len: usize, report: &mut dyn FnMut(&'static str, usize));
+}
+
+/// The default value of rows that a sparse column does not have.
+pub fn sparse_value<V: Copy + Default>(column: &[V], row: usize) -> V {
+    column.get(row).copied().unwrap_or_default()
+}
+
+/// Columns with a value for each row.
+pub mod dense {
+    use crate::parallel;
+
+    /// The type of a column.
+    pub type Column<V> = Vec<V>;
+
+    /// See [`Table::gather`](super::Table::gather).
+    pub fn gather<V: Copy + Default + Send + Sync>(
+        column: &mut Vec<V>,
+        source: &[V],
+        order: &[u32],
+        threads: Option<usize>,
+    ) {
+        parallel::gather(threads, column, source, order);
+    }
+
+    /// See [`Table::append`](super::Table::append).
+    pub fn append<V: Copy>(column: &mut Vec<V>, _len: usize, other: &[V], _added: usize) {
+        column.extend_from_slice(other);
+    }
+
+    /// See [`Table::put`](super::Table::put).
+    pub fn put<V: Copy>(column: &mut [V], _len: usize, row: usize, other: &[V], from: usize) {
+        column[row] = other[from];
+    }
+
+    /// See [`Table::keep`](super::Table::keep).
+    pub fn keep<V>(column: &mut Vec<V>, keep: &[bool]) {
+        let mut keep = keep.iter();
+        column.retain(|_| keep.next().is_some_and(|&keep| keep));
+    }
+
+    /// See [`Table::resize`](super::Table::resize).
+    pub fn resize<V: Copy + Default>(column: &mut Vec<V>, len: usize) {
+        column.resize(len, V::default());
+    }
+
+    /// A dense column stays as it is.
+    pub fn drop_defaults<V>(_column: &mut Vec<V>) {}
+
+    /// See [`Table::wrong_lengths`](super::Table::wrong_lengths).
+    pub fn wrong_lengths<V>(
+        name: &'static str,
+        column: &[V],
+        len: usize,
+        report: &mut dyn FnMut(&'static str, usize),
+    ) {
+        if column.len() != len {
+            report(name, column.len());
+        }
+    }
+}
+
+/// Columns that are empty if all rows have the default value.
+pub mod sparse {
+    use super::{dense, sparse_value};
+
+    /// The type of a column.
+    pub type Column<V> = Vec<V>;
+
+    /// See [`Table::gather`](super::Table::gather).
+    pub fn gather<V: Copy + Default + Send + Sync>(
+        column: &mut Vec<V>,
+        source: &[V],
+        order: &[u32],
+        threads: Option<usize>,
+    ) {
+        if source.is_empty() {
+            column.clear();
+        } else {
+            dense::gather(column, source, order, threads);
+        }
+    }
+
+    /// See [`Table::append`](super::Table::append).
+    pub fn append<V: Copy + Default>(column: &mut Vec<V>, len: usize, other: &[V], added: usize) {
+        if column.is_empty() && other.is_empty() {
+            return;
+        }
+        column.resize(len, V::default());
+        column.extend_from_slice(other);
+        column.resize(len + added, V::default());
+    }
+
+    /// See [`Table::put`](super::Table::put).
+    pub fn put<V: Copy + Default + PartialEq>(
+        column: &mut Vec<V>,
+        len: usize,
+        row: usize,
+        other: &[V],
+        from: usize,
+    ) {
+        let value = sparse_value(other, from);
+        if column.is_empty() {
+            if value == V::default() {
+                return;
+            }
+            column.resize(len, V::default());
+        }
+        column[row] = value;
+    }
+
+    pub use super::dense::keep;
+
+    /// See [`Table::resize`](super::Table::resize).
+    pub fn resize<V: Copy + Default>(column: &mut Vec<V>, len: usize) {
+        if !column.is_empty() {
+            column.resize(len, V::default());
+        }
+    }
+
+    /// See [`Table::drop_defaults`](super::Table::drop_defaults).
+    pub fn drop_defaults<V: Default + PartialEq>(column: &mut Vec<V>) {
+        if column.iter().all(|value| *value == V::default()) {
+            column.clear();
+        }
+    }
+
+    /// See [`Table::wrong_lengths`](super::Table::wrong_lengths).
+    pub fn wrong_lengths<V>(
+        name: &'static str,
+        column: &[V],
+        len: usize,
+        report: &mut dyn FnMut(&'static str, usize),
+    ) {
+        if !column.is_empty() {
+            dense::wrong_lengths(name, column, len, report);
+        }
+    }
+}
+
+/// Tables in tables.
+pub mod nested {
+    pub use super::Table;
+
+    /// The type of a column.
+    pub type Column<T> = T;
+
+    /// See [`Table::gather`].
+    pub fn gather<T: Table>(column: &mut T, source: &T, order: &[u32], threads: Option<usize>) {
+        column.gather(source, order, threads);
+    }
+
+    /// See [`Table::append`].
+    pub fn append<T: Table>(column: &mut T, len: usize, other: &T, added: usize) {
+        column.append(len, other, added);
+    }
+
+    /// See [`Table::put`].
+    pub fn put<T: Table>(column: &mut T, len: usize, row: usize, other: &T, from: usize) {
+        column.put(len, row, other, from);
+    }
+
+    /// See [`Table::keep`].
+    pub fn keep<T: Table>(column: &mut T, keep: &[bool]) {
+        column.keep(keep);
+    }
+
+    /// See [`Table::resize`].
+    pub fn resize<T: Table>(column: &mut T, len: usize) {
+        column.resize(len);
+    }
+
+    /// See [`Table::drop_defaults`].
+    pub fn drop_defaults<T: Table>(column: &mut T) {
+        column.drop_defaults();
+    }
+
+    /// See [`Table::wrong_lengths`].
+    pub fn wrong_lengths<T: Table>(
+        _name: &'static str,
+        column: &T,
+        len: usize,
+        report: &mut dyn FnMut(&'static str, usize),
+    ) {
+        column.wrong_lengths(len, report);
+    }
+}
+
+/// Declares a struct of columns, each `dense`, `sparse` or `nested`, and implements [`Table`] for it.
+#[macro_export]
+macro_rules! table {
+    (
+        $(#[$about:meta])*
+        $visible:vis struct $name:ident {
+            $($(#[$doc:meta])* $field_visible:vis $field:ident: $kind:ident $type:ty,)*
+        }
+    ) => {
+        $(#[$about])*
+        $visible struct $name {
+            $($(#[$doc])* $field_visible $field: $crate::table::$kind::Column<$type>,)*
+        }
+
+        impl $crate::table::Table for $name {
+            fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
+                $($crate::table::$kind::gather(&mut self.$field, &source.$field, order, threads);)*
+            }
+
+            fn append(&mut self, len: usize, other: &Self, added: usize) {
+                $($crate::table::$kind::append(&mut self.$field, len, &other.$field, added);)*
+            }
+
+            fn put(&mut self, len: usize, row: usize, other: &Self, from: usize) {
+                $($crate::table::$kind::put(&mut self.$field, len, row, &other.$field, from);)*
+            }
+
+            fn keep(&mut self, keep: &[bool]) {
+                $($crate::table::$kind::keep(&mut self.$field, keep);)*
+            }
+
+            fn resize(&mut self, len: usize) {
+                $($crate::table::$kind::resize(&mut self.$field, len);)*
+            }
+
+            fn drop_defaults(&mut self) {
+                $($crate::table::$kind::drop_defaults(&mut self.$field);)*
+            }
+
+            fn wrong_lengths(&self, len: usize, report: &mut dyn FnMut(&'static str, usize)) {
+                $($crate::table::$kind::wrong_lengths(
+                    stringify!($field), &self.$field, len, report,
+                );)*
+            }
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Table;
+
+    table! {
+        #[derive(Clone, Debug, Default, PartialEq)]
+        struct Inner {
+            bits: sparse u8,
+        }
+    }
+
+    table! {
+        #[derive(Clone, Debug, Default, PartialEq)]
+        struct All {
+            numbers: dense u32,
+            rare: sparse i32,
+            inner: nested Inner,
+        }
+    }
+
+    fn all(numbers: &[u32], rare: &[i32], bits: &[u8]) -> All {
+        let inner = Inner { bits: bits.to_vec() };
+        All { numbers: numbers.to_vec(), rare: rare.to_vec(), inner }
+    }
+
+    #[test]
+    fn sparse_columns_stay_empty_or_get_defaults() {
+        let mut own = all(&[1, 2], &[], &[]);
+        own.append(2, &all(&[3], &[], &[7]), 1);
+        assert_eq!(own, all(&[1, 2, 3], &[], &[0, 0, 7]));
+        own.append(3, &all(&[4], &[5], &[]), 1);
+        assert_eq!(own, all(&[1, 2, 3, 4], &[0, 0, 0, 5], &[0, 0, 7, 0]));
+        own.keep(&[true, true, false, true]);
+        assert_eq!(own, all(&[1, 2, 4], &[0, 0, 5], &[0, 0, 0]));
+        own.drop_defaults();
+        assert_eq!(own, all(&[1, 2, 4], &[0, 0, 5], &[]));
+        own.put(3, 2, &all(&[9], &[], &[]), 0);
+        own.put(3, 0, &all(&[8], &[], &[6]), 0);
+        assert_eq!(own, all(&[8, 2, 9], &[0, 0, 0], &[6, 0, 0]));
+        let mut other = all(&[0; 5], &[1; 5], &[]);
+        other.gather(&all(&[1, 2], &[], &[3, 4]), &[1, 0, 1], Some(1));
+        assert_eq!(other, all(&[2, 1, 2], &[], &[4, 3, 4]));
+        other.resize(4);
+        assert_eq!(other, all(&[2, 1, 2, 0], &[], &[4, 3, 4, 0]));
+    }
+
+    #[test]
+    fn wrong_lengths_are_reported_by_name() {
+        let mut found = Vec::new();
+        all(&[1, 2], &[], &[3]).wrong_lengths(2, &mut |name, len| found.push((name, len)));
+        assert_eq!(found, [("bits", 1)]);
+        all(&[1], &[5], &[]).wrong_lengths(2, &mut |name, len| found.push((name, len)));
+        assert_eq!(found, [("bits", 1), ("numbers", 1), ("rare", 1)]);
+    }
+}

@@ -1,0 +1,101 @@
+//! From candidate pairs to contacts: the neighbours for the events, and the contacts that are coloured and
+//! solved in the sub-steps.
+
+use super::search::Lists;
+use super::{Memory, OnTouch, World, merge};
+use crate::parallel;
+use crate::particles::Particles;
+
+/// Overlap, as a share of the sum of radii, from which positions are corrected where nothing rests.
+const OVERLAP: f32 = 0.003;
+
+/// Candidate pairs that one thread tests for overlap at a time.
+const FILTERED: usize = 1 << 14;
+
+impl World {
+    /// Finds the neighbours of all particles from the candidate pairs, and the contacts whose positions
+    /// may have to be corrected or that may rest.
+    pub(super) fn make_contacts(&mut self) {
+        let (threads, may_rest) = (self.threads(), self.may_rest());
+        self.take_pairs_that_pass();
+        self.find_moving();
+        let Self { particles, settings, memory, contacts, .. } = self;
+        let Memory { tree, pairs, moving, events, .. } = memory;
+        events.take_pairs(particles.len(), pairs, threads);
+        if !may_rest {
+            let Memory { overlaps, overlap_parts, .. } = memory;
+            find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
+        }
+        let lists = if may_rest { pairs } else { &memory.overlaps };
+        contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
+    }
+
+    /// Moves the pairs that do not push each other to lists of their own: those with sensors, and all
+    /// if particles merge.
+    fn take_pairs_that_pass(&mut self) {
+        let Self { particles, memory: Memory { pairs, sensed, candidate_merges, .. }, .. } = self;
+        if !particles.sensors.is_empty() {
+            let is_sensor = |place: u32| particles.is_sensor(place as usize);
+            take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
+        }
+        candidate_merges.clear();
+        if self.settings.on_touch == OnTouch::Merge {
+            merge::list_candidates(pairs, particles, candidate_merges);
+            pairs.clear();
+        }
+    }
+
+    /// Finds which particles move in this part of the step: those that are movable and have not had too
+    /// many events.
+    fn find_moving(&mut self) {
+        let Memory { moving, exhausted, .. } = &mut self.memory;
+        moving.clone_from(&self.particles.movable);
+        if !exhausted.is_empty() {
+            let places = self.rows.iter().zip(moving.iter_mut());
+            places.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
+        }
+    }
+}
+
+/// Lists the pairs that overlap by more than [`OVERLAP`], sorted; the scratch keeps the lists of threads.
+fn find_overlapping(
+    particles: &Particles,
+    pairs: &Lists,
+    (overlaps, scratch): (&mut Lists, &mut Vec<Vec<[u32; 2]>>),
+    threads: Option<usize>,
+) {
+    overlaps.resize_with(pairs.len(), Default::default);
+    for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
+        *image_of_list = *image;
+        let count = pairs.len().div_ceil(FILTERED);
+        scratch.resize_with(scratch.len().max(count), Vec::new);
+        let parts = scratch.iter_mut().zip(pairs.chunks(FILTERED));
+        parallel::for_each(threads, parts, |(part, pairs)| {
+            part.clear();
+            part.extend(pairs.iter().filter(|&&pair| overlap(particles, pair, *image)));
+        });
+        list.clear();
+        list.extend(scratch[..count].iter().flatten());
+        list.sort_unstable();
+    }
+}
+
+/// Whether two particles overlap by more than [`OVERLAP`], the second moved by `image`.
+#[inline(always)]
+fn overlap(particles: &Particles, [a, b]: [u32; 2], image: [f32; 2]) -> bool {
+    let [p, q] = [a, b].map(|place| particles.positions[place as usize]);
+    let [c, d] = [a, b].map(|place| particles.residuals[place as usize]);
+    let [x, y] = [0, 1].map(|k| (q[k] - p[k] + image[k]) + (d[k] - c[k]));
+    let radius_sum = particles.radii[a as usize] + particles.radii[b as usize];
+    let limit = radius_sum * (1.0 - OVERLAP);
+    x * x + y * y < limit * limit
+}
+
+/// Moves some pairs from lists to others, which are empty.
+fn take(from: &mut Lists, to: &mut Lists, is_taken: impl Fn([u32; 2]) -> bool) {
+    to.extend(from.iter_mut().map(|(image, pairs)| {
+        let taken = pairs.iter().copied().filter(|&pair| is_taken(pair)).collect();
+        pairs.retain(|&pair| !is_taken(pair));
+        (*image, taken)
+    }));
+}

@@ -1,0 +1,75 @@
+//! The canonical order: all columns in the order of the tree.
+
+use super::World;
+use super::discs::Discs;
+use super::force_step::{find_places, springs};
+use crate::parallel;
+use crate::table::Table;
+
+impl World {
+    /// Reorders all columns into the order of the tree. The first part of a step keeps the old
+    /// order for [`World::undo`].
+    pub(super) fn reorder(&mut self) {
+        let threads = self.threads();
+        let memory = &mut self.memory;
+        let order = memory.tree.rows();
+        let before = &mut memory.before;
+        let spare = if before.is_reordered { &mut memory.spare } else { &mut before.discs };
+        let Discs { particles, rows, persistent } = spare;
+        particles.gather(&self.particles, order, threads);
+        std::mem::swap(particles, &mut self.particles);
+        gather(rows, &mut self.rows, order, threads);
+        persistent.gather(&self.persistent, order, threads);
+        std::mem::swap(persistent, &mut self.persistent);
+        gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
+        self.forget_places();
+        self.set_contacts_aside();
+        self.reorder_forces(threads);
+    }
+
+    /// Keeps the contacts of the previous step for [`World::undo`], or lists those of the previous part of
+    /// the step, with their new places.
+    fn set_contacts_aside(&mut self) {
+        let memory = &mut self.memory;
+        memory.touched_before.clear();
+        if !memory.before.is_reordered {
+            self.contacts.exchange(&mut memory.before.contacts);
+            memory.before.is_reordered = true;
+            return;
+        }
+        let (order, indices) = (memory.tree.rows(), &mut memory.indices);
+        indices.resize(order.len(), 0);
+        (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
+        let moved = self
+            .contacts
+            .touching()
+            .map(|contact| (contact.places.map(|place| indices[place as usize]), contact.totals));
+        memory.touched_before.extend(moved);
+    }
+
+    /// Reorders the accelerations, and prepares the springs for the new places.
+    fn reorder_forces(&mut self, threads: Option<usize>) {
+        if self.forces.is_empty() && self.given.is_empty() {
+            return;
+        }
+        let (order, forces) = (self.memory.tree.rows(), &mut self.memory.forces);
+        if !forces.accelerations.is_empty() {
+            gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
+        }
+        find_places(&self.forces, &self.rows, &mut forces.places);
+        let all = springs(&self.forces).flat_map(|springs| &springs.0);
+        let inverse_mass = |place: usize| self.particles.inverse_mass(place);
+        forces.sprung.prepare(all, &forces.places, self.settings.container, inverse_mass);
+    }
+}
+
+/// Reorders a column into its spare and swaps the two.
+fn gather<V: Copy + Default + Send + Sync>(
+    spare: &mut Vec<V>,
+    column: &mut Vec<V>,
+    order: &[u32],
+    threads: Option<usize>,
+) {
+    parallel::gather(threads, spare, column, order);
+    std::mem::swap(spare, column);
+}

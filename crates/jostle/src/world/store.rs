@@ -1,0 +1,130 @@
+//! The motions of a step: loaded from the columns before the sub-steps, and stored into them at the end.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::World;
+use crate::container::MAX_WALLS;
+use crate::error::{Error, Result};
+use crate::motion::Motion;
+use crate::parallel;
+use crate::particles::{FARTHEST, Particles, wrap_angle};
+
+/// Particles that one thread stores at a time.
+const STORED: usize = 1 << 14;
+
+impl World {
+    /// Loads positions and velocities of all particles for the sub-steps.
+    pub(super) fn load_motions(&mut self) {
+        let threads = self.threads();
+        let Self { particles, memory, .. } = self;
+        memory.motions.resize(particles.len());
+        let motions = &memory.motions;
+        parallel::for_rows(threads, particles.len(), |place| {
+            let (position, velocity) = (particles.positions[place], particles.velocities[place]);
+            let residual = particles.residuals[place];
+            motions.set(place as u32, Motion { position, residual, velocity, ..Motion::default() });
+        });
+        memory.spins.fill(&particles.spins);
+    }
+
+    /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
+    pub(super) fn store_motions(&mut self) -> Result<()> {
+        let (threads, settings, memory) = (self.threads(), &self.settings, &self.memory);
+        if let Some(contact) = self.contacts.remember(self.particles.len()) {
+            let place = contact.places[0] as usize;
+            return Err(self.not_finite("contact_impulses", place, "inf"));
+        }
+        let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
+        let (motions, wall_pushes) = (&memory.motions, &self.persistent.wall_pushes);
+        let any = AtomicBool::new(false);
+        let chunks = || (0..).step_by(STORED);
+        let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
+        let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
+        parallel::for_each(threads, columns, |(((positions, residuals), velocities), first)| {
+            let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
+            for (((position, residual), velocity), place) in columns {
+                let mut motion = motions.get(place);
+                let wall_pushes = &wall_pushes[place as usize];
+                if !(is_allowed(&motion) & (*wall_pushes == [0.0; MAX_WALLS])) {
+                    if !is_finite(&motion, wall_pushes) {
+                        any.store(true, Ordering::Relaxed);
+                    }
+                    clamp(&mut motion);
+                }
+                (*position, *residual) =
+                    settings.container.wrap_exact(motion.position, motion.residual);
+                *velocity = motion.velocity;
+            }
+        });
+        parallel::for_chunks(threads, spins, |first, spins| {
+            for (spin, place) in spins.iter_mut().zip(first as u32..) {
+                let (velocity, angle) = (memory.spins.velocity(place), memory.spins.angle(place));
+                if !velocity.is_finite() {
+                    any.store(true, Ordering::Relaxed);
+                }
+                spin.velocity = velocity.clamp(-FARTHEST, FARTHEST);
+                spin.angle = wrap_angle(angle);
+            }
+        });
+        if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
+    }
+
+    /// Returns an error with the first row whose number is not finite after the sub-steps.
+    fn name_what_is_not_finite(&self) -> Error {
+        let motion = |place: usize| self.memory.motions.get(place as u32);
+        let spins = &self.memory.spins;
+        let spin = |place: usize| {
+            if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
+        };
+        let bad = |&place: &usize| {
+            !is_finite(&motion(place), &self.persistent.wall_pushes[place])
+                || !spin(place).is_finite()
+        };
+        let place = (0..self.rows.len()).filter(bad).min_by_key(|&place| self.rows[place]);
+        let place = place.expect("only called if there is one");
+        let Motion { position, velocity, .. } = motion(place);
+        let columns: [(&str, &[f32]); 4] = [
+            ("angular_velocities", &[spin(place)]),
+            ("velocities", &velocity),
+            ("positions", &position),
+            ("wall_impulses", &self.persistent.wall_pushes[place]),
+        ];
+        let broken =
+            columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
+        let (argument, numbers) = broken.expect("one of them is not finite");
+        let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+        self.not_finite(argument, place, &format!("({})", numbers.join(", ")))
+    }
+
+    fn not_finite(&self, argument: &'static str, place: usize, value: &str) -> Error {
+        let row = self.rows[place];
+        let (index, id) = (row as usize, self.ids.of(row));
+        Error::NotFinite { argument, index, id, value: value.to_string() }
+    }
+}
+
+/// Whether all numbers are finite and not too large.
+#[inline(always)]
+fn is_allowed(Motion { position: [x, y], velocity: [u, v], .. }: &Motion) -> bool {
+    let is_small = |value: &f32| value.abs() <= FARTHEST;
+    is_small(x) & is_small(y) & is_small(u) & is_small(v)
+}
+
+/// Makes numbers that are too large the largest allowed ones.
+fn clamp(motion: &mut Motion) {
+    let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
+    if allowed(motion.position) != motion.position {
+        motion.residual = [0.0; 2];
+    }
+    motion.position = allowed(motion.position);
+    motion.velocity = allowed(motion.velocity);
+}
+
+/// Whether a step may end with these numbers.
+#[inline(always)]
+fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
+    let Motion { position: [x, y], velocity: [u, v], .. } = motion;
+    // A product with 0 is 0, or not a number.
+    let [a, b, c, d] = wall_pushes;
+    [x, y, u, v, a, b, c, d].into_iter().map(|value| value * 0.0).sum::<f32>() == 0.0
+}
