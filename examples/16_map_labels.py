@@ -7,7 +7,7 @@ import jostle
 import show
 
 rng = np.random.default_rng(16)
-parts = "ar bel cor dun el fen gal har is kel lor mar nor ost pel ros sul tor ul val".split()
+parts = ["ar", "bel", "cor", "dun", "el", "fen", "gal", "kel", "lor", "mar", "nor", "ros", "tor"]
 n = 170
 towns = rng.normal((400, 225), (165, 85), (n, 2)).clip((12, 12), (788, 430))
 names = ["".join(rng.choice(parts, rng.integers(2, 4))).title() for _ in range(n)]

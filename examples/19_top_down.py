@@ -7,13 +7,12 @@ import jostle
 import show
 
 WALL, CRATE, PLAYER, SHOT = 1, 2, 4, 8
-rng = np.random.default_rng(19)
 grid = np.pad(np.zeros((10, 18), int), 1, constant_values=1)
 grid[4, 3:9] = grid[2:6, 13] = grid[8, 11:16] = 1
 walls = jostle.tiles(grid, 40)
 space = jostle.Space()
 space.add(boxes=walls, categories=WALL)
-spots = [(x, y) for x in range(180, 500, 44) for y in range(200, 420, 44)]
+spots = [(x, y) for x in range(180, 500, 44) for y in range(220, 420, 44)]
 crates = space.add(spots, 2.0, 13.0, categories=CRATE)
 player = space.add((100, 380), 14.0, categories=PLAYER)
 shots, ways, above = np.empty(0, int), np.empty((0, 2)), {"up": (0, 0)}
@@ -25,7 +24,6 @@ for frame, screen in enumerate(show.frames("Crates", until=170)):
     for crate in np.intersect1d(met.hits, crates):  # a crate moves by what it took from the player
         space.move_and_slide(int(crate), step - met.remaining, mask=WALL | CRATE, **above)
     space.move_and_slide(player, step - met.displacement, mask=WALL | CRATE, **above)
-
     if frame % 6 == 0:
         shots = np.append(shots, space.add(space.centers(player), 3.0, categories=SHOT))
         ways = np.vstack([ways, 9 * away / np.linalg.norm(away)])
@@ -34,8 +32,8 @@ for frame, screen in enumerate(show.frames("Crates", until=170)):
     shots, ways = shots[~flown.on_wall], ways[~flown.on_wall]
 
     for left, top, right, bottom in [*walls, *space.boxes(crates)]:
-        color = show.YELLOW if right - left < 30 else show.DIM
-        pygame.draw.rect(screen, color, (left, top, right - left, bottom - top))
+        size = (right - left, bottom - top)
+        pygame.draw.rect(screen, show.YELLOW if size[0] < 30 else show.DIM, (left, top, *size))
     for center in space.centers(shots):
         pygame.draw.circle(screen, show.RED, center, 3)
     pygame.draw.circle(screen, show.TEAL, space.centers(player), 14)

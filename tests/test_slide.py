@@ -178,14 +178,16 @@ def test_order_and_threads_change_nothing_where_walkers_do_not_meet() -> None:
             slides = space.move_and_slide(ids[order], steps[order], mask=WALL)
         back = np.argsort(order)
         results.append([space.centers(ids), slides.remaining[back], slides.on_floor[back]])
-    for one, other in zip(*results):
+    for one, other in zip(*results, strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 def test_walkers_do_not_enter_each_other() -> None:
     rng = np.random.default_rng(3)
     space = jostle.Space()
-    ids = space.add(np.stack(np.meshgrid(np.arange(12), np.arange(12)), -1).reshape(-1, 2) * 3.0, 1.0)
+    ids = space.add(
+        np.stack(np.meshgrid(np.arange(12), np.arange(12)), -1).reshape(-1, 2) * 3.0, 1.0
+    )
     for _ in range(30):
         space.move_and_slide(ids, rng.normal(0, 2, (144, 2)) - 0.02 * space.centers(ids), up=(0, 0))
         assert len(space.pairs()) == 0
@@ -252,7 +254,7 @@ def test_moving_platforms_carry() -> None:
     walker = space.add((0, -2), half_sizes=(0.5, 1.0))
     assert space.move_and_slide(walker, (0, 5)).floor == platform
     for _ in range(22):
-        space.move(platform, space.centers(platform) + (1, -0.25))
+        space.move(platform, space.centers(platform) + np.array((1, -0.25)))
         assert space.move_and_slide(walker, (0, 0.1)).on_floor
         assert overlapping(space, [walker]) == 0
     assert space.centers(walker)[0] == pytest.approx(19.5)  # the wall held it back

@@ -503,7 +503,7 @@ class PhysicsEngineSimple:
         """Add sprites as obstacles; return their ids."""
         sprites = list(sprites)
         ids = self._space.add(boxes=_sides(sprites), categories=_WALL)
-        self._sprites.update(zip(ids.tolist(), sprites))
+        self._sprites.update(zip(ids.tolist(), sprites, strict=True))
         return ids
 
     def _slide(self) -> _Met:
