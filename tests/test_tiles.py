@@ -50,3 +50,29 @@ def test_kinds_are_merged_apart() -> None:
 def test_bad_arguments(arguments, error) -> None:
     with pytest.raises(error):
         jostle.tiles(*arguments)
+
+
+TMX = """<?xml version="1.0" encoding="UTF-8"?>
+<map version="1.10" orientation="orthogonal" renderorder="right-down" width="4" height="3"
+ tilewidth="16" tileheight="16" infinite="0" nextlayerid="2" nextobjectid="1">
+ <tileset firstgid="1" name="tiles" tilewidth="16" tileheight="16" tilecount="2" columns="2">
+  <image source="none.png" width="32" height="16"/>
+ </tileset>
+ <layer id="1" name="walls" width="4" height="3"><data encoding="csv">
+0,0,0,2,
+1,0,0,2,
+1,1,1,1
+</data></layer>
+</map>
+"""
+
+
+def test_a_map_of_tiled(tmp_path) -> None:
+    """The line of the documents, with pytmx."""
+    pytmx = pytest.importorskip("pytmx")
+    path = tmp_path / "map.tmx"
+    path.write_text(TMX, encoding="utf-8")
+    tiled = pytmx.TiledMap(str(path), load_all_tiles=True)
+    grid = [[gid != 0 for gid in row] for row in tiled.get_layer_by_name("walls").data]
+    boxes = jostle.tiles(grid, (tiled.tilewidth, tiled.tileheight))
+    assert boxes.tolist() == [[48, 0, 64, 48], [0, 16, 16, 48], [16, 32, 48, 48]]
