@@ -10,7 +10,7 @@ n = 2500
 rng = np.random.default_rng(14)
 places = rng.uniform((0, 0), show.SIZE, (n, 2))
 radii = rng.choice([2.5, 3.5, 5.0, 8.0], n, p=[0.4, 0.4, 0.17, 0.03])
-speeds = rng.uniform(0.8, 2.0, (n, 1))
+speeds = rng.uniform(0.4, 1.2, (n, 1))
 is_player = np.arange(n + 1) == n
 sizes = np.append(radii, 18.0)  # the player is the last disc: nothing pushes it
 weights = sizes**2  # small ones give way to large ones
@@ -21,7 +21,7 @@ for screen in show.frames("A horde", until=240):
     places += speeds * away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1)
 
     apart = jostle.separate(
-        np.vstack([places, player]), sizes, weights=weights, fixed=is_player, max_rounds=6
+        np.vstack([places, player]), sizes, weights=weights, fixed=is_player, max_rounds=12
     )
     places = apart.centers[:-1]
 

@@ -8,7 +8,7 @@ import show
 
 rng = np.random.default_rng(16)
 parts = ["ar", "bel", "cor", "dun", "el", "fen", "gal", "kel", "lor", "mar", "nor", "ros", "tor"]
-n = 170
+n = 130
 towns = rng.normal((400, 225), (165, 85), (n, 2)).clip((12, 12), (788, 430))
 names = ["".join(rng.choice(parts, rng.integers(2, 4))).title() for _ in range(n)]
 pygame.font.init()

@@ -12,12 +12,12 @@ grid[4, 3:9] = grid[2:6, 13] = grid[8, 11:16] = 1
 walls = jostle.tiles(grid, 40)
 space = jostle.Space()
 space.add(boxes=walls, categories=WALL)
-spots = [(x, y) for x in range(180, 500, 44) for y in range(220, 420, 44)]
+spots = [(x, y) for x in range(200, 420, 54) for y in range(235, 420, 54)]
 crates = space.add(spots, 2.0, 13.0, categories=CRATE)
 player = space.add((100, 380), 14.0, categories=PLAYER)
 shots, ways, above = np.empty(0, int), np.empty((0, 2)), {"up": (0, 0)}
 
-for frame, screen in enumerate(show.frames("Crates", until=170)):
+for frame, screen in enumerate(show.frames("Crates", until=150)):
     away = np.array(pygame.mouse.get_pos()) - space.centers(player)
     step = 3.5 * away / max(np.linalg.norm(away), 3.5)
     met = space.move_and_slide(player, step, mask=WALL | CRATE, **above)

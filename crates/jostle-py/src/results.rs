@@ -4,9 +4,7 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{Emitter, GaltonBoard};
-use jostle::{
-    Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory,
-};
+use jostle::{Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;

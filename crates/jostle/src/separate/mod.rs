@@ -124,7 +124,7 @@ fn in_plane<T: Scalar>(
     rules: &Separation<T>,
     (pusher, crowded): (&Pusher<T>, bool),
 ) -> Result<Outcome> {
-    if crowded && rules.max_rounds > 0 {
+    if crowded && rules.max_rounds >= FEW_ROUNDS {
         spread::spread(bodies, rules, spread::FULL)?;
     }
     let mut rounds = Rounds::of(bodies, pusher, rules)?;
@@ -139,6 +139,10 @@ fn in_plane<T: Scalar>(
     }
     Ok(rounds.outcome())
 }
+
+/// With fewer rounds crowded regions are not enlarged: games spread motion over many calls, and it
+/// has to be smooth.
+const FEW_ROUNDS: usize = 32;
 
 /// If more shapes than this overlap after the first passes, the whole region is enlarged.
 fn shapes_worth_spreading<T: Scalar>(rounds: &Rounds<'_, T>) -> usize {

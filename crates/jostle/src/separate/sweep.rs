@@ -1,8 +1,8 @@
 //! Placing shapes one after another at the nearest free positions along an axis.
 //!
-//! Shapes are placed in the order of their positions across the axis, so only those placed last
-//! can be in the way. Each leaves out an interval of positions. As in the swarm plots of
-//! statistics, shapes that are placed first stay where they are.
+//! Each shape that is placed leaves out an interval of positions for those near it across the axis.
+//! Shapes far from each other are placed first, at their own positions, then those between them,
+//! and so on: a swarm becomes symmetric, with smooth edges.
 
 use super::Separation;
 use super::bodies::Bodies;
@@ -32,24 +32,14 @@ pub fn place<T: Scalar>(
     let widest = extents.fold(T::ZERO, T::max) + rules.gap;
     let mut taken = Taken::default();
     let mut placed = memory::filled(bodies.len(), false)?;
-    let (mut first, mut last) = (0, 0);
     let mut pulse = Pulse::current();
-    for (index, &own) in order.iter().enumerate() {
-        let own = own as usize;
+    for index in far_apart(order.len()) {
+        let own = order[index] as usize;
         let (body, center) = (bodies.all[own], bodies.centers[own]);
         let reach = body.extent(across) + widest;
         let away = |other: u32| bodies.centers[other as usize][across] - center[across];
-        // A shape that is wider than another must see farther back.
-        while first > 0 && T::ZERO - away(order[first - 1]) < reach {
-            first -= 1;
-        }
-        while T::ZERO - away(order[first]) >= reach && first < index {
-            first += 1;
-        }
-        last = last.max(index);
-        while last < order.len() && away(order[last]) < reach {
-            last += 1;
-        }
+        let first = order.partition_point(|&other| away(other) <= -reach);
+        let last = order.partition_point(|&other| away(other) < reach);
         pulse.check(last - first)?;
         taken.intervals.clear();
         for &other in &order[first..last] {
@@ -78,4 +68,24 @@ pub fn place<T: Scalar>(
         placed[own] = true;
     }
     Ok(())
+}
+
+/// The numbers below `len`, successive ones far apart: with their bits reversed (the sequence of
+/// van der Corput).
+fn far_apart(len: usize) -> impl Iterator<Item = usize> {
+    let bits = len.next_power_of_two().trailing_zeros();
+    let reversed =
+        move |k: usize| if bits == 0 { k } else { k.reverse_bits() >> (usize::BITS - bits) };
+    (0..1usize << bits).map(reversed).filter(move |&k| k < len)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::far_apart;
+
+    #[test]
+    fn all_numbers_come_once_and_neighbours_late() {
+        assert_eq!(far_apart(6).collect::<Vec<_>>(), [0, 4, 2, 1, 5, 3]);
+        assert_eq!([far_apart(0).count(), far_apart(1).count()], [0, 1]);
+    }
 }
