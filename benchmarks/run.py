@@ -21,6 +21,7 @@ import growth
 import hard_cases
 import plot
 import queries
+import separate
 import share
 import small
 import space
@@ -86,6 +87,7 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "hard-cases": lambda options: hard_cases.race(options.rounds, options.largest),
     "queries": lambda options: queries.race(options.rounds, options.largest),
     "space": lambda options: space.race(options.rounds, options.largest),
+    "separate": lambda options: separate.race(options.rounds, options.largest, options.patience),
     "sprites": lambda options: sprites.race(options.rounds, options.largest),
 }
 

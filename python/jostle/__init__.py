@@ -6,6 +6,9 @@
     The same, and further queries, for shapes that do not change.
 `Space`
     Shapes with ids that are added, moved and removed, and the `Events` of their pairs.
+    `Space.move_and_slide` moves characters among walls; `tiles` makes boxes of a tile map.
+`separate`
+    Moves shapes apart until none overlap.
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
@@ -14,6 +17,8 @@
     particle life.
 `Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
+`Separated`, `Slide`, `Slides`
+    The results of `separate` and `Space.move_and_slide`.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
 `WorldParticle`, `WorldParticles`
@@ -42,6 +47,7 @@ from jostle._core import (
     World,
     __version__,
     find_pairs,
+    separate,
 )
 from jostle.results import (
     Contacts,
@@ -51,6 +57,9 @@ from jostle.results import (
     RayHit,
     RayHitLists,
     RayHits,
+    Separated,
+    Slide,
+    Slides,
     Stats,
     WallContacts,
     WorldCollisions,
@@ -60,6 +69,7 @@ from jostle.results import (
     WorldParticles,
     WorldStats,
 )
+from jostle.tilemap import tiles
 from jostle.walls import polyline
 
 __all__ = [
@@ -80,6 +90,9 @@ __all__ = [
     "RayHit",
     "RayHitLists",
     "RayHits",
+    "Separated",
+    "Slide",
+    "Slides",
     "Space",
     "Springs",
     "Stats",
@@ -100,4 +113,6 @@ __all__ = [
     "life",
     "polyline",
     "scenes",
+    "separate",
+    "tiles",
 ]

@@ -29,6 +29,9 @@ from jostle.results import (
     RayHit,
     RayHitLists,
     RayHits,
+    Separated,
+    Slide,
+    Slides,
     Stats,
     WallContacts,
     WorldCollisions,
@@ -70,6 +73,7 @@ __all__ = [
     "scene_names",
     "scene_view",
     "scene_wall",
+    "separate",
     "sprite_dict",
     "sprite_pairs",
     "sprite_sides",
@@ -342,6 +346,102 @@ def sprite_dict(
     -------
     dict of key to list of value
         The result of `groupcollide` for these pairs.
+    """
+
+def separate(
+    centers: _Vectors,
+    radii: ArrayLike = 0.0,
+    half_sizes: ArrayLike | None = None,
+    *,
+    weights: ArrayLike = 1.0,
+    fixed: ArrayLike | None = None,
+    axis: SupportsIndex | None = None,
+    gap: _Number = 0.0,
+    bounds: ArrayLike | None = None,
+    max_rounds: SupportsIndex = 1000,
+    tolerance: _Number = 0.01,
+    threads: SupportsIndex | None = None,
+) -> Separated:
+    """Move shapes apart until none overlap.
+
+    Overlapping pairs move apart along their contact normals, each shape as far as its weight
+    says, in repeated rounds over all near pairs. Where many more shapes lie than fit, the region
+    is enlarged first. A few shapes that still overlap move to the nearest free positions. Shapes
+    that overlap nothing stay where they are, unless others push them.
+
+    Parameters
+    ----------
+    centers : array_like, shape (n, 2)
+        Centres, in any unit of length.
+    radii : array_like, a number or shape (n,), default 0.0
+        Radii, in the same unit.
+    half_sizes : array_like, a number, shape (2,) or (n, 2), optional
+        Half widths and half heights. If omitted, every shape is a circle.
+    weights : array_like, a number or shape (n,), default 1.0
+        Weights above 0. Of two overlapping shapes, one with twice the weight of the other moves
+        half as far.
+    fixed : array_like of bool, shape (n,), optional
+        Whether shapes stay where they are. Pairs of two fixed shapes may overlap.
+    axis : {0, 1}, optional
+        Move the shapes only along x (0) or only along y (1). If rounds do not succeed, the shapes
+        are placed one after another at the nearest free positions, as in a swarm plot.
+    gap : float, default 0.0
+        Least distance between the surfaces of two shapes.
+    bounds : array_like, shape (4,), optional
+        min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
+    max_rounds : int, default 1000
+        Maximum number of rounds. With a small number, motion is spread over several calls.
+    tolerance : float, default 0.01
+        Overlapping shapes are moved apart by this share of their size more than needed. A smaller
+        number needs more rounds.
+    threads : int, optional
+        Number of threads, at most one for each core, which is the default. The answer is the
+        same for every number.
+
+    Returns
+    -------
+    Separated
+        centers : ndarray of float32 or float64, shape (n, 2)
+            The new centres.
+        rounds : int
+            Number of rounds.
+        overlaps : int
+            Number of pairs that still overlap, or are closer than `gap`; 0 if the shapes
+            are separated.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a shape is wrong, a value is out of range, or a shape is larger than `bounds`.
+
+    See Also
+    --------
+    find_pairs : finds the pairs that overlap.
+
+    Notes
+    -----
+    Arithmetic is float32 if every given array is float32, otherwise float64. The order of the
+    shapes has no effect, except that shapes with equal values at the same place are told apart
+    by it. If the bounds are too small for the shapes, some overlap at the end.
+
+    References
+    ----------
+    T. Dwyer, K. Marriott, P. Stuckey, *Fast Node Overlap Removal*, Graph Drawing (2005).
+    M. Müller et al., *Position Based Dynamics*, Journal of Visual Communication and Image
+    Representation 18 (2007).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> apart = jostle.separate([(0, 0), (1, 0), (9, 0)], radii=1.0, tolerance=0)
+    >>> apart.centers.round(3)
+    array([[-0.5,  0. ],
+           [ 1.5,  0. ],
+           [ 9. ,  0. ]])
+    >>> apart.overlaps
+    0
     """
 
 @final
@@ -1437,6 +1537,119 @@ class Space:
         """
     @overload
     def move(self, ids: ArrayLike, centers: None = None, *, boxes: _Boxes | _Rect) -> None: ...
+    @overload
+    def move_and_slide(
+        self,
+        ids: _Id,
+        displacements: _AnyPoint | _Array,
+        *,
+        mask: SupportsIndex | None = None,
+        max_slides: SupportsIndex = 4,
+        up: _Vectors = (0, -1),
+        floor_angle: _Number = 0.7853981633974483,
+        one_way: SupportsIndex = 0,
+    ) -> Slide:
+        """Move shapes by displacements; they slide along the others and never enter them.
+
+        A shape moves until it meets an obstacle, then along the surface of the obstacle, and so
+        on. The time of impact is computed along the whole path, so nothing passes through an
+        obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
+        joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
+        boxes and rounded boxes. Boxes are axis-aligned, so slopes are arcs: those of discs and
+        of the corners of rounded boxes; a wall is a thin box.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The shapes to move, each at most once. A shape that was given as a box, and that moves,
+            is stored as ``center ± half_size`` from then on.
+        displacements : array_like, shape (k, 2), or (2,) for one id
+            By how much each is to move: its velocity times the duration of a step.
+        mask : int, optional
+            The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes
+            that may not pair by their own categories and masks are no obstacles either.
+        max_slides : int, default 4
+            Maximum number of obstacles that a shape meets; it stops at the last one.
+        up : array_like, shape (2,), default (0, -1)
+            The direction in which floors face; y grows downwards on screens. With (0, 0), as seen
+            from above, every obstacle is a wall.
+        floor_angle : float, default pi / 4
+            Largest angle between the normal of a floor and `up`, in radians. A shape stands on a
+            floor without sliding down, and climbs it; a steeper slope is a wall.
+        one_way : int, default 0
+            Categories of the obstacles that stop only shapes that are above them and move down.
+
+        Returns
+        -------
+        Slides or Slide
+            One `Slide` for one id. displacements : how far each shape has moved; remaining : the
+            displacements without their components into the obstacles, for the velocity of the next
+            step; hits : the ids of the obstacles that each has met; normals : one for each hit;
+            on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the floor, or
+            -1.
+
+        Raises
+        ------
+        TypeError
+            If an argument has the wrong type.
+        ValueError
+            If an id does not exist or is given twice, or a value is not finite or out of range;
+            then nothing moves.
+
+        See Also
+        --------
+        move : sets centres, whatever is there.
+        tiles : makes few boxes of a grid of tiles.
+
+        Notes
+        -----
+        Shapes of one call that may meet move one after another, in the order of `ids`; the order
+        of others has no effect. A shape that overlaps obstacles at the start, because they have
+        moved, is first moved out of them; those that it cannot leave do not stop it. A shape that
+        met a floor in its last call is carried by it: if the floor has moved since, the shape
+        moves by the same vector first.
+
+        Examples
+        --------
+        A player falls onto a floor and slides along it; then a wall stops it.
+
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> floor, wall = space.add(boxes=[(0, 10, 100, 20), (50, 0, 60, 10)])
+        >>> player = space.add((10, 5), half_sizes=(2, 4))
+        >>> slide = space.move_and_slide(player, (8, 5))
+        >>> slide.on_floor, slide.remaining
+        (True, array([8., 0.]))
+        >>> space.centers(player).round(6)
+        array([18.,  6.])
+        >>> slide = space.move_and_slide(player, (1000, 5))
+        >>> slide.on_floor, slide.on_wall, space.centers(player).round(6)
+        (True, True, array([48.,  6.]))
+        """
+    @overload
+    def move_and_slide(
+        self,
+        ids: _IdList,
+        displacements: _Points,
+        *,
+        mask: SupportsIndex | None = None,
+        max_slides: SupportsIndex = 4,
+        up: _Vectors = (0, -1),
+        floor_angle: _Number = 0.7853981633974483,
+        one_way: SupportsIndex = 0,
+    ) -> Slides: ...
+    @overload
+    def move_and_slide(
+        self,
+        ids: _Undecided,
+        displacements: _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+        max_slides: SupportsIndex = 4,
+        up: _Vectors = (0, -1),
+        floor_angle: _Number = 0.7853981633974483,
+        one_way: SupportsIndex = 0,
+    ) -> Slide | Slides | Any: ...
     def resize(
         self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
     ) -> None:

@@ -9,6 +9,8 @@
     As in arcade, with the same answers in the order of the list.
 `check_for_collision`
     arcade's own.
+`PhysicsEngineSimple`, `PhysicsEnginePlatformer`
+    arcade's engines with continuous motion, on `jostle.Space.move_and_slide`.
 
 A single query has to read the whole list, as arcade does. So for a list these functions call
 arcade's own. A snapshot reads the list once, for any number of queries.
@@ -19,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import chain
-from typing import Any, TypeAlias, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import arcade
 import numpy as np
@@ -27,9 +29,11 @@ from arcade import check_for_collision
 from arcade.geometry import are_polygons_intersecting, is_point_in_polygon
 from numpy.typing import NDArray
 
-from jostle._core import Quadtree
+from jostle._core import Quadtree, Space
 
 __all__ = [
+    "PhysicsEnginePlatformer",
+    "PhysicsEngineSimple",
     "Snapshot",
     "check_for_collision",
     "check_for_collision_with_list",
@@ -448,3 +452,232 @@ def _projection(normal: tuple[_Floats, _Floats], polygons: _Floats) -> tuple[_Fl
     """Return the minimum and the maximum of each polygon along its normal."""
     along = normal[0] * polygons[:, :, 0] + normal[1] * polygons[:, :, 1]
     return along.min(axis=1), along.max(axis=1)
+
+
+class PhysicsEngineSimple:
+    """arcade's engine for games seen from above, with continuous motion.
+
+    `update` moves the player by ``change_x`` and ``change_y``. It slides along walls, and passes
+    through none at any speed. Each sprite is the bounding box of its hit box, so rotated and
+    round walls are boxes here.
+
+    Parameters
+    ----------
+    player_sprite : Sprite
+        The sprite to move.
+    walls : SpriteList or iterable of SpriteList, optional
+        Sprites that do not move. They are read here; call `read_walls` after they have changed.
+
+    Examples
+    --------
+    >>> import arcade, jostle.arcade
+    >>> player = arcade.SpriteSolidColor(20, 20, center_x=0)
+    >>> walls = arcade.SpriteList(lazy=True)
+    >>> walls.append(arcade.SpriteSolidColor(20, 200, center_x=60))
+    >>> engine = jostle.arcade.PhysicsEngineSimple(player, walls)
+    >>> player.change_x = 500
+    >>> engine.update() == [walls[0]], player.right
+    (True, 50.0)
+    """
+
+    _up: tuple[float, float] = (0.0, 0.0)
+
+    def __init__(self, player_sprite: Any, walls: Any = None) -> None:
+        self.player_sprite = player_sprite
+        self.walls = walls
+
+    @property
+    def walls(self) -> list[Any]:
+        """The lists of sprites that stop the player and do not move."""
+        return self._walls
+
+    @walls.setter
+    def walls(self, walls: Any) -> None:
+        self._walls = _lists(walls)
+        self.read_walls()
+
+    def read_walls(self) -> None:
+        """Read the positions and the sizes of all walls again."""
+        self._space = Space()
+        self._sprites: dict[int, Any] = {}
+        self._add(chain.from_iterable(self._walls))
+        self._player = self._space.add(**_centered(self.player_sprite), categories=_PLAYER)
+
+    def update(self) -> list[Any]:
+        """Move the player, and return the sprites that it has met, each once."""
+        return self._slide().sprites
+
+    def _add(self, sprites: Iterable[Any]) -> _Rows:
+        """Add sprites as obstacles; return their ids."""
+        sprites = list(sprites)
+        ids = self._space.add(boxes=_sides(sprites), categories=_WALL)
+        self._sprites.update(zip(ids.tolist(), sprites, strict=True))
+        return ids
+
+    def _slide(self) -> _Met:
+        """Move the player by its velocity."""
+        player = self.player_sprite
+        place = _centered(player)
+        self._space.move(self._player, place["centers"])
+        self._space.resize(self._player, half_sizes=place["half_sizes"])
+        slide = self._space.move_and_slide(
+            self._player, (player.change_x, player.change_y), mask=_WALL, up=self._up
+        )
+        x, y = slide.displacement.tolist()
+        player.position = (player.center_x + x, player.center_y + y)
+        hits = list(dict.fromkeys(slide.hits.tolist()))
+        vertical = bool(slide.on_floor or slide.on_ceiling)
+        return _Met([self._sprites[hit] for hit in hits], bool(slide.on_floor), vertical)
+
+
+class PhysicsEnginePlatformer(PhysicsEngineSimple):
+    """arcade's engine for platformers, with continuous motion.
+
+    The player falls, stands on walls and platforms, and is carried by platforms. Platforms move by
+    ``change_x`` and ``change_y`` and turn at their boundaries. Each sprite is the bounding box
+    of its hit box; there are no ramps.
+
+    Parameters
+    ----------
+    player_sprite : Sprite
+        The sprite to move.
+    platforms : SpriteList or iterable of SpriteList, optional
+        Sprites that move; they are read in each `update`.
+    gravity_constant : float, default 0.5
+        Velocity that the player gains downwards in each `update`.
+    ladders : SpriteList or iterable of SpriteList, optional
+        Sprites on which the player does not fall.
+    walls : SpriteList or iterable of SpriteList, optional
+        Sprites that do not move. They are read here; call `read_walls` after they have changed.
+
+    Examples
+    --------
+    >>> import arcade, jostle.arcade
+    >>> player = arcade.SpriteSolidColor(20, 20, center_y=500)
+    >>> ground = arcade.SpriteList(lazy=True)
+    >>> ground.append(arcade.SpriteSolidColor(400, 20))
+    >>> engine = jostle.arcade.PhysicsEnginePlatformer(player, walls=ground)
+    >>> for frame in range(60):
+    ...     met = engine.update()
+    >>> player.bottom, player.change_y, engine.can_jump()
+    (10.0, 0, True)
+    """
+
+    _up = (0.0, 1.0)
+
+    def __init__(
+        self,
+        player_sprite: Any,
+        platforms: Any = None,
+        gravity_constant: float = 0.5,
+        ladders: Any = None,
+        walls: Any = None,
+    ) -> None:
+        self.platforms = _lists(platforms)
+        self.ladders = _lists(ladders)
+        self.gravity_constant = gravity_constant
+        self.jumps_since_ground = 0
+        self.allowed_jumps = 1
+        self.allow_multi_jump = False
+        super().__init__(player_sprite, walls)
+
+    def read_walls(self) -> None:
+        """Read the positions and the sizes of all walls and platforms again."""
+        super().read_walls()
+        self._moving = list(chain.from_iterable(self.platforms))
+        self._moving_ids = self._add(self._moving)
+
+    def update(self) -> list[Any]:
+        """Move the platforms and the player, and return the sprites that it has met, each once."""
+        if not self.is_on_ladder():
+            self.player_sprite.change_y -= self.gravity_constant
+        self._move_platforms()
+        met = self._slide()
+        if met.vertical:
+            self.player_sprite.change_y = 0
+        if met.on_floor:
+            self.jumps_since_ground = 0
+        return met.sprites
+
+    def is_on_ladder(self) -> bool:
+        """Whether the player touches a ladder."""
+        lists = self.ladders
+        return any(arcade.check_for_collision_with_list(self.player_sprite, one) for one in lists)
+
+    def can_jump(self, y_distance: float = 5) -> bool:
+        """Whether the player is at most `y_distance` above a floor, or may jump in the air."""
+        left, bottom, right, top = _sides([self.player_sprite])[0].tolist()
+        below = self._space.query_rect((left, bottom - y_distance, right, top), mask=_WALL)
+        if len(below):
+            self.jumps_since_ground = 0
+        more = self.allow_multi_jump and self.jumps_since_ground < self.allowed_jumps
+        return bool(len(below) or more)
+
+    def jump(self, velocity: float) -> None:
+        """Set the velocity upwards, and count the jump."""
+        self.player_sprite.change_y = velocity
+        self.increment_jump_counter()
+
+    def increment_jump_counter(self) -> None:
+        """Count a jump that did not call `jump`."""
+        if self.allow_multi_jump:
+            self.jumps_since_ground += 1
+
+    def enable_multi_jump(self, allowed_jumps: int) -> None:
+        """Allow this number of jumps before the player touches the ground again."""
+        self.allowed_jumps = allowed_jumps
+        self.allow_multi_jump = True
+
+    def disable_multi_jump(self) -> None:
+        """Allow jumps from the ground only."""
+        self.allow_multi_jump = False
+        self.allowed_jumps = 1
+        self.jumps_since_ground = 0
+
+    def _move_platforms(self) -> None:
+        for platform in self._moving:
+            for axis, low, high in (("x", "left", "right"), ("y", "bottom", "top")):
+                _turn(platform, axis, low, high)
+        if self._moving:
+            self._space.move(self._moving_ids, [sprite.position for sprite in self._moving])
+
+
+_WALL, _PLAYER = 1, 2
+
+
+class _Met(NamedTuple):
+    """What a player has met."""
+
+    sprites: list[Any]
+    on_floor: bool
+    vertical: bool
+
+
+def _turn(sprite: Any, axis: str, low: str, high: str) -> None:
+    """Move a platform along an axis by its velocity, and turn it at its boundaries."""
+    change = getattr(sprite, f"change_{axis}")
+    setattr(sprite, f"center_{axis}", getattr(sprite, f"center_{axis}") + change)
+    for side, sign in ((high, 1), (low, -1)):
+        limit = getattr(sprite, f"boundary_{side}")
+        if limit is not None and sign * change > 0 and sign * (getattr(sprite, side) - limit) >= 0:
+            setattr(sprite, side, limit)
+            setattr(sprite, f"change_{axis}", -change)
+
+
+def _lists(sprites: Any) -> list[Any]:
+    """Some lists of sprites: none, one or many."""
+    if sprites is None:
+        return []
+    return [sprites] if isinstance(sprites, arcade.SpriteList) else list(sprites)
+
+
+def _sides(sprites: list[Any]) -> _Floats:
+    """The bounding boxes of hit boxes."""
+    rows = [(sprite.left, sprite.bottom, sprite.right, sprite.top) for sprite in sprites]
+    return _table(rows, 4)
+
+
+def _centered(sprite: Any) -> dict[str, _Floats]:
+    """The bounding box of a hit box as centre and half size."""
+    sides = _sides([sprite])[0]
+    return {"centers": (sides[:2] + sides[2:]) / 2, "half_sizes": (sides[2:] - sides[:2]) / 2}

@@ -17,6 +17,9 @@ __all__ = [
     "RayHit",
     "RayHitLists",
     "RayHits",
+    "Separated",
+    "Slide",
+    "Slides",
     "Stats",
     "WallContacts",
     "WorldCollisions",
@@ -217,6 +220,98 @@ class RayHitLists(NamedTuple):
     ids: NDArray[np.int64]
     distances: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
+
+
+class Separated(NamedTuple):
+    """Centres of shapes that have been moved apart.
+
+    Attributes
+    ----------
+    centers : ndarray of float32 or float64, shape (n, 2)
+        The new centres.
+    rounds : int
+        Number of rounds.
+    overlaps : int
+        Number of pairs that still overlap; 0 if the shapes are separated.
+
+    See Also
+    --------
+    jostle.separate
+    """
+
+    centers: NDArray[np.floating[Any]]
+    rounds: int
+    overlaps: int
+
+
+class Slide(NamedTuple):
+    """How one shape moved and slid along others.
+
+    Attributes
+    ----------
+    displacement : ndarray of float32 or float64, shape (2,)
+        How far it has moved, in units of length.
+    remaining : ndarray of float32 or float64, shape (2,)
+        The displacement that was asked for, without its components into the obstacles; divided by
+        the duration of the step it is the velocity for the next step.
+    normals : ndarray of float32 or float64, shape (m, 2)
+        Unit normal of each obstacle, towards the shape.
+    on_floor, on_wall, on_ceiling : bool
+        Whether it met a surface that faces up, sideways or down.
+    hits : ndarray of int64, shape (m,)
+        Ids of the obstacles, in the order in which it met them.
+    floor : int
+        Id of the last floor that it met; -1 if there is none.
+
+    See Also
+    --------
+    jostle.Space.move_and_slide
+    Slides
+    """
+
+    displacement: NDArray[np.floating[Any]]
+    remaining: NDArray[np.floating[Any]]
+    normals: NDArray[np.floating[Any]]
+    on_floor: bool
+    on_wall: bool
+    on_ceiling: bool
+    hits: NDArray[np.int64]
+    floor: int
+
+
+class Slides(NamedTuple):
+    """How many shapes moved and slid along others.
+
+    Attributes
+    ----------
+    displacements : ndarray of float32 or float64, shape (k, 2)
+        How far each has moved, in units of length.
+    remaining : ndarray of float32 or float64, shape (k, 2)
+        The displacements that were asked for, without their components into the obstacles; divided
+        by the duration of the step they are the velocities for the next step.
+    normals : ndarray of float32 or float64, shape (m, 2)
+        Unit normal of each obstacle, towards the shape that met it; in the order of ``hits.ids``.
+    on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
+        Whether each met a surface that faces up, sideways or down.
+    hits : Hits
+        Ids of the obstacles of each, in the order in which it met them.
+    floors : ndarray of int64, shape (k,)
+        Id of the last floor that each met; -1 if there is none.
+
+    See Also
+    --------
+    jostle.Space.move_and_slide
+    Slide
+    """
+
+    displacements: NDArray[np.floating[Any]]
+    remaining: NDArray[np.floating[Any]]
+    normals: NDArray[np.floating[Any]]
+    on_floor: NDArray[np.bool_]
+    on_wall: NDArray[np.bool_]
+    on_ceiling: NDArray[np.bool_]
+    hits: Hits
+    floors: NDArray[np.int64]
 
 
 class Nodes(NamedTuple):

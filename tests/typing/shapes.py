@@ -24,6 +24,13 @@ def trees(
     print(contacts.pairs[contacts.depths > 0.5].tolist())
 
 
+def apart(single: NDArray[np.float32], given: dict[str, Any]) -> None:
+    assert_type(jostle.separate(single, 1.0, fixed=np.ones(3, bool)), jostle.Separated)
+    assert_type(jostle.separate([(0, 0), (1, 1)], half_sizes=(1, 2), axis=1).overlaps, int)
+    print(jostle.separate(given["centers"], given["radii"]).centers.tolist())
+    assert_type(jostle.tiles(given["grid"] == 1, (16, 16)), NDArray[np.float64])
+
+
 def worlds(points: list[tuple[float, float]], given: Any) -> None:
     world = World(points, np.zeros((3, 2)), 1.0, gravity=(0, 9.8), container=jostle.Box(0, 0, 9, 9))
     assert_type(World(given, given, given, forces=[jostle.Gravitation(1.0)]), World)

@@ -595,6 +595,15 @@ pub fn bit_sets(
     value.map(|value| Argument::integers(name, value)?.bits_each(len)).transpose()
 }
 
+/// One bit set.
+pub fn single_mask(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<u32> {
+    let mask = Argument::integers(name, value)?;
+    match mask.bits_each(1)? {
+        Each::One(mask) => Ok(mask),
+        Each::Rows(_) => Err(mask.wrong_shape("an integer")),
+    }
+}
+
 /// One real number.
 pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     match value.extract::<f64>() {

@@ -17,7 +17,9 @@ mod queries;
 mod query_methods;
 mod ids;
 mod find_pairs;
+mod separate;
 mod quadtree;
+mod slide;
 mod space;
 mod events;
 mod sprites;
@@ -54,6 +56,8 @@ mod _core {
     use super::pair_force::{PyFlocking, PyPairForce};
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
+    #[pymodule_export]
+    use super::separate::separate;
     #[pymodule_export]
     use super::space::{PySpace, restore_space};
     #[pymodule_export]

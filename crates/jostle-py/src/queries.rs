@@ -6,7 +6,7 @@ use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::arrays::{Argument, Given, PointLists, column, count, number};
+use crate::arrays::{Argument, Given, PointLists, column, count, number, single_mask};
 use crate::error::refused;
 use crate::interrupt::detached;
 use crate::results;
@@ -21,12 +21,7 @@ pub type Answer<R> = PyResult<jostle::Result<R>>;
 
 /// The categories of a query; None for all shapes, also those without categories.
 pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
-    let Some(value) = value else { return Ok(None) };
-    let mask = Argument::integers("mask", value)?;
-    match mask.bits_each(1)? {
-        Each::One(mask) => Ok(Some(mask)),
-        Each::Rows(_) => Err(mask.wrong_shape("an integer")),
-    }
+    value.map(|value| single_mask("mask", value)).transpose()
 }
 
 /// The maximum distances of queries, one for all or one for each. `len` returns the number of queries

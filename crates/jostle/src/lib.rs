@@ -20,8 +20,10 @@ pub mod columns;
 pub mod quadtree;
 pub mod pairs;
 pub mod query;
-pub mod space;
+pub mod separate;
+pub mod slide;
 pub mod disjoint_sets;
+pub mod space;
 pub mod particles;
 pub mod motion;
 pub mod flow;
@@ -46,9 +48,11 @@ pub use geometry::{Bounds, Scalar, Shape};
 pub use particles::{Changes, Particles, Spin};
 pub use period::Period;
 pub use quadtree::{Node, Quadtree};
+pub use separate::{Separated, Separation, separate};
 pub use settings::{Method, Settings};
 pub use shapes::{Each, Filter, Shapes};
-pub use space::{Id, Space};
+pub use slide::SlideRules;
+pub use space::{Id, Slides, Space};
 pub use walls::Wall;
 pub use world::{
     Collisions, Defaults, OnTouch, Stage, Stats, Touch, TouchEvents, WallTouch, World,

@@ -2,7 +2,8 @@
 //!
 //! `slots` holds the shapes, `layers` the trees over them. `touching` holds the pairs of the last
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
-//! them with the current pairs, only for the shapes that changed.
+//! them with the current pairs, only for the shapes that changed. `walking` moves shapes that slide
+//! along others.
 
 mod events;
 mod keys;
@@ -13,6 +14,7 @@ mod queries;
 mod saved;
 mod slots;
 mod touching;
+mod walking;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
@@ -29,6 +31,7 @@ pub use saved::Saved;
 pub use slots::Id;
 use slots::Slots;
 use touching::Touching;
+pub use walking::Slides;
 
 /// Shapes that change.
 ///
@@ -48,6 +51,7 @@ pub struct Space<T> {
     layers: Layers<T>,
     touching: Touching,
     changes: events::Changes,
+    rides: walking::Rides<T>,
 }
 
 impl<T: Scalar> Space<T> {
@@ -66,6 +70,7 @@ impl<T: Scalar> Space<T> {
             layers: Layers::of(period),
             touching: Touching::default(),
             changes: events::Changes::default(),
+            rides: walking::Rides::default(),
         })
     }
 
@@ -247,6 +252,7 @@ impl<T: Scalar> Space<T> {
             + self.layers.memory_bytes()
             + self.touching.memory_bytes()
             + self.changes.memory_bytes()
+            + self.rides.memory_bytes()
     }
 
     /// Says what is wrong with it, if anything is. For tests: it looks at everything.
