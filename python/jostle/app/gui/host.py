@@ -62,7 +62,6 @@ class Gui:
         gui_style.apply()
         self._drawing = _drawing_for(painter)
         self.marks: dict[str, pygame.Rect] = {}
-        self._windows: list[pygame.Rect] = []
         self._owned: set[int] = set()  # buttons pressed in a panel
         self._scene: set[int] = set()  # buttons pressed in the scene
         self._dismiss = False
@@ -87,9 +86,7 @@ class Gui:
         """End the frame and draw it over the canvas."""
         self._in_frame = False
         imgui.render()
-        data = imgui.get_draw_data()
-        self._windows = _windows_of(data)
-        self._drawing.draw(data)
+        self._drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
         """Draw the last frame over the canvas again."""
@@ -98,8 +95,7 @@ class Gui:
 
     def mark(self, name: str) -> None:
         """Record the rectangle of the last widget."""
-        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        self.marks[name] = pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y)
+        self.marks[name] = _rect(imgui.get_item_rect_min(), imgui.get_item_rect_max())
 
     def handle(self, event: pygame.event.Event) -> bool:
         """Handle an event; return whether it is for the panels, and not for the scene.
@@ -135,7 +131,16 @@ class Gui:
 
     def covers(self, place: tuple[float, float]) -> bool:
         """Return whether a panel is at a point, or a menu is open."""
-        return any(window.collidepoint(place) for window in self._windows) or self.modal
+        return self.modal or any(rect.collidepoint(place) for rect in self._windows())
+
+    def _windows(self) -> list[pygame.Rect]:
+        """Return the rectangles of the visible windows that receive the mouse."""
+        imgui.set_current_context(self._context)
+        return [
+            _rect(window.rect().min, window.rect().max)
+            for window in self._context.windows
+            if window.active and not window.flags & imgui.WindowFlags_.no_mouse_inputs
+        ]
 
     @property
     def modal(self) -> bool:
@@ -164,7 +169,7 @@ class Gui:
             owners.discard(button)
         if down:
             (self._owned if mine else self._scene).add(button)
-        if mine or not down or not self._windows:
+        if mine or not down or not self._windows():
             io.add_mouse_button_event(button, down)
         elif button == 0:
             imgui.set_window_focus(None)  # text fields lose the keyboard focus
@@ -193,13 +198,5 @@ def _drawing_for(painter: Painter) -> GuiDrawing:
     return SoftwareGui(painter)
 
 
-def _windows_of(data: imgui.ImDrawData) -> list[pygame.Rect]:
-    """Return the rectangles of the visible windows that receive the mouse."""
-    found = []
-    for commands in data.cmd_lists:
-        window = imgui.internal.find_window_by_name(commands._owner_name)
-        if window is not None and not window.flags & imgui.WindowFlags_.no_mouse_inputs:
-            rect = window.rect()
-            low, high = rect.min, rect.max
-            found.append(pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y))
-    return found
+def _rect(low: imgui.ImVec2, high: imgui.ImVec2) -> pygame.Rect:
+    return pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y)
