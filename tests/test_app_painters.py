@@ -115,6 +115,17 @@ def test_discs_half_outside_are_cut_and_those_outside_leave_no_trace(painter) ->
         assert (draw(painter, frame_of(far, radius)) == STAGE).all()
 
 
+def test_a_fill_covers_everything_after_a_clip(painter) -> None:
+    painter.clip(pygame.Rect(50, 60, 100, 80))
+    painter.fill((200, 0, 0))
+    painter.lines(np.array([[0.0, 0.0, 320.0, 240.0]]), np.array([[0, 200, 0]], np.uint8), 2.0)
+    inside = pygame.surfarray.array3d(painter.canvas())[50:150, 60:140]
+    assert inside.any(axis=2).all() and (inside[:, :, 1] > 100).any()
+    painter.clip(None)
+    painter.fill((0, 0, 200))
+    assert (pygame.surfarray.array3d(painter.canvas()) == (0, 0, 200)).all()
+
+
 def test_no_particles_no_ink(painter) -> None:
     assert (draw(painter, frame_of(np.empty((0, 2)), 1.0)) == STAGE).all()
 

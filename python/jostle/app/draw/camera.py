@@ -14,6 +14,7 @@ Size = tuple[int, int]
 ZOOM_OUT_LIMIT = 1e-3  # times the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
 MARGIN = 24  # free pixels around the scene
+FOOT = 44  # free pixels below it, for legends
 HEADING = 76  # free pixels above it if there are several columns
 
 
@@ -59,15 +60,16 @@ class Camera:
         """Show the whole view, as large as possible between the panels."""
         min_x, min_y, max_x, max_y = self._view
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
-        left, column = self._left_margin, self.column_width
+        left, column = self.left_margin, self.column_width
         top = HEADING if self.columns > 1 else 0
-        free = max(column - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN - top, 16)
+        high = self.size[1] - MARGIN - FOOT - top
+        free = max(column - 2 * MARGIN, 16), max(high, 16)
         self.scale = min(free[0] / width, free[1] / height)
         self._fit_scale = self.scale
         aside = left + column / 2 - self.size[0] / 2  # pixels from the middle of the screen
         self.center = (
             (min_x + max_x) / 2 - aside / self.scale,
-            (min_y + max_y) / 2 - top / 2 / self.scale,
+            (min_y + max_y) / 2 - (top + MARGIN - FOOT) / 2 / self.scale,
         )
         self._at_home = True
 
@@ -79,20 +81,20 @@ class Camera:
                 self.home()
 
     @property
-    def _left_margin(self) -> int:
+    def left_margin(self) -> int:
         """Return the left margin, or 0 if the window is too narrow."""
         return self.left if self.left < self.size[0] / 2 else 0
 
     @property
     def column_width(self) -> float:
         """Return the width of one of the columns in pixels."""
-        left = self._left_margin
+        left = self.left_margin
         right = self.right if left + self.right < 0.7 * self.size[0] else 0
         return (self.size[0] - left - right) / self.columns
 
     def column_edge(self, column: int) -> float:
         """Return the left edge of a column in pixels; 0 for the first."""
-        return self._left_margin + column * self.column_width if column else 0.0
+        return self.left_margin + column * self.column_width if column else 0.0
 
     def divide(self, columns: int) -> None:
         """Show the view in the first of a number of columns."""

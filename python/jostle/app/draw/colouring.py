@@ -88,7 +88,7 @@ class Colouring:
                      for value in self.range)  # fmt: skip
         unit = {"speed": "units/s", "age": "s"}.get(self.shows)
         name = f"{self.shows} ({unit})" if unit else self.shows
-        return Legend(name, low, high, DISCS[:SHADES])
+        return Legend(name, low, high, tuple(DISCS[:SHADES]))
 
     def _by_column(self, frame: Frame) -> Shades:
         """Shade by a column that only edits change; frames share it in between."""

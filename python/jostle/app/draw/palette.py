@@ -1,6 +1,8 @@
 """The colours of the app.
 
-A dark background, a muted ramp for discs, and a ramp from periwinkle to plum for the tree.
+A dark background, a muted ramp for discs, and a ramp from periwinkle to plum for the tree. The
+lightness of the ramp for discs rises evenly, so that its order is also visible in grey and to
+colour-blind people.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ ATTRACTOR: Colour = (198, 160, 220)
 SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
 
-_DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
+_DISC_STOPS = ("#2f679b", "#297ea2", "#43939d", "#74a780", "#b0b368", "#e9c074", "#ffd5a7")
 _LEVEL_STOPS = ("#8f98e6", "#8379d2", "#8763b6", "#8e5296", "#934a78")
 _HEAT_STOPS = ("#1b2230", "#2c2f52", "#4d3a6c", "#70406c", "#914c64")
 

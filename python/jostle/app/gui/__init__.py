@@ -6,6 +6,6 @@ shapes, software        ImGui's triangles as shapes; their drawing without a gra
 opengl                  drawing with ImGui's own backend
 host                    one ImGui context: events in, panels out
 layout                  the widths of the panels
-key_bindings, input     the effect of each key; events of mouse and keys
+keymap, input           keys and their commands; events of mouse and keys
 ======================= ========================================================================
 """

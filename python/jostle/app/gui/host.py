@@ -49,7 +49,7 @@ class Gui:
     Attributes
     ----------
     marks
-        Rectangles of the widgets named by `mark`, in points.
+        Rectangles of the widgets and windows named by `mark` and `mark_window`, in points.
     """
 
     def __init__(self, painter: Painter) -> None:
@@ -96,6 +96,11 @@ class Gui:
     def mark(self, name: str) -> None:
         """Record the rectangle of the last widget."""
         self.marks[name] = _rect(imgui.get_item_rect_min(), imgui.get_item_rect_max())
+
+    def mark_window(self, name: str) -> None:
+        """Record the rectangle of the present window."""
+        low, size = imgui.get_window_pos(), imgui.get_window_size()
+        self.marks[name] = _rect(low, low + size)
 
     def handle(self, event: pygame.event.Event) -> bool:
         """Handle an event; return whether it is for the panels, and not for the scene.

@@ -89,9 +89,9 @@ class SoftwareGui:
         self, commands: imgui.ImDrawList, data: imgui.ImDrawData, screen: pygame.Rect
     ) -> _Sheet:
         """Draw a list on a surface of the size of its contents."""
-        corners, order = _bytes(commands)
-        vertices = np.frombuffer(corners, VERTEX).copy()
-        indices = np.frombuffer(order, INDEX).astype(np.intp)
+        vertex_bytes, index_bytes = _bytes(commands)
+        vertices = np.frombuffer(vertex_bytes, VERTEX).copy()
+        indices = np.frombuffer(index_bytes, INDEX).astype(np.intp)
         origin = np.array([data.display_pos.x, data.display_pos.y], np.float32)
         scale = np.array([data.framebuffer_scale.x, data.framebuffer_scale.y], np.float32)
         vertices["at"] = at = (vertices["at"] - origin) * scale

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import pygame
 from imgui_bundle import imgui, implot
 
 from jostle.app.draw import palette
 from jostle.app.draw.palette import Colour, blend
-from jostle.app.draw.text import FACES
+from jostle.app.draw.text import FONTS, ICONS, font_file
 
-FONT_SIZE = 15.0  # points
+FONT_SIZE, ICON_SIZE = 15.0, 13.0  # points
 
 FIELD: Colour = (30, 37, 47)  # frames of sliders and fields
 RAISED: Colour = (41, 51, 64)  # buttons, headers, hovered widgets
@@ -18,12 +17,12 @@ PRESSED: Colour = (54, 70, 82)
 
 def apply() -> None:
     """Set the style of the present contexts of ImGui and ImPlot."""
-    path = pygame.font.match_font(FACES)
-    io = imgui.get_io()
-    if path is not None:
-        config = imgui.ImFontConfig()
-        config.pixel_snap_h = True
-        io.fonts.add_font_from_file_ttf(path, FONT_SIZE, config)
+    fonts = imgui.get_io().fonts
+    for files, size in ((FONTS, FONT_SIZE), (ICONS, ICON_SIZE)):
+        path, config = font_file(files), imgui.ImFontConfig()
+        config.pixel_snap_h, config.merge_mode = True, files is ICONS
+        if path is not None:
+            fonts.add_font_from_file_ttf(path, size, config)
     _measures(imgui.get_style())
     _colours(imgui.get_style())
     _plots(implot.get_style())

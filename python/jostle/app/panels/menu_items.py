@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jostle.app.act.keymap import Action, key_of
 from jostle.app.act.menu import Menu
+from jostle.app.gui.keymap import key_of
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Point, Tags
 
@@ -57,8 +57,8 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
     movable = bool(frame.movable[rows].all())
     attracts, selected = attractors.attracts(tag), tag in session.interaction.selection
     return [
-        Item("delete", "Delete", lambda: commands.delete(tags), key=key_of(Action.DELETE)),
-        Item("clone", "Clone", lambda: commands.clone(tags), key=key_of(Action.CLONE)),
+        Item("delete", "Delete", lambda: commands.delete(tags), key=key_of("delete")),
+        Item("clone", "Clone", lambda: commands.clone(tags), key=key_of("clone")),
         None,
         Item(
             "attract",
@@ -93,7 +93,7 @@ def _explain_item(session: Session, tags: Tags) -> list[Line]:
             "Why do these two touch or not?",
             session.explain,
             checked=session.question.pair is not None,
-            key=key_of(Action.WHY),
+            key=key_of("why"),
         )
     ]
 
@@ -105,9 +105,7 @@ def _of_background(session: Session, point: Point) -> list[Line]:
     )  # fmt: skip
     can_fall = "gravity" in session.engine.adjustable
     return [
-        Item(
-            "create", "New particle here", lambda: commands.create(point), key=key_of(Action.CREATE)
-        ),
+        Item("create", "New particle here", lambda: commands.create(point), key=key_of("create")),
         Item("attractor", "New attractor here", lambda: attractors.place(point)),
         Item(
             "stop attraction",
@@ -123,9 +121,9 @@ def _of_background(session: Session, point: Point) -> list[Line]:
             "Invert gravity",
             gravity.invert,
             enabled=can_fall,
-            key=key_of(Action.INVERT_GRAVITY),
+            key=key_of("invert gravity"),
         ),
-        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key=key_of(Action.ZERO_GRAVITY)),
+        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key=key_of("zero gravity")),
         Number("gravity", "y", gravity.value[1], gravity.set_downwards, enabled=can_fall),
         None,
         Item("scramble", "Randomise positions", commands.scramble),
