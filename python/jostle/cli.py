@@ -24,6 +24,7 @@ except ImportError as missing:
 import jostle
 from jostle import interrupt
 from jostle.app.simulate.settings import (
+    FIXED_BY_ARTICLE,
     METHODS,
     RENDERERS,
     RULES,
@@ -34,7 +35,7 @@ from jostle.app.simulate.settings import (
 )
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
-from jostle.app.simulate.validation import Rule, check, one_of, whole
+from jostle.app.simulate.validation import AnyRule, check, one_of, whole
 
 if TYPE_CHECKING:
     from jostle.app.storage.config import Config
@@ -132,8 +133,9 @@ def run(
     _check_extra()
     config = _read_config(config_file)
     settings = replace(config.settings, **given)
-    if settings.by_article and not settings.leaf_capacity is settings.max_depth is None:
-        _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
+    for name in FIXED_BY_ARTICLE if settings.by_article else ():
+        if name in given or name in config.given:
+            _refuse(f"{_option(name)} cannot be set here: the article's are fixed")
     why_no_window = None
     if not headless:
         why_no_window = (
@@ -346,11 +348,14 @@ def _check_scene(scene: str) -> None:
         _refuse(f"there is no scene {scene!r}; {hint}the scenes are {', '.join(names)}")
 
 
-def _check(name: str, value: object, rule: Rule) -> None:
+def _check(name: str, value: object, rule: AnyRule) -> None:
     """Exit with a message if an option breaks its rule."""
-    option = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
-    if value is not None and (refusal := check(option, value, rule)):
+    if value is not None and (refusal := check(_option(name), value, rule)):
         _refuse(refusal)
+
+
+def _option(name: str) -> str:
+    return f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
 
 
 def _check_folder(out: Path, *, make: bool = True) -> None:

@@ -21,10 +21,11 @@ from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.engine import Engine, Then
 from jostle.app.simulate.history import History
 from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
-from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.settings import RULES, Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 from jostle.app.simulate.start import start
 from jostle.app.simulate.switch_rules import switch_rules
+from jostle.app.simulate.validation import check
 
 _OTHER_METHOD = {
     "quadtree": "brute",
@@ -177,6 +178,9 @@ class Runner:
 
     def adjust(self, name: str, value: Any) -> None:
         """Change a setting: while the scene runs if possible, else by beginning it again."""
+        if wrong := check(name, value, RULES[name]):
+            self._messages.say(wrong)
+            return
         live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
         if live and name == "n":
             self._set_count(value)

@@ -15,7 +15,7 @@ ZOOM_OUT_LIMIT = 1e-3  # times the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
 MARGIN = 24  # free pixels around the scene
 FOOT = 44  # free pixels below it, for legends
-HEADING = 76  # free pixels above it if there are several columns
+HEADING = 84  # free pixels above it if there are several columns
 
 
 class Camera:

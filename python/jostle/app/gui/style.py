@@ -51,9 +51,9 @@ def _colours(style: imgui.Style) -> None:
     names: dict[str, imgui.ImVec4] = {
         "text": _of(palette.TEXT),
         "text_disabled": _of(palette.TEXT_SOFT),
-        "window_bg": _of(panel, 0.96),
+        "window_bg": _of(panel),
         "child_bg": _of(panel, 0.0),
-        "popup_bg": _of(panel, 0.97),
+        "popup_bg": _of(panel),
         "border": _of(palette.PANEL_EDGE),
         "title_bg": _of(panel, palette.PANEL[3] / 255),
         "title_bg_active": _of(panel, palette.PANEL[3] / 255),

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-import jostle
 from jostle.app.gui.host import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import combo, signed
 from jostle.app.session import Session
+from jostle.app.simulate.containers import kind_of
 
 ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
 FIXED = "The article's rules are fixed."
@@ -110,12 +110,6 @@ def build_world(session: Session, gui: Gui) -> None:
 def build_time(session: Session, gui: Gui) -> None:
     """Build the settings of time."""
     _lines(session, gui, TIME)
-
-
-def kind_of(container: object) -> str:
-    """Return the name of a container's kind."""
-    kinds = {jostle.Box: "box", jostle.Circle: "circle", jostle.Torus: "torus"}
-    return kinds.get(type(container), "none")
 
 
 def _reason(session: Session, field: str) -> str:

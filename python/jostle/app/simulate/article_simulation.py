@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 import jostle
 from jostle import article
 from jostle.app.simulate.packing import pack, unpack
-from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, settings_of
+from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
     Attractor,
     Energies,
@@ -31,12 +31,11 @@ from jostle.app.simulate.state_validation import (
     ATTRACTORS,
     COUNT,
     Arrays,
-    attractors_of,
     column,
     particles_of,
     within,
 )
-from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, require, whole
+from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, read, whole
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 FRAME_RATE = 30  # the rate of the article's window; the article counts in frames
@@ -347,8 +346,8 @@ class ArticleSimulation:
     def load(self, state: bytes) -> None:
         """Restore a state from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("article", state)
-        require(facts, FACTS)
-        settings, method = settings_of(facts["settings"]), facts["method"]
+        facts = read(facts, FACTS)
+        settings, method = facts["settings"], facts["method"]
         if settings.method != f"article-{method}":
             raise ValueError(f"method is {method!r}, but settings.method {settings.method!r}")
         particles = _particles_of(arrays)
@@ -360,7 +359,7 @@ class ArticleSimulation:
         program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
         self.program, self.settings = program, settings
         self._take_size()
-        self._attractors, self._frames = attractors_of(facts["pulls"]), facts["frames"]
+        self._attractors, self._frames = facts["pulls"], facts["frames"]
         self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.simulate.settings import CONTAINERS, PARTICLES
 from jostle.app.simulate.simulation import Container, Rect
+from jostle.app.simulate.validation import FARTHEST, limited, one_of, or_none, rect
 
 Floats = NDArray[np.floating]
+
+# A scene may be scaled by up to 100; its view must then still be within the limits.
+_RECT = rect(FARTHEST / 1_000)
 
 
 def bounds(container: Container) -> Rect | None:
@@ -48,20 +51,15 @@ def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
 class InitialRegion:
     """The initial container, view and number of particles of a scene."""
 
-    view: Rect
-    rect: Rect  # bounds of the container; the view if there is none
-    kind: str
-    n: int | None
+    view: Rect = limited(_RECT)
+    rect: Rect = limited(_RECT)  # bounds of the container; the view if there is none
+    kind: str = limited(one_of(*CONTAINERS))
+    n: int | None = limited(or_none(PARTICLES))
 
     @classmethod
     def of(cls, container: Container, view: Rect, n: int | None) -> InitialRegion:
         """Return those of a scene."""
         return cls(view, bounds(container) or view, kind_of(container), n)
-
-    @classmethod
-    def read(cls, facts: Mapping[str, Any]) -> InitialRegion:
-        """Return them from checked fields."""
-        return cls(tuple(facts["view"]), tuple(facts["rect"]), facts["kind"], facts["n"])
 
     def fitted(self, kind: str | None, factor: float) -> tuple[Container, Rect]:
         """Return a container of a kind (None: the scene's own), scaled, and its view.

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.settings import Polyline, Settings
+from jostle.app.simulate.settings import TRUTH, VECTOR, Polyline, Settings
+from jostle.app.simulate.settings import Rect as Rect
+from jostle.app.simulate.validation import limited, or_none, real, whole
 
 Point = tuple[float, float]
-Rect = tuple[float, float, float, float]
 Container = jostle.Box | jostle.Circle | jostle.Torus | None
 Tags = NDArray[np.int64]
+
+STRONGEST = 1e6  # 1/s², of an attractor; the user interface allows at most 40
 
 
 @dataclass(frozen=True)
@@ -142,17 +144,10 @@ class Frame:
 class Attractor:
     """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
 
-    strength: float  # 1/s²
-    point: Point | None = None
-    tag: int | None = None
-    passing: bool = False  # whether it ends when a key is released
-
-    @classmethod
-    def of(cls, facts: Mapping[str, Any]) -> Attractor:
-        """Return an attractor from its fields in JSON."""
-        x_y = facts["point"]
-        point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
-        return cls(facts["strength"], point, facts["tag"], facts["passing"])
+    strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
+    point: Point | None = limited(or_none(VECTOR), None)
+    tag: int | None = limited(or_none(whole(0, 2**62)), None)
+    passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
 
 
 class Simulation(Protocol):

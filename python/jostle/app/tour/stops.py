@@ -52,7 +52,7 @@ def race(user: ScriptedUser) -> None:
     """Two methods at the same time."""
     user.session.view_options.tree = TreeView.OFF
     user.key(pygame.K_q)
-    user.live(6)
+    user.live(5)
 
 
 def heat(user: ScriptedUser) -> None:
@@ -77,11 +77,13 @@ def springs(user: ScriptedUser) -> None:
 
 
 def stars(user: ScriptedUser) -> None:
-    """Dust that attractors itself together."""
+    """A cloud that contracts by its own gravity."""
     user.session.view_options.tree = TreeView.OFF
     zoom(user, (0.0, 0.0), 2)
     user.start_recording()
     user.wait(8)
+    user.session.runner.paused = True  # the panels show the number of this frame
+    user.look()
 
 
 def sand(user: ScriptedUser) -> None:
@@ -183,16 +185,16 @@ def trails(user: ScriptedUser) -> None:
     session.view_options.tree = TreeView.OFF
     session.view_options.colour_by = ColourBy.VELOCITY
     session.toggle("trails")
-    user.wait(3, every=2)
+    user.wait(1.3, every=2)
 
 
 def rewind(user: ScriptedUser) -> None:
-    """Back in time with the slider."""
+    """Back in time with the slider, to the middle of a fall."""
     user.session.view_options.tree = TreeView.OFF
     user.session.toggle("velocities")
     user.wait(4)
-    fold(user, "Method", "Particles and tree", "World")
-    user.session.runner.rewind(3.2)
+    fold(user, "Scenes", "Method", "Particles and tree", "World")
+    user.session.runner.rewind(4.1)
     user.hide_pointer()
     user.look()
 
@@ -235,7 +237,8 @@ STOPS = (
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
     Stop("rules", "A gas with the article's rules: change of its energy, also with exact physics.",
          Settings("gas", 500), rules),
-    Stop("race", "Brute force and quadtree side by side.", Settings("gas", 6_000, threads=1), race),
+    Stop("race", "Brute force and quadtree side by side.",
+         Settings("clusters", 12_000, threads=1), race),
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
     Stop("springs", "A soft body is dragged and thrown.", Settings("springs"), springs, True),
     Stop("stars", "A cloud of points becomes stars.", Settings("stars"), stars, True),
@@ -251,8 +254,8 @@ STOPS = (
     Stop("help", "The list of mouse and keys.", Settings("pile"), controls),
     Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900),
          walls, True),
-    Stop("trails", "Colours by velocity, and trails.", Settings("orbit", 600), trails),
-    Stop("rewind", "Back in time.", Settings("billiards"), rewind),
+    Stop("trails", "Colours by velocity, and trails.", Settings("billiards"), trails),
+    Stop("rewind", "Back in time.", Settings("pile", 300), rewind),
     Stop("settings", "Another container and gravity, while it runs.",
          Settings("pile"), settings),
 )  # fmt: skip
