@@ -176,7 +176,7 @@ ENDS: dict[str, Callable[[Session], bool]] = {
         and len(session.interaction.attractors.placed) == 1
     ),
     "rewind": lambda session: (
-        session.runner.paused and abs(session.runner.history.back - 3.2) < 0.05
+        session.runner.paused and abs(session.runner.history.back - 4.4) < 0.05
     ),
     "settings": lambda session: isinstance(session.frame.container, jostle.Circle),
 }

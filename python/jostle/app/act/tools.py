@@ -12,6 +12,7 @@ from jostle.app.act.commands import Commands
 from jostle.app.act.drag_tool import DragTool
 from jostle.app.act.picking import inside
 from jostle.app.act.selection import Selection
+from jostle.app.simulate.containers import diagonal
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Point
 
@@ -164,8 +165,7 @@ class Tools:
     def _strength(self, drag: _Drag) -> float:
         if drag.is_click:
             return STRENGTH
-        min_x, min_y, max_x, max_y = self._engine.view
-        default = STRETCH * math.hypot(max_x - min_x, max_y - min_y)
+        default = STRETCH * diagonal(self._engine.view)
         return STRENGTH * min(max(math.dist(drag.start, drag.end) / default, LEAST), MOST)
 
 

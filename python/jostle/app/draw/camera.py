@@ -14,6 +14,7 @@ Size = tuple[int, int]
 ZOOM_OUT_LIMIT = 1e-3  # times the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
 MARGIN = 24  # free pixels around the scene
+LONGEST = 20_000  # pixels; longer lines are not drawn
 FOOT = 44  # free pixels below it, for legends
 HEADING = 84  # free pixels above it if there are several columns
 
@@ -142,6 +143,24 @@ class Camera:
         x = (points[:, 0].astype(np.float64) - self.center[0]) * self.scale + self.size[0] / 2
         y = (points[:, 1].astype(np.float64) - self.center[1]) * self.scale + self.size[1] / 2
         return x, y
+
+    def lines_to_screen(
+        self, starts: NDArray[np.floating], ends: NDArray[np.floating]
+    ) -> NDArray[np.float64]:
+        """Return lines in pixels, (n, 4) as x0, y0, x1, y1, from (n, 2) world points."""
+        return np.column_stack([*self.to_screen(starts), *self.to_screen(ends)])
+
+    def sees(self, lines: NDArray[np.floating]) -> NDArray[np.bool_]:
+        """Return which lines, (n, 4) in pixels, are near the screen and of drawable length.
+
+        pygame draws the part outside the screen pixel by pixel, too.
+        """
+        low = np.minimum(lines[:, :2], lines[:, 2:])
+        high = np.maximum(lines[:, :2], lines[:, 2:])
+        near: NDArray[np.bool_] = (
+            (high >= 0) & (low <= np.array(self.size)) & (high - low < LONGEST)
+        ).all(axis=1)
+        return near
 
     def to_world(self, pixel: Point) -> Point:
         """Return the world point under a pixel."""

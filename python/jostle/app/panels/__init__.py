@@ -5,7 +5,7 @@ a session and call its methods; every widget is named by `gui.mark`, so that a t
 Only this package and `gui` import ImGui. In reading order:
 
 ========================= ======================================================================
-theme, widgets, sliders   colours; labels, numbers, buttons and lists; sliders
+widgets, sliders          labels, numbers, buttons and lists; sliders
 plots                     lines and stacked bars over time
 playback_panel            pause, step, restart, previous and next scene
 scenes_panel              the list of scenes

@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 from jostle.app.draw.palette import RECORDING
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import layout
-from jostle.app.panels.theme import rgba
+from jostle.app.gui.style import rgba
 from jostle.app.panels.widgets import soft
 from jostle.app.session import Session
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import FILLED, vec
+from jostle.app.gui.style import FILLED, vec
 from jostle.app.panels.widgets import (
     BUTTON,
     button_width,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
+from jostle.app.draw.palette import ACCENT
 from jostle.app.gui.host import Gui
 from jostle.app.gui.keymap import GROUPS
-from jostle.app.gui.style import FONT_SIZE
+from jostle.app.gui.style import FONT_SIZE, vec
 from jostle.app.panels.cards import card
-from jostle.app.panels.theme import ACCENT, vec
 from jostle.app.panels.widgets import colours, soft
 from jostle.app.session import Session
 

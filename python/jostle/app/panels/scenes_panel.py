@@ -5,8 +5,9 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 import jostle
+from jostle.app.draw.palette import ACCENT
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import ACCENT, CHOSEN, vec
+from jostle.app.gui.style import CHOSEN, vec
 from jostle.app.panels.widgets import at_right, colours, wrapped
 from jostle.app.session import Session
 

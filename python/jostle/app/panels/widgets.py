@@ -7,8 +7,9 @@ from contextlib import contextmanager
 
 from imgui_bundle import imgui
 
+from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, rgba, vec
+from jostle.app.gui.style import CHOSEN, RAISED, rgba, vec
 
 LABEL = 92.0  # points: width of the label column
 NUMBER = 62.0  # width of the number column
@@ -18,6 +19,11 @@ ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
 Col = imgui.Col_
+FIXED = (
+    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+)  # fmt: skip
 STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
 
 
@@ -45,6 +51,21 @@ def _chevron(x: float, *, down: bool) -> None:
     draw, rise = imgui.get_window_draw_list(), 2.0 if down else -2.0
     for side in (-4.0, 4.0):
         draw.add_line((x + side, y - rise), (x, y + rise), tint, 1.5)
+
+
+@contextmanager
+def side_panel(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
+    """Build the contents in a window of fixed place and size at a side."""
+    imgui.set_next_window_pos(place)
+    imgui.set_next_window_size(size)
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
+    imgui.begin(name, None, FIXED)
+    imgui.pop_style_var(2)
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
+    yield
+    imgui.pop_style_var()
+    imgui.end()
 
 
 @contextmanager

@@ -31,6 +31,28 @@ def bounds(container: Container) -> Rect | None:
     return container.min_x, container.min_y, container.max_x, container.max_y
 
 
+def minimum_image(container: Container, offsets: Floats) -> Floats:
+    """Return the shortest periodic images of offsets, (2,) or (n, 2)."""
+    if isinstance(container, jostle.Torus):
+        sides = np.array([container.width, container.height])
+        offsets = offsets - sides * np.round(offsets / sides)
+    return offsets
+
+
+def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bool_]:
+    """Return which lines are longer than half a side of a torus: they cross its boundary."""
+    if not isinstance(container, jostle.Torus):
+        return np.zeros(len(starts), np.bool_)
+    sides = np.array([container.width, container.height])
+    over = np.abs(ends - starts) > sides / 2
+    return np.logical_or(over[:, 0], over[:, 1])
+
+
+def diagonal(rect: Rect) -> float:
+    """Return the length of the diagonal of a rectangle."""
+    return math.hypot(rect[2] - rect[0], rect[3] - rect[1])
+
+
 def kind_of(container: Container) -> str:
     """Return "box", "circle", "torus" or "none"."""
     return "none" if container is None else type(container).__name__.lower()

@@ -20,6 +20,15 @@ Tags = NDArray[np.int64]
 STRONGEST = 1e6  # 1/s², of an attractor; the user interface allows at most 40
 
 
+def find(tags: Tags, wanted: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Return the rows of those wanted that are among ascending tags, and which they are."""
+    wanted = np.atleast_1d(np.asarray(wanted, np.int64))
+    at = np.searchsorted(tags, wanted)
+    there = at < len(tags)
+    there[there] = tags[at[there]] == wanted[there]
+    return at[there], there
+
+
 @dataclass(frozen=True)
 class FrameRequest:
     """The optional parts of a frame, each of which takes time."""
@@ -132,12 +141,7 @@ class Frame:
 
     def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
         """Return the rows of the tags that exist."""
-        wanted = np.atleast_1d(np.asarray(tags, np.int64))
-        at = np.searchsorted(self.tags, wanted)
-        there = at < len(self.tags)
-        there[there] = self.tags[at[there]] == wanted[there]
-        found: NDArray[np.intp] = at[there]
-        return found
+        return find(self.tags, tags)[0]
 
 
 @dataclass(frozen=True)

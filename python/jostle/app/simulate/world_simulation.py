@@ -8,14 +8,21 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle.app.simulate.attractor_forces import AttractorForces
-from jostle.app.simulate.containers import InitialRegion, bounds, center_of, moved_inside
-from jostle.app.simulate.copies import copies_of
+from jostle.app.simulate.containers import (
+    InitialRegion,
+    bounds,
+    center_of,
+    diagonal,
+    minimum_image,
+    moved_inside,
+)
 from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.particle_table import ParticleTable
+from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline, Settings
 from jostle.app.simulate.simulation import (
     Attractor,
@@ -202,14 +209,22 @@ class WorldSimulation:
             return
         if self.method == "brute" and len(self) + more > BRUTE_LIMIT:
             raise ValueError(f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles.")
-        copies = None
-        if more <= MOST_AT_ONCE and len(moving):
-            copies = copies_of(
-                self.world, self._columns, moving, more, self.view, self.settings.seed
-            )
-        if copies is None:
+        if more > MOST_AT_ONCE or not len(moving) or not self._add_copies(moving, more):
             raise ValueError(f"There is no room for {more:,} more particles.")
-        self.add(*copies)
+
+    def _add_copies(self, rows: NDArray[np.intp], count: int) -> bool:
+        """Add copies of random rows at random free positions; return whether there are enough."""
+        columns, world = self._columns, self.world
+        rng = np.random.default_rng([self.settings.seed, columns.next_tag])
+        rows = rng.choice(rows, count)
+        radii = columns.radii[rows]
+        places, found = free_positions(
+            world.positions, columns.radii, radii, world.container, self.view,
+            int(rng.integers(2**31)), world.walls,
+        )  # fmt: skip
+        if len(found) == count:
+            self.add(places, world.velocities[rows], radii, columns.densities[rows])
+        return len(found) == count
 
     def add(
         self,
@@ -305,13 +320,10 @@ class WorldSimulation:
             return
         (row,), dt = rows, self.time_step
         rate = DRAG_RATE * self._response(row)
-        offset = np.array(point) - self.world.positions[row]
-        if isinstance(self.container, jostle.Torus):
-            sides = np.array([self.container.width, self.container.height])
-            offset -= sides * np.round(offset / sides)  # minimum image
+        offset = minimum_image(self.container, np.array(point) - self.world.positions[row])
         dragged = self.world.velocities[row] + dt * rate * (rate * offset + 2 * np.array(velocity))
         dragged /= (1 + dt * rate) ** 2
-        limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*dragged)
+        limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
         held = int(self._columns.ids[row])
         self.world.set(held, velocities=dragged * min(1.0, limit / max(speed, limit)))
 
@@ -333,7 +345,3 @@ class WorldSimulation:
         self.settings, self.view, self._initial = new.settings, new.view, new.home
         self.world, self._columns, self._segments = new.world, new.columns, new.segments
         self._attractions, self.emitters = new.attractions, new.emitters
-
-    def _diagonal(self) -> float:
-        min_x, min_y, max_x, max_y = self.view
-        return math.hypot(max_x - min_x, max_y - min_y)

@@ -191,10 +191,9 @@ def trails(user: ScriptedUser) -> None:
 def rewind(user: ScriptedUser) -> None:
     """Back in time with the slider, to the middle of a fall."""
     user.session.view_options.tree = TreeView.OFF
-    user.session.toggle("velocities")
     user.wait(4)
     fold(user, "Scenes", "Method", "Particles and tree", "World")
-    user.session.runner.rewind(4.1)
+    user.session.runner.rewind(4.4)
     user.hide_pointer()
     user.look()
 
