@@ -23,7 +23,6 @@ from jostle.app.simulate.settings import (
 from jostle.app.simulate.start import start
 from jostle.app.simulate.validation import rules_of
 from jostle.app.simulate.wall_segments import clear_of
-from jostle.app.storage import config
 from jostle.app.storage.config import (
     WINDOW_RULES,
     Config,
@@ -452,7 +451,7 @@ def test_a_file_beyond_the_limits_is_refused_in_one_sentence(
 )
 def test_no_part_of_a_file_is_read_repeatedly(tmp_path: Path, monkeypatch, text: str) -> None:
     """The reader gets the file once, and a line is found by single keys."""
-    toml = config._reader()
+    toml = importlib.import_module(TOML)
     loads, read = toml.loads, 0
 
     def counted(text: str, **options: object) -> object:

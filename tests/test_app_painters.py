@@ -24,7 +24,7 @@ from jostle.app.draw.palette import (  # noqa: E402
     level_colour,
 )
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
-from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.stamps import MEMORY_LIMIT, Stamps  # noqa: E402
 from jostle.app.draw.tree_overlay import STRONGEST, draw_filled, draw_outline  # noqa: E402
 from jostle.app.simulate.simulation import Frame, TreeBoxes  # noqa: E402
 
@@ -160,11 +160,12 @@ def test_a_million_particles_are_drawn(painter) -> None:
 
 
 def test_the_store_of_stamps_stays_small() -> None:
-    painter = SoftwarePainter(SIZE)
+    stamps, target = Stamps(), pygame.Surface(SIZE)
+    place = np.array([100.0])
     for radius in np.linspace(2, 47, 40):
         for shade in range(SHADES):
-            draw(painter, frame_of([(100, 100)], radius), shade=shade)
-    assert painter._stamps._bytes < 2 * 96 * 2**20
+            stamps.blit(target, place, place, np.array([radius]), np.array([shade], np.uint8))
+    assert 0 < stamps.bytes < 2 * MEMORY_LIMIT
 
 
 def test_drawing_leaves_the_frame_alone(painter) -> None:

@@ -140,7 +140,7 @@ def run(
     if not headless:
         why_no_window = (
             _show(settings, steps, renderer or config.renderer or RENDERERS[0], config)
-            if _has_display()
+            if has_display()
             else "there is no display"
         )
         if why_no_window is None:
@@ -331,7 +331,7 @@ def _start(settings: Settings, config: Config) -> Simulation:
         _refuse(f"{config.name}: {why}" if config.name else why)
 
 
-def _has_display() -> bool:
+def has_display() -> bool:
     """Return whether there is a display; on Linux the environment says so."""
     if os.environ.get("SDL_VIDEODRIVER") in ("dummy", "offscreen"):
         return False

@@ -55,6 +55,8 @@ class Window:
     ----------
     builders
         Functions that build panels and menus, in this order.
+    background
+        Draws the scene, slow frames on a worker thread.
     """
 
     def __init__(
@@ -71,7 +73,7 @@ class Window:
         self.builders: list[Builder] = [panels.build]
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter)
-        self._background = BackgroundRenderer()
+        self.background = BackgroundRenderer()
         self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
         self._seen = True
@@ -104,7 +106,7 @@ class Window:
         with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
             closing.callback(self.gui.close)
-            closing.callback(self._background.close)
+            closing.callback(self.background.close)
             closing.callback(self.session.close)
 
     def frame(self, elapsed: float) -> None:
@@ -195,7 +197,7 @@ class Window:
         def draw(painter: Painter, camera: Camera) -> None:
             picture.draw(painter, frame, camera, options)
 
-        self._background.draw(self.painter, session.camera, len(frame), draw)
+        self.background.draw(self.painter, session.camera, len(frame), draw)
 
     def _draw_overlays(self) -> None:
         """Draw the selection, the current drag, and the shapes of an explanation."""

@@ -15,7 +15,7 @@ ZOOM_OUT_LIMIT = 1e-3  # times the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
 MARGIN = 24  # free pixels around the scene
 LONGEST = 20_000  # pixels; longer lines are not drawn
-FOOT = 44  # free pixels below it, for legends
+FOOT, FOOT_SHARE = 44, 0.06  # free pixels below it, for legends; less of a small screen
 HEADING = 84  # free pixels above it if there are several columns
 
 
@@ -63,14 +63,15 @@ class Camera:
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
         left, column = self.left_margin, self.column_width
         top = HEADING if self.columns > 1 else 0
-        high = self.size[1] - MARGIN - FOOT - top
+        foot = max(min(FOOT, FOOT_SHARE * self.size[1]), MARGIN)
+        high = self.size[1] - MARGIN - foot - top
         free = max(column - 2 * MARGIN, 16), max(high, 16)
         self.scale = min(free[0] / width, free[1] / height)
         self._fit_scale = self.scale
         aside = left + column / 2 - self.size[0] / 2  # pixels from the middle of the screen
         self.center = (
             (min_x + max_x) / 2 - aside / self.scale,
-            (min_y + max_y) / 2 - (top + MARGIN - FOOT) / 2 / self.scale,
+            (min_y + max_y) / 2 - (top + MARGIN - foot) / 2 / self.scale,
         )
         self._at_home = True
 

@@ -16,6 +16,7 @@ HEIGHT = 24  # pixels
 PAD, GAP = 10, 8  # inside a card, and between its parts; between two cards
 RAMP = 120, 8  # pixels, the size of a ramp
 EDGE = 10  # pixels to the lower edge of the canvas
+NARROW = 240  # pixels; in less there are no cards
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ Card = Legend | str
 def draw_cards(painter: Painter, cards: Sequence[Card], left: float, right: float) -> None:
     """Draw legends and sentences in rows from left to right, the first row at the bottom."""
     x, y = left, painter.size[1] - EDGE - HEIGHT
-    for card in cards:
+    for card in cards if right - left >= NARROW else ():
         sheet = _sheet(card)
         if x > left and x + sheet.get_width() > right:
             x, y = left, y - HEIGHT - GAP

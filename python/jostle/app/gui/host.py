@@ -48,6 +48,8 @@ class Gui:
 
     Attributes
     ----------
+    drawing
+        Draws ImGui's output on that canvas.
     marks
         Rectangles of the widgets and windows named by `mark` and `mark_window`, in points.
     """
@@ -60,7 +62,7 @@ class Gui:
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
         gui_style.apply()
-        self._drawing = _drawing_for(painter)
+        self.drawing = _drawing_for(painter)
         self.marks: dict[str, pygame.Rect] = {}
         self._owned: set[int] = set()  # buttons pressed in a panel
         self._scene: set[int] = set()  # buttons pressed in the scene
@@ -75,7 +77,7 @@ class Gui:
         io.delta_time = max(elapsed, SHORTEST)
         io.display_size = imgui.ImVec2(*size)
         io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
-        self._drawing.begin()
+        self.drawing.begin()
         imgui.new_frame()
         self._in_frame = True
         if self._dismiss:
@@ -86,12 +88,12 @@ class Gui:
         """End the frame and draw it over the canvas."""
         self._in_frame = False
         imgui.render()
-        self._drawing.draw(imgui.get_draw_data())
+        self.drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
         """Draw the last frame over the canvas again."""
         imgui.set_current_context(self._context)
-        self._drawing.again()
+        self.drawing.again()
 
     def mark(self, name: str) -> None:
         """Record the rectangle of the last widget."""
@@ -159,7 +161,7 @@ class Gui:
         implot.set_current_context(self._plots)
         if self._in_frame:
             imgui.end_frame()
-        self._drawing.close()
+        self.drawing.close()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._context)
 

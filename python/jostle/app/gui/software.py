@@ -45,7 +45,7 @@ class SoftwareGui:
 
     def draw(self, data: imgui.ImDrawData) -> None:
         """Draw a frame over the canvas; unchanged draw lists come from the cache."""
-        self._update_font_atlas(data)
+        self.update_font_atlas(data)
         canvas = self._painter.canvas()
         kept: dict[bytes, _Sheet] = {}
         for commands in data.cmd_lists:
@@ -68,7 +68,7 @@ class SoftwareGui:
             texture.set_status(imgui.ImTextureStatus.destroyed)
         self._sheets.clear()
 
-    def _update_font_atlas(self, data: imgui.ImDrawData) -> None:
+    def update_font_atlas(self, data: imgui.ImDrawData) -> None:
         """Copy the font atlases that ImGui has made or changed."""
         for texture in data.textures:
             if texture.status in (

@@ -161,7 +161,7 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
     time, *columns = session.traces.energies
     names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
     _lines(gui, "energy", height, time, names, tints, columns)
-    row("change since start", _drift(session, _percent(100 * session.traces.energy_drift)))
+    row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
     hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
         "the range of the potential energy. With exact physics only restitution, friction and drag "
@@ -178,7 +178,7 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 def _momentum(session: Session, gui: Gui, height: float) -> None:
     time, *columns = session.traces.momenta
     _lines(gui, "momentum", height, time, ("x", "y"), (ACROSS, DOWN), columns)
-    row("change by walls", _drift(session, f"{100 * session.traces.momentum_drift:.2f} %"))
+    row("change by walls", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
     hint(
         "Change of momentum since the reference, relative to that of all particles moving one way. "
         f"Walls, immovable particles and forces change it; collisions do not. {RESETS}"
@@ -216,7 +216,7 @@ def _lines(
         _swatch(word, tint, _sum(float(values[-1])))
 
 
-def _drift(session: Session, change: str) -> str:
+def change_text(session: Session, change: str) -> str:
     """Return a change and its duration, or why there is none."""
     if not session.traces.changing:
         return f"{change} in {session.traces.measured:,.0f} s"

@@ -50,7 +50,8 @@ def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bo
 
 def diagonal(rect: Rect) -> float:
     """Return the length of the diagonal of a rectangle."""
-    return math.hypot(rect[2] - rect[0], rect[3] - rect[1])
+    width, height = rect[2] - rect[0], rect[3] - rect[1]
+    return math.sqrt(width * width + height * height)
 
 
 def kind_of(container: Container) -> str:

@@ -38,8 +38,17 @@ class FrameRequest:
     energies: bool = False
 
 
+class ReadOnly:
+    """The base of records whose arrays cannot be changed: threads share them."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+
 @dataclass(frozen=True)
-class TreeBoxes:
+class TreeBoxes(ReadOnly):
     """The boxes of the tree: (k, 4) as min_x, min_y, max_x, max_y; levels, counts, leaves."""
 
     boxes: NDArray[np.float64]
@@ -54,7 +63,7 @@ class TreeBoxes:
 
 
 @dataclass(frozen=True)
-class FrameContacts:
+class FrameContacts(ReadOnly):
     """The contacts after a step: (m, 2) rows of the frame, unit normals, depths, impulses.
 
     Those with walls have a row of the frame, a unit normal towards the particle and an impulse.
@@ -102,8 +111,8 @@ class StepStats:
 
 
 @dataclass(frozen=True)
-class Frame:
-    """One state, as copies.
+class Frame(ReadOnly):
+    """One state, as copies that cannot be changed.
 
     A particle's *tag* is its number in the order of adding over the whole run. Rows change when
     others are removed; tags do not.

@@ -202,7 +202,8 @@ class Files:
     ) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
         if self._exporter is None:
-            self._exporter = Worker("jostle-export")
+            synchronous = self._runner.engine.synchronous
+            self._exporter = Worker("jostle-export", synchronous=synchronous)
         scene = self._runner.engine.scene
 
         def work() -> str:
