@@ -45,7 +45,8 @@ def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bo
         return np.zeros(len(starts), np.bool_)
     sides = np.array([container.width, container.height])
     over = np.abs(ends - starts) > sides / 2
-    return np.logical_or(over[:, 0], over[:, 1])
+    crossing: NDArray[np.bool_] = over[:, 0] | over[:, 1]
+    return crossing
 
 
 def diagonal(rect: Rect) -> float:
