@@ -332,10 +332,12 @@ def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> 
 
 
 def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> None:
+    before = threading.enumerate()
     driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, old = driver.session, driver.session.engine.simulation
     release = held_up(driver)
-    abandoned = [one for one in threading.enumerate() if one.name.startswith("jostle-step")]
+    new = (thread for thread in threading.enumerate() if thread not in before)
+    abandoned = [thread for thread in new if thread.name.startswith("jostle-step")]
     assert abandoned
     history = session.runner.history
     session.runner.restart()

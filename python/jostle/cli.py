@@ -93,7 +93,7 @@ def run(
         typer.Option("-n", help="Number of particles; the default of the scene if not given."),
     ] = None,
     method: Annotated[
-        str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {METHODS[0]}]")
+        str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {Settings.method}]")
     ] = None,
     leaf_capacity: Annotated[
         int | None, typer.Option(help="Maximum number of particles in a leaf of the tree.")

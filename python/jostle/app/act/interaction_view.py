@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle.app.act.selection import Selection
-from jostle.app.act.tools import Preview, Tool
+from jostle.app.act.tools import Drag, Tool
 from jostle.app.draw.base_layers import draw_walls
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
@@ -23,7 +23,7 @@ TARGET = 9.0  # pixels: radius of the ring of an attractor that is being placed
 
 
 def draw_interaction(
-    painter: Painter, frame: Frame, selection: Selection, preview: Preview | None, camera: Camera
+    painter: Painter, frame: Frame, selection: Selection, preview: Drag | None, camera: Camera
 ) -> None:
     """Draw the selection and the current drag."""
     draw_selection(painter, frame, selection, camera)
@@ -46,7 +46,7 @@ def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera:
         _box(painter, (low_x, low_y, high_x, high_y), ACCENT)
 
 
-def draw_preview(painter: Painter, preview: Preview, camera: Camera) -> None:
+def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
     """Draw the effect that the drag will have."""
     x, y = camera.to_screen(np.array([preview.start, preview.end], np.float64))
     (x0, x1), (y0, y1) = x.tolist(), y.tolist()

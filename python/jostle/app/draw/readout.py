@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import pygame
 
-from jostle.app.draw.formatting import method_name, pairs_of, scientific, share
+from jostle.app.draw.formatting import pairs_of, scientific, share
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 from jostle.app.draw.text import BODY, SMALL, TITLE, font, panel, write
 from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.settings import METHODS
 
 WIDTH = 248
 EDGE = 12  # pixels between the panel and the edge of the screen
@@ -68,7 +69,7 @@ class Readout:
         stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
         return [
             _Row(engine.scene, size=TITLE, colour=TEXT),
-            _Row(f"{method_name(engine.settings.method)} · {n:,} particles"),
+            _Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
             None,
             _Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
             None,

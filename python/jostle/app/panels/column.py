@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.draw.formatting import method_name
 from jostle.app.draw.palette import ACCENT, TEXT_SOFT
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import layout
@@ -23,6 +22,7 @@ from jostle.app.panels import (
 )
 from jostle.app.panels.widgets import at_right, colours, part, section, side_panel
 from jostle.app.session import Session
+from jostle.app.simulate.settings import METHODS
 
 TITLE = 21.0
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
@@ -62,6 +62,6 @@ def _title(session: Session) -> None:
         with colours(text=vec(ACCENT)):
             at_right("paused")
     with colours(text=vec(TEXT_SOFT)):
-        words = f"{len(session.frame):,} particles · {method_name(session.settings.method)}"
+        words = f"{len(session.frame):,} particles · {METHODS[session.settings.method]}"
         imgui.text_unformatted(words)
     imgui.dummy((0.0, 2.0))

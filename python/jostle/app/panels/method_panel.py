@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from jostle.app.draw.formatting import method_name
 from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import button_width, choice, combo, label, same_line
 from jostle.app.session import Session
@@ -36,7 +35,7 @@ def build(session: Session, gui: Gui) -> None:
 def _race(session: Session, gui: Gui) -> None:
     """Build the choice of a second method, which runs on the same scene."""
     now, rival = session.settings.method, session.runner.race.method if session.runner.race else ""
-    rivals = {"": "nothing"} | {method: method_name(method) for method in METHODS if method != now}
+    rivals = {"": "nothing"} | {method: METHODS[method] for method in METHODS if method != now}
     chosen = combo(gui, "compare with", rivals, rival)
     if chosen is None or chosen == rival:
         return

@@ -37,14 +37,6 @@ def _signed(value: float) -> str:
     return signed(value, ",.0f")
 
 
-def _depth(value: float) -> str:
-    return "no limit" if value >= UNLIMITED else _whole(value)
-
-
-def _times(value: float) -> str:
-    return f"{value:.2f} ×"
-
-
 @dataclass(frozen=True)
 class Line:
     """A slider on one field of the settings."""
@@ -61,17 +53,22 @@ UNLIMITED = 4_096  # subdivisions that no tree reaches
 COUNT = Line("particles", "n", Range(0, 1_000_000, log=True, whole=True))
 TREE = (
     Line("leaf capacity", "leaf_capacity", Range(1, 1024, log=True, whole=True)),
-    Line("max. depth", "max_depth", Range(1, UNLIMITED, log=True, whole=True), _depth),
+    Line(
+        "max. depth",
+        "max_depth",
+        Range(1, UNLIMITED, log=True, whole=True),
+        lambda value: "no limit" if value >= UNLIMITED else _whole(value),
+    ),
     Line("threads", "threads", Range(1, max(CORES, 2), whole=True), default=CORES),
 )
 WORLD = (
-    Line("world size", "world_size", Range(0.25, 4.0, log=True), _times, 1.0),
+    Line("world size", "world_size", Range(0.25, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("drag", "drag", Range(0.0, 5.0), _short),
     Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
     Line("friction", "friction", Range(0.0, 2.0), _short),
 )
 TIME = (
-    Line("speed", "time_scale", Range(0.05, 4.0, log=True), _times, 1.0),
+    Line("speed", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
 )
 LINES = (COUNT, *TREE, *WORLD, *TIME)

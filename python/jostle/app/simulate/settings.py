@@ -30,7 +30,13 @@ from jostle.app.simulate.validation import (
     whole,
 )
 
-METHODS = ("quadtree", "brute", "article-quadtree", "article-brute")
+# Names of the methods in the user interface.
+METHODS = {
+    "quadtree": "quadtree",
+    "brute": "brute force",
+    "article-quadtree": "article's quadtree",
+    "article-brute": "article's brute force",
+}
 RENDERERS = ("auto", "opengl", "software")
 CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
@@ -159,6 +165,13 @@ FIXED_BY_ARTICLE = (
     *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
     *("friction", "container_restitution", "threads", "on_touch", "sleeping", "walls"),
 )
+
+
+def other_method(method: str) -> str:
+    """Return brute force for a quadtree and vice versa, by the same rules."""
+    prefix, _, search = method.rpartition("-")
+    other = "brute" if search == "quadtree" else "quadtree"
+    return f"{prefix}-{other}" if prefix else other
 
 
 def unknown_scene(name: str) -> str | None:

@@ -163,6 +163,12 @@ class Attractor:
     passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
 
 
+# The shape of one value of each column that `Simulation.change` sets.
+WIDTHS: dict[str, tuple[int, ...]] = {
+    "positions": (2,), "velocities": (2,), "densities": (), "movable": ()
+}  # fmt: skip
+
+
 class Simulation(Protocol):
     """A simulation of a scene. A step lasts `time_step` seconds; y points down.
 

@@ -25,6 +25,7 @@ from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline, Settings
 from jostle.app.simulate.simulation import (
+    WIDTHS,
     Attractor,
     Container,
     Frame,
@@ -260,31 +261,17 @@ class WorldSimulation:
         self._columns.remove(self.world, rows)
         self._attractions.renew(self.world, self._columns)
 
-    def change(
-        self,
-        tags: ArrayLike,
-        *,
-        positions: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-    ) -> None:
+    def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set columns of particles."""
         rows, there = self._columns.find(tags)
-        columns: dict[str, Any] = {}
-        for name, value, width in [
-            ("positions", positions, 2),
-            ("velocities", velocities, 2),
-            ("masses", densities, 1),
-            ("movable", movable, 1),
-        ]:
-            if value is not None:
-                shape = (len(there), 2) if width == 2 else (len(there),)
-                columns[name] = np.broadcast_to(np.asarray(value), shape)[there]
-        if densities is not None:
-            columns["masses"] = columns["masses"] * self._columns.radii[rows] ** 2
-        self.world.set(self._columns.ids[rows], **columns)
-        if movable is not None or densities is not None:
+        given: dict[str, Any] = {
+            name: np.broadcast_to(np.asarray(value), (len(there), *WIDTHS[name]))[there]
+            for name, value in columns.items()
+        }
+        if "densities" in given:
+            given["masses"] = given.pop("densities") * self._columns.radii[rows] ** 2
+        self.world.set(self._columns.ids[rows], **given)
+        if not given.keys() <= {"positions", "velocities"}:
             self._columns.copy(self.world)
 
     def add_own_walls(self, lines: Sequence[Polyline]) -> None:
