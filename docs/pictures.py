@@ -20,7 +20,7 @@ PICTURES = Path(__file__).parent / "pictures"
 
 RUNS = {
     "pile": ["pile", "--steps", "240"],
-    "clusters": ["clusters", "--steps", "20"],
+    "clusters": ["clusters", "--steps", "150"],
 }
 """Name of a picture: the arguments of `jostle run` that end in it."""
 

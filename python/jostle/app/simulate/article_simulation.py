@@ -280,6 +280,8 @@ class ArticleSimulation:
         """Set positions, velocities, densities; the article has no immovable particles."""
         rows, there = find(self._tags, tags)
         for name, value in columns.items():
+            if value is None:
+                continue
             shape = len(there), *WIDTHS[name]
             values = np.broadcast_to(np.asarray(value, np.float64), shape)[there].tolist()
             for row, new in zip(rows.tolist(), values, strict=True):

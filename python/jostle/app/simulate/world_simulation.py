@@ -267,6 +267,7 @@ class WorldSimulation:
         given: dict[str, Any] = {
             name: np.broadcast_to(np.asarray(value), (len(there), *WIDTHS[name]))[there]
             for name, value in columns.items()
+            if value is not None
         }
         if "densities" in given:
             given["masses"] = given.pop("densities") * self._columns.radii[rows] ** 2
