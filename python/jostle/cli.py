@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib.util
 import io
 import os
@@ -35,7 +34,7 @@ from jostle.app.simulate.settings import (
 )
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
-from jostle.app.simulate.validation import AnyRule, check, one_of, whole
+from jostle.app.simulate.validation import AnyRule, check, one_of, similar, whole
 
 if TYPE_CHECKING:
     from jostle.app.storage.config import Config
@@ -343,8 +342,8 @@ def has_display() -> bool:
 def _check_scene(scene: str) -> None:
     names = jostle.scenes.names()
     if scene not in names:
-        alike = difflib.get_close_matches(scene, names, 1, 0.5)
-        hint = f"did you mean {alike[0]}? " if alike else ""
+        alike = similar(scene, names)
+        hint = f"did you mean {alike}? " if alike else ""
         _refuse(f"there is no scene {scene!r}; {hint}the scenes are {', '.join(names)}")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jostle.app.gui.host import Gui
-from jostle.app.panels.widgets import button_width, choice, combo, label, same_line
+from jostle.app.panels.widgets import choice, combo, in_rows, label
 from jostle.app.session import Session
 from jostle.app.simulate.settings import METHODS
 from jostle.app.simulate.switch_rules import ARTICLE_LIMIT
@@ -20,10 +20,7 @@ def build(session: Session, gui: Gui) -> None:
     now, count = session.settings.method, len(session.frame)
     for rules, methods in METHODS_BY_RULES:
         label(rules)
-        across = button_width(len(methods))
-        for k, (method, words) in enumerate(methods.items()):
-            if k:
-                same_line()
+        for (method, words), across in in_rows(methods.items(), len(methods)):
             reason = "" if method == now else _reason(method, count)
             chosen = method == now
             if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:

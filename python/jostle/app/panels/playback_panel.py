@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jostle.app.gui.host import Gui
 from jostle.app.gui.keymap import HANDLERS, key_of
-from jostle.app.panels.widgets import button_width, choice, hint, same_line
+from jostle.app.panels.widgets import choice, hint, in_rows
 from jostle.app.session import Session
 
 # Commands of the keymap, and their icons in Font Awesome.
@@ -22,10 +22,7 @@ PLAY = "\uf04b"
 def build(session: Session, gui: Gui) -> None:
     """Build the row of buttons."""
     paused, can_go_back = session.runner.paused, session.runner.history.can_go_back
-    across = button_width(len(ICONS))
-    for k, (name, icon) in enumerate(ICONS.items()):
-        if k:
-            same_line()
+    for (name, icon), across in in_rows(ICONS.items(), len(ICONS)):
         held = name == "pause" and paused
         reason = "There is no earlier state." if name == "step back" and not can_go_back else ""
         if choice(gui, name, PLAY if held else icon, across, chosen=held, reason=reason):

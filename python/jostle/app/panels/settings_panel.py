@@ -85,20 +85,10 @@ def build_tree(session: Session, gui: Gui) -> None:
 
 def build_world(session: Session, gui: Gui) -> None:
     """Build the settings of the world."""
-    reason = _reason(session, "container")
-    kind = combo(gui, "container", CONTAINERS, kind_of(session.frame.container), reason=reason)
-    if kind is not None:
-        session.runner.adjust("container", kind)
-    touch = session.engine.effective_settings.on_touch or "bounce"
-    reason = _reason(session, "on_touch")
-    chosen = combo(gui, "collisions", ON_TOUCH, touch, reason=reason)
-    if chosen is not None:
-        session.runner.adjust("on_touch", chosen)
-    is_on = session.engine.effective_settings.sleeping is not False
-    reason = _reason(session, "sleeping")
-    chosen = combo(gui, "sleeping", SLEEPING, "on" if is_on else "off", reason=reason)
-    if chosen is not None:
-        session.runner.adjust("sleeping", chosen == "on")
+    now = session.engine.effective_settings
+    _choice(session, gui, "container", CONTAINERS, kind_of(session.frame.container))
+    _choice(session, gui, "on_touch", ON_TOUCH, now.on_touch or "bounce", "collisions")
+    _choice(session, gui, "sleeping", SLEEPING, "off" if now.sleeping is False else "on")
     _lines(session, gui, WORLD[:1])
     _gravity(session, gui)
     _lines(session, gui, WORLD[1:])
@@ -112,6 +102,15 @@ def build_time(session: Session, gui: Gui) -> None:
 def _reason(session: Session, field: str) -> str:
     by_article = session.settings.by_article and field not in ALWAYS
     return FIXED if by_article and field not in session.engine.adjustable else ""
+
+
+def _choice(
+    session: Session, gui: Gui, field: str, options: dict[str, str], now: str, name: str = ""
+) -> None:
+    """Build a list of the values of a setting."""
+    chosen = combo(gui, name or field, options, now, reason=_reason(session, field))
+    if chosen is not None:
+        session.runner.adjust(field, chosen == "on" if options is SLEEPING else chosen)
 
 
 def _lines(session: Session, gui: Gui, lines: tuple[Line, ...]) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 from imgui_bundle import imgui
 
@@ -18,6 +19,7 @@ BUTTON = 25.0  # height
 ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
+T = TypeVar("T")
 Col = imgui.Col_
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -168,14 +170,13 @@ def button(gui: Gui, name: str, text: str) -> bool:
     return choice(gui, name, text, width(), chosen=False)
 
 
-def button_width(count: int) -> float:
-    """Return the width of each of `count` buttons that fill the line."""
-    return (width() - GAP * (count - 1)) / count
-
-
-def same_line() -> None:
-    """Continue to the right of the last button."""
-    imgui.same_line(0.0, GAP)
+def in_rows(items: Iterable[T], columns: int) -> Iterator[tuple[T, float]]:
+    """Yield items with the width of their buttons, of which `columns` fill a line."""
+    across = (width() - GAP * (columns - 1)) / columns
+    for k, item in enumerate(items):
+        if k % columns:
+            imgui.same_line(0.0, GAP)
+        yield item, across
 
 
 def combo(
