@@ -25,15 +25,6 @@ YOUNG = 1.0  # seconds: the least span of the ramp of ages
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
 
-_NAMES = {
-    ColourBy.VELOCITY: "speed",
-    ColourBy.MASS: "mass",
-    ColourBy.DENSITY: "density",
-    ColourBy.AGE: "age",
-    ColourBy.ENERGY: "kinetic energy",
-    ColourBy.RANDOM: "random",
-}
-
 
 class Colouring:
     """Shades for one scene; make a new one when the scene starts again.
@@ -56,7 +47,7 @@ class Colouring:
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
         """Return a shade in 0..SHADES for each particle."""
-        shows = self._choose(frame) if by is ColourBy.AUTO else _NAMES[by]
+        shows = self._choose(frame) if by is ColourBy.AUTO else by.label
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in ("density", "radius", "mass"):

@@ -178,10 +178,11 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 def _momentum(session: Session, gui: Gui, height: float) -> None:
     time, *columns = session.traces.momenta
     _lines(gui, "momentum", height, time, ("x", "y"), (ACROSS, DOWN), columns)
-    row("change by walls", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
+    row("external impulse", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
     hint(
-        "Change of momentum since the reference, relative to that of all particles moving one way. "
-        f"Walls, immovable particles and forces change it; collisions do not. {RESETS}"
+        "Change of momentum since the reference, relative to that of all particles moving one way: "
+        "by walls, immovable particles and forces. Collisions of particles conserve momentum. "
+        f"{RESETS}"
     )
     if button(gui, "measure drift", "Reset reference"):
         session.runner.statistics.reset_reference()
