@@ -188,7 +188,7 @@ def test_the_answer_is_drawn(size) -> None:
     assert len(np.unique(pygame.surfarray.array2d(painter.canvas()))) > 2
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (900, 600), (640, 360)])
+@pytest.mark.parametrize("size", [(1280, 720), (640, 360)])
 @pytest.mark.parametrize("pair", ["highest", "lowest"])
 def test_the_sentences_are_on_the_screen_and_not_over_the_pair(size, pair: str) -> None:
     window = Window(start(Settings("gas", 300)), size, renderer="software", synchronous=True)
