@@ -14,12 +14,12 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.text import BODY, SMALL, font, panel, write
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.settings import METHODS
+from jostle.app.simulate.settings import METHODS, MOST_RUNNING
 from jostle.app.simulate.simulation import FrameRequest, StepStats
 from jostle.app.simulate.start import start
 
 # Largest numbers of particles; with more a step takes longer than a second.
-MOST = {"brute": 30_000, "article-quadtree": 8_000, "article-brute": 1_500}
+MOST = {"brute": MOST_RUNNING["brute"], "article-quadtree": 8_000, "article-brute": 1_500}
 SMOOTH = 0.2  # weight of a new measurement
 EVERY = 0.2  # seconds between updates of the numbers
 PAD, EDGE, WIDEST = 12, 12, 420  # pixels
@@ -146,9 +146,10 @@ def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surfa
         ("simulated", f"{contestant.stats.time:.1f} s"),
         ("kinetic", scientific(contestant.stats.kinetic_energy)),
     ]
-    column = (width - 2 * PAD) // len(numbers)
-    for k, (name, value) in enumerate(numbers):
-        x = PAD + k * column
-        write(sheet, (x, PAD + line + 4), name, TEXT_SOFT, SMALL)
-        write(sheet, (x, PAD + line + 4 + small), value, TEXT, SMALL)
+    columns = [max(font(SMALL).size(text)[0] for text in number) for number in numbers]
+    gap, x = (width - 2 * PAD - sum(columns)) / (len(numbers) - 1), float(PAD)
+    for (name, value), column in zip(numbers, columns, strict=True):
+        write(sheet, (round(x), PAD + line + 4), name, TEXT_SOFT, SMALL)
+        write(sheet, (round(x), PAD + line + 4 + small), value, TEXT, SMALL)
+        x += column + gap
     return sheet

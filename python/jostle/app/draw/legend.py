@@ -16,7 +16,8 @@ HEIGHT = 24  # pixels
 PAD, GAP = 10, 8  # inside a card, and between its parts; between two cards
 RAMP = 120, 8  # pixels, the size of a ramp
 EDGE = 10  # pixels to the lower edge of the canvas
-NARROW = 240  # pixels; in less there are no cards
+HINT = 64  # pixels at the right that are left free, for the hint of the window
+NARROW = 180  # pixels; in less there are no cards
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ Card = Legend | str
 def draw_cards(painter: Painter, cards: Sequence[Card], left: float, right: float) -> None:
     """Draw legends and sentences in rows from left to right, the first row at the bottom."""
     x, y = left, painter.size[1] - EDGE - HEIGHT
+    right -= HINT
     for card in cards if right - left >= NARROW else ():
         sheet = _sheet(card)
         if x > left and x + sheet.get_width() > right:

@@ -16,7 +16,7 @@ from jostle.app.panels.widgets import soft
 from jostle.app.session import Session
 
 EDGE = 12.0  # points to the edges of the scene
-FOOT = 44.0  # points, below an explanation: for legends
+FOOT = 36.0  # points, below messages and explanations: for legends
 FRAME = 34.0  # points, the margins of a card
 FLAGS = (
     imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_inputs
@@ -42,7 +42,7 @@ def build(session: Session, gui: Gui) -> None:
             for line in explanation.lines[1:]:
                 soft(line)
     if session.message:
-        with card(gui, "message", (middle, bottom - EDGE), (0.5, 1.0), widest):
+        with card(gui, "message", (middle, bottom - FOOT), (0.5, 1.0), widest):
             imgui.text(session.message)
     if not session.view_options.help:
         with card(

@@ -5,9 +5,7 @@ from __future__ import annotations
 from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import choice, combo, in_rows, label
 from jostle.app.session import Session
-from jostle.app.simulate.settings import METHODS
-from jostle.app.simulate.switch_rules import ARTICLE_LIMIT
-from jostle.app.simulate.world_simulation import BRUTE_LIMIT
+from jostle.app.simulate.settings import METHODS, too_slow
 
 METHODS_BY_RULES = (
     ("exact physics", {"quadtree": "quadtree", "brute": "brute force"}),
@@ -21,8 +19,8 @@ def build(session: Session, gui: Gui) -> None:
     for rules, methods in METHODS_BY_RULES:
         label(rules)
         for (method, words), across in in_rows(methods.items(), len(methods)):
-            reason = "" if method == now else _reason(method, count)
             chosen = method == now
+            reason = "" if chosen else too_slow(method, count) or ""
             if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
                 session.runner.choose_method(method)
 
@@ -40,14 +38,3 @@ def _race(session: Session, gui: Gui) -> None:
         session.runner.toggle_race(rival)
     if chosen:
         session.runner.toggle_race(chosen)
-
-
-def _reason(method: str, count: int) -> str:
-    """Return why a method is not available now."""
-    if method.startswith("article-") and count > ARTICLE_LIMIT:
-        return f"The article's programs are limited to {ARTICLE_LIMIT:,} particles."
-    if method == "brute" and count > BRUTE_LIMIT:
-        return (
-            f"Brute force is limited to {BRUTE_LIMIT:,} particles; a step with more takes seconds."
-        )
-    return ""

@@ -40,6 +40,8 @@ METHODS = {
 RENDERERS = ("auto", "opengl", "software")
 CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
+# Largest numbers of particles with which a running scene takes a slow method.
+MOST_RUNNING = {"brute": 30_000, "article-quadtree": 4_000, "article-brute": 4_000}
 MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
@@ -172,6 +174,16 @@ def other_method(method: str) -> str:
     prefix, _, search = method.rpartition("-")
     other = "brute" if search == "quadtree" else "quadtree"
     return f"{prefix}-{other}" if prefix else other
+
+
+def too_slow(method: str, n: int) -> str | None:
+    """Return why a running scene of n particles cannot have a method, or None."""
+    most = MOST_RUNNING.get(method, n)
+    if n <= most:
+        return None
+    return (
+        f"More than {most:,} particles are too slow with {METHODS[method]}: a step takes seconds."
+    )
 
 
 def unknown_scene(name: str) -> str | None:

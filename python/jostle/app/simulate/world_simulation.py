@@ -23,7 +23,7 @@ from jostle.app.simulate.containers import (
 from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.placement import free_positions
-from jostle.app.simulate.settings import Polyline, Settings
+from jostle.app.simulate.settings import Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
     WIDTHS,
     Attractor,
@@ -39,7 +39,6 @@ from jostle.app.simulate.world_frame import frame_of
 from jostle.app.simulate.world_state import WorldState
 
 TIME_STEP = 1 / 60
-BRUTE_LIMIT = 30_000  # particles; with more a step of brute force takes seconds
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
 LEAST_RESPONSE = 0.3  # times that rate, for the heaviest particles
 SPEED_LIMIT = 4.0  # of a held particle, in diagonals of the view per second
@@ -164,10 +163,8 @@ class WorldSimulation:
                 self._set_count(value)
             elif name in ("world_size", "container"):
                 self._fit_container()
-            elif name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
-                raise ValueError(
-                    f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles."
-                )
+            elif name == "method" and (reason := too_slow(value, len(self))):
+                raise ValueError(reason)
             elif name == "friction":
                 self._set_friction(value)
             elif name in WORLD_SETTINGS:
@@ -208,8 +205,8 @@ class WorldSimulation:
         if more <= 0:
             self.remove(self._columns.tags[moving[n:]])
             return
-        if self.method == "brute" and len(self) + more > BRUTE_LIMIT:
-            raise ValueError(f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles.")
+        if reason := too_slow(self.method, len(self) + more):
+            raise ValueError(reason)
         if more > MOST_AT_ONCE or not len(moving) or not self._add_copies(moving, more):
             raise ValueError(f"There is no room for {more:,} more particles.")
 
