@@ -104,7 +104,7 @@ def _draw_galton(painter: Painter, frame: Frame, camera: Camera) -> Card:
         for left, top, count in zip(bin_x.tolist(), bin_y.tolist(), counts.tolist(), strict=True):
             picture = word(f"{count}", TEXT_SOFT, SMALL)
             painter.sheet(picture, (left - picture.get_width() / 2, top + 5))
-    return f"{int(counts.sum()):,} of {len(balls):,} balls are in bins; line: binomial distribution"
+    return f"{int(counts.sum()):,} of {len(balls):,} in bins; line: binomial"
 
 
 def binomial(k: NDArray[np.floating], n: int) -> NDArray[np.float64]:
