@@ -2699,7 +2699,48 @@ class World:
     @overload
     def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
     @overload
-    def read(self, ids: _Id) -> WorldParticle: ...
+    def read(self, ids: _Id) -> WorldParticle:
+        """Read all columns of one particle or some, without those of the others.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The particles; one may be given more than once.
+
+        Returns
+        -------
+        WorldParticles or WorldParticle
+            Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
+            `add` and `set`, with a row for each id; single values for one id. The cost depends on the
+            number of ids alone, except that the first call after a step reads all row numbers.
+
+        Raises
+        ------
+        TypeError
+            If `ids` does not hold integers.
+        ValueError
+            If no particle has an id.
+
+        See Also
+        --------
+        set : Writes columns of some particles.
+        positions : The positions of all particles.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (2, 1)], radii=[1.0, 0.5])
+        >>> world.read(1).velocities, world.read(1).masses
+        (array([2., 1.], dtype=float32), 0.25)
+        >>> world.read([1, 0]).radii
+        array([0.5, 1. ], dtype=float32)
+
+        A copy of particle 1, in another place:
+
+        >>> copy = world.read(1)._replace(positions=(9, 0))
+        >>> world.add(**copy._asdict())
+        2
+        """
     @overload
     def read(self, ids: _IdList) -> WorldParticles: ...
     @overload
@@ -3351,7 +3392,8 @@ class World:
     def stats(self) -> WorldStats:
         """The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
         `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
-        that had too many collisions and stood still for the rest of the step.
+        that had too many collisions and stood still for the rest of the step. All are 0 before the
+        first step, and after `restore` and `load`.
 
         See Also
         --------
