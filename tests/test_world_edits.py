@@ -138,8 +138,8 @@ def test_set_changes_the_given_values_alone(data: st.DataObject) -> None:
     world.set(world.ids[rows], **changes)
     for name, column in columns(world).items():
         np.testing.assert_array_equal(column, expected[name], err_msg=name)
-    # The same changes of whole columns give a world that moves on in the same way. Columns of positions
-    # and angles are rounded to float32, so that others would change too.
+    # The same changes of whole columns give a world that moves on in the same way. Columns of
+    # positions and angles are rounded to float32, so that others would change too.
     other = jostle.World.restore(WORLD)
     for name in names:
         if name in ("positions", "angles"):
