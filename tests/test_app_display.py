@@ -218,7 +218,7 @@ def test_panels_without_events_are_built_every_other_frame(open_window, renderer
 
 @pytest.fixture
 def background(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
-    """A backdrop to which every picture is a long one."""
+    """A background renderer for which every picture is slow."""
     monkeypatch.setattr(background_render, "FEW", -1)
     monkeypatch.setattr(background_render, "MANY", -1)
     monkeypatch.setattr(background_render, "LONG", -1.0)

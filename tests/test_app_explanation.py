@@ -98,7 +98,7 @@ def test_leaves_that_are_apart_part_what_they_hold() -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_whoever_touches_is_not_parted_by_the_tree(seed: int) -> None:
+def test_the_tree_finds_all_that_touch(seed: int) -> None:
     """What the sentences say of the tree agrees with the pairs that overlap."""
     chance = np.random.default_rng(seed)
     places, radii = chance.uniform(0, 100, (60, 2)), chance.uniform(1, 8, 60)
@@ -116,7 +116,7 @@ def test_whoever_touches_is_not_parted_by_the_tree(seed: int) -> None:
 
 
 def test_nothing_is_said_of_what_a_step_has_tested() -> None:
-    """Its tree is built around ways to come; this one around places."""
+    """Its tree is built of swept bounds; this one of current positions."""
     simulation = start(Settings("gas", 60))
     simulation.step()
     frame = simulation.frame(TREE)

@@ -38,7 +38,7 @@ def test_a_held_particle_that_vanishes_is_dropped(make) -> None:
     driver.down((200, 250))
     assert driver.session.interaction.drag_tool.held == 0
     driver.session.engine.edit(lambda simulation: simulation.remove([0]))
-    driver.session.engine.step()  # before anybody has noticed
+    driver.session.engine.step()  # before the session is notified
     driver.frames(1)
     assert driver.session.interaction.drag_tool.held is None
     driver.up((300, 250))
@@ -285,7 +285,7 @@ def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None
     simulation.step()
     (force,) = simulation.world.forces
     assert force.particle == 1 and simulation.frame().attractors == (Attractor(4.0, tag=1),)
-    simulation.attract((Attractor(4.0, tag=2),))  # from somebody who has not seen that yet
+    simulation.attract((Attractor(4.0, tag=2),))  # from a caller with an older frame
     assert simulation.frame().attractors == (Attractor(4.0, tag=1),)
     assert len(simulation.world.forces) == 1
     simulation.attract(())

@@ -32,7 +32,7 @@ def closed() -> Iterator[None]:
 
 
 def held_up(driver: Driver) -> Callable[[], None]:
-    """Go on until a step is under way, which waits until the answer is called."""
+    """Continue until a step is in progress, which waits until the returned function is called."""
     simulation = driver.session.engine.simulation
     gate, begun, step = threading.Event(), threading.Event(), simulation.step
 
@@ -369,7 +369,7 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
     watch(jostle.scenes, "create")
 
     def rest() -> None:
-        """Let what is under way end, without doing anything of it here."""
+        """Wait for the current jobs, without applying their results."""
         for job in (
             session.runner.loader._job,
             session.engine._job,

@@ -1,4 +1,4 @@
-"""`jostle.arcade` answers what arcade answers, in the order of the list."""
+"""`jostle.arcade` has the results of arcade, in the order of the list."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ arcade = pytest.importorskip(
 
 import jostle.arcade as ours  # noqa: E402
 
-EVERYTHING = 3  # arcade's method that looks at all sprites in turn
+EVERYTHING = 3  # arcade's method that tests all sprites in turn
 
-# Some that are not convex, some that are hardly there.
+# Some are not convex, some are very small.
 HIT_BOXES: list[Any] = [
     None,
     [(-9, -9), (9, -9), (0, 9)],
@@ -30,7 +30,7 @@ HIT_BOXES: list[Any] = [
 
 
 def sprite(rng: np.random.Generator, spread: float) -> Any:
-    """A sprite like those of games: on whole numbers or turned, scaled, flipped."""
+    """Return a sprite like those of games: at integers, or rotated, scaled and flipped."""
     x, y = rng.uniform(0, spread, 2).round(rng.integers(0, 3))
     made = arcade.SpriteSolidColor(*rng.integers(1, 30, 2).tolist(), float(x), float(y))
     shape = HIT_BOXES[rng.choice(len(HIT_BOXES), p=[0.7, *[0.05] * 6])]
@@ -44,7 +44,7 @@ def sprite(rng: np.random.Generator, spread: float) -> Any:
 
 
 def sprites(seed: int, most: int = 60) -> Any:
-    """A list of random sprites that needs no window."""
+    """Return a list of random sprites that needs no window."""
     rng = np.random.default_rng(seed)
     made = arcade.SpriteList(lazy=True)
     spread = rng.choice([20, 100, 300])
@@ -93,7 +93,7 @@ def test_points_and_rectangles(seed: int) -> None:
     now = ours.Snapshot(a)
     rng = np.random.default_rng(seed)
     points = [tuple(point) for point in rng.uniform(-10, 110, (20, 2)).round(1).tolist()]
-    # Corners, and beside them: where arcade miscounts.
+    # Corners, and points beside them: where arcade miscounts.
     for one in list(a)[:10]:
         points += [one.position, *one.hit_box.get_adjusted_points()]
         points += [(x - 40.5, y) for x, y in one.hit_box.get_adjusted_points()]
@@ -148,3 +148,110 @@ def test_none_at_all() -> None:
 def test_a_position_that_is_no_place_is_refused() -> None:
     with pytest.raises(ValueError, match="finite"):
         ours.selfcollide([arcade.SpriteSolidColor(4, 4, float("nan"))])
+
+
+# ---- engines -------------------------------------------------------------------------------------
+
+
+def boxes(*rows: tuple[float, float, float, float]) -> Any:
+    """Sprites of some width and height around some centres."""
+    made = arcade.SpriteList(lazy=True)
+    for x, y, width, height in rows:
+        made.append(arcade.SpriteSolidColor(width, height, x, y))
+    return made
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_simple_engine_stops_where_that_of_arcade_does(seed: int) -> None:
+    """arcade moves along x, then along y, and stops up to a pixel before the wall."""
+    rng = np.random.default_rng(seed)
+    places = rng.integers(-6, 7, (30, 2)) * 40
+    walls = boxes(*((x, y, 40, 40) for x, y in places.tolist() if (x, y) != (0, 0)))
+    one, other = (arcade.SpriteSolidColor(20, 20, 0, 0) for _ in range(2))
+    theirs = arcade.PhysicsEngineSimple(one, walls)
+    engine = ours.PhysicsEngineSimple(other, walls)
+    for _ in range(60):
+        axis = rng.integers(0, 2)
+        step = [0.0, 0.0]
+        step[axis] = float(rng.integers(-8, 9))
+        for player in (one, other):
+            player.change_x, player.change_y = step
+        theirs.update()
+        engine.update()
+        assert not arcade.check_for_collision_with_list(other, walls)
+        assert np.hypot(one.center_x - other.center_x, one.center_y - other.center_y) <= 1.5
+        one.position = other.position  # so that differences do not add up
+
+
+def test_the_platformer_lands_where_that_of_arcade_does() -> None:
+    ground = boxes((0, 0, 2000, 40), (300, 60, 80, 80))
+    one, other = (arcade.SpriteSolidColor(20, 30, 0, 200) for _ in range(2))
+    theirs = arcade.PhysicsEnginePlatformer(one, walls=ground, gravity_constant=0.7)
+    engine = ours.PhysicsEnginePlatformer(other, walls=ground, gravity_constant=0.7)
+    for frame in range(200):
+        for player, physics in ((one, theirs), (other, engine)):
+            player.change_x = 3
+            if frame == 60:
+                assert physics.can_jump()
+                physics.jump(12)
+            physics.update()
+        assert abs(one.center_x - other.center_x) <= 1
+        assert abs(one.center_y - other.center_y) <= 1
+        assert theirs.can_jump(1.5) == engine.can_jump(1.5) or frame in (60, 61)
+    assert other.bottom == pytest.approx(20)
+
+
+def test_nothing_falls_through_the_ground_at_any_speed() -> None:
+    player = arcade.SpriteSolidColor(4, 4, 0, 1e6)
+    engine = ours.PhysicsEnginePlatformer(player, walls=boxes((0, 0, 100, 1)))
+    player.change_y = -3e6
+    assert len(engine.update()) == 1
+    assert (player.bottom, player.change_y) == (pytest.approx(0.5), 0)
+
+
+def test_platforms_carry_and_turn() -> None:
+    platforms = boxes((0, 0, 100, 10))
+    platforms[0].change_x, platforms[0].boundary_right, platforms[0].boundary_left = 2, 100, -100
+    player = arcade.SpriteSolidColor(10, 10, 0, 10)
+    engine = ours.PhysicsEnginePlatformer(player, platforms)
+    places = []
+    for _ in range(100):
+        assert engine.update() == [platforms[0]]
+        places.append(platforms[0].center_x)
+    assert max(places) == 50 and min(places[40:]) == -50
+    assert player.center_x == pytest.approx(platforms[0].center_x, abs=2.1)
+
+
+def test_jumps_are_counted() -> None:
+    player = arcade.SpriteSolidColor(10, 10, 0, 10.5)
+    engine = ours.PhysicsEnginePlatformer(player, walls=boxes((0, 0, 100, 10)))
+    engine.enable_multi_jump(2)
+    engine.update()
+    for jumps in (1, 2):
+        assert engine.can_jump()
+        engine.jump(8)
+        assert engine.jumps_since_ground == jumps
+        for _ in range(3):
+            engine.update()
+    assert not engine.can_jump()
+    engine.disable_multi_jump()
+    assert not engine.can_jump() and engine.allowed_jumps == 1
+
+
+def test_ladders_hold() -> None:
+    player = arcade.SpriteSolidColor(10, 10, 0, 50)
+    engine = ours.PhysicsEnginePlatformer(player, ladders=boxes((0, 50, 20, 100)))
+    engine.update()
+    assert engine.is_on_ladder() and player.change_y == 0
+    player.position = (200, 50)
+    engine.update()
+    assert not engine.is_on_ladder() and player.change_y == -0.5
+
+
+def test_walls_are_read_again() -> None:
+    player, walls = arcade.SpriteSolidColor(10, 10, 0, 0), boxes((30, 0, 10, 10))
+    engine = ours.PhysicsEngineSimple(player, walls)
+    walls[0].center_y = 500
+    engine.read_walls()
+    player.change_x = 100
+    assert engine.update() == [] and player.center_x == 100

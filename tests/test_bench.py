@@ -1,4 +1,4 @@
-"""The benchmark: that it compares before it times, and times what it says; never how fast."""
+"""The benchmark compares before it times, and times what it says. No test depends on a time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command, as a person types it."""
+"""The command, with the arguments of a user."""
 
 from __future__ import annotations
 

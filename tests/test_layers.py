@@ -153,7 +153,7 @@ LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COM
 CHANGING = {
     *("world_simulation", "article_simulation", "switch_rules", "engine", "runner", "film_report"),
     *("drag_tool", "commands", "attractors", "gravity", "emitters", "start", "history", "files"),
-    *("attractor_forces", "wall_segments", "session"),
+    *("attractor_forces", "wall_segments", "kinds", "session"),
 }
 READING = [path for path in sorted(APP.rglob("*.py")) if path.stem not in CHANGING]
 CHANGES = {
@@ -295,7 +295,7 @@ def test_drawing_never_writes_to_the_simulation(path: Path) -> None:
 
 
 # The modules that determine a state without user input, except the article's own programs.
-STATE = ["containers", "emitters", "placement", "rng", "start", "wall_segments"]
+STATE = ["containers", "emitters", "kinds", "placement", "rng", "start", "wall_segments"]
 
 
 @pytest.mark.parametrize("name", STATE)

@@ -6,13 +6,19 @@
     The same, and further queries, for shapes that do not change.
 `Space`
     Shapes with ids that are added, moved and removed, and the `Events` of their pairs.
+    `Space.move_and_slide` moves characters among walls; `tiles` makes boxes of a tile map.
+`separate`
+    Moves shapes apart until none overlap.
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
-    `Thermostat`, `ThermalWalls`, `AndersenThermostat` and `Motor` are its forces.
-    `polyline` makes walls.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
+    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
+    `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
+    particle life.
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
+`Separated`, `Slide`, `Slides`
+    The results of `separate` and `Space.move_and_slide`.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
 `WorldParticle`, `WorldParticles`
@@ -21,15 +27,17 @@
     The two programs of the article of 2015, in plain Python, with their faults.
 """
 
-from jostle import article, scenes
+from jostle import article, life, scenes
 from jostle._core import (
     AndersenThermostat,
     Attractor,
     Box,
     Circle,
     Events,
+    Flocking,
     Gravitation,
     Motor,
+    PairForce,
     Quadtree,
     Space,
     Springs,
@@ -39,6 +47,7 @@ from jostle._core import (
     World,
     __version__,
     find_pairs,
+    separate,
 )
 from jostle.results import (
     Contacts,
@@ -46,7 +55,11 @@ from jostle.results import (
     Neighbors,
     Nodes,
     RayHit,
+    RayHitLists,
     RayHits,
+    Separated,
+    Slide,
+    Slides,
     Stats,
     WallContacts,
     WorldCollisions,
@@ -56,6 +69,7 @@ from jostle.results import (
     WorldParticles,
     WorldStats,
 )
+from jostle.tilemap import tiles
 from jostle.walls import polyline
 
 __all__ = [
@@ -65,14 +79,20 @@ __all__ = [
     "Circle",
     "Contacts",
     "Events",
+    "Flocking",
     "Gravitation",
     "Hits",
     "Motor",
     "Neighbors",
     "Nodes",
+    "PairForce",
     "Quadtree",
     "RayHit",
+    "RayHitLists",
     "RayHits",
+    "Separated",
+    "Slide",
+    "Slides",
     "Space",
     "Springs",
     "Stats",
@@ -90,6 +110,9 @@ __all__ = [
     "__version__",
     "article",
     "find_pairs",
+    "life",
     "polyline",
     "scenes",
+    "separate",
+    "tiles",
 ]

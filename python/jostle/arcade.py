@@ -1,17 +1,19 @@
-"""arcade's collision functions for thousands of sprites: all at once, or from a snapshot.
+"""arcade's collision functions for thousands of sprites: all pairs in one call, or from a snapshot.
 
 `check_for_collisions_between`, `selfcollide`
     Every pair of colliding sprites of two lists, or of one, in a single call.
 `Snapshot`
-    The sprites of a list as they are now. The functions below take one in place of a list.
+    The sprites of a list at one moment. The functions below take it in place of a list.
 `check_for_collision_with_list`, `check_for_collision_with_lists`, `get_sprites_at_point`,
 `get_sprites_at_exact_point`, `get_sprites_in_rect`, `get_closest_sprite`
     As in arcade, with the same answers in the order of the list.
 `check_for_collision`
     arcade's own.
+`PhysicsEngineSimple`, `PhysicsEnginePlatformer`
+    arcade's engines with continuous motion, on `jostle.Space.move_and_slide`.
 
-Asked once, a list has to be read whole, and that is what arcade does; so with a list these
-functions are arcade's own. A snapshot is read once and then asked as often as there are sprites.
+A single query has to read the whole list, as arcade does. So for a list these functions call
+arcade's own. A snapshot reads the list once, for any number of queries.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import chain
-from typing import Any, TypeAlias, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import arcade
 import numpy as np
@@ -27,9 +29,11 @@ from arcade import check_for_collision
 from arcade.geometry import are_polygons_intersecting, is_point_in_polygon
 from numpy.typing import NDArray
 
-from jostle._core import Quadtree
+from jostle._core import Quadtree, Space
 
 __all__ = [
+    "PhysicsEnginePlatformer",
+    "PhysicsEngineSimple",
     "Snapshot",
     "check_for_collision",
     "check_for_collision_with_list",
@@ -45,17 +49,17 @@ __all__ = [
 _Floats: TypeAlias = NDArray[np.float64]
 _Rows: TypeAlias = NDArray[np.int64]
 
-# arcade lets two sprites pass whose middles are farther apart than the sum of these parts of their
-# longer sides. A little more here: the tree may find too much, never too little.
+# arcade ignores two sprites whose centres are farther apart than the sum of this fraction of their
+# longer sides. Slightly larger here: the tree may find too many candidates, never too few.
 _PART = 0.71 * (1 + 1e-12)
 _SLACK = 1e-9
 
 
 class Snapshot:
-    """The sprites of a list, as they are at this moment.
+    """The sprites of a list at one moment.
 
-    What moves, turns or changes its size afterwards is still found where it was, and then checked
-    where it is; so take a new snapshot in each frame.
+    A sprite that moves, turns or changes its size afterwards is searched for at its old place, and
+    tested at its new one. So make a new snapshot in each frame.
 
     Parameters
     ----------
@@ -86,19 +90,19 @@ class Snapshot:
 
     @cached_property
     def _circles(self) -> Quadtree:
-        """The discs that arcade compares before it looks at hit boxes."""
+        """The discs that arcade compares before it tests hit boxes."""
         return Quadtree(self._positions, _reach(self._sides))
 
     @cached_property
-    def _middles(self) -> Quadtree:
+    def _centers(self) -> Quadtree:
         return Quadtree(self._positions)
 
     @cached_property
-    def _numbers(self) -> dict[Any, list[int]]:
-        """Which sprites are at each position."""
+    def _rows(self) -> dict[Any, list[int]]:
+        """The rows of the sprites at each position."""
         found: dict[Any, list[int]] = {}
-        for number, sprite in enumerate(self.sprites):
-            found.setdefault(sprite.position, []).append(number)
+        for row, sprite in enumerate(self.sprites):
+            found.setdefault(sprite.position, []).append(row)
         return found
 
     @cached_property
@@ -107,14 +111,14 @@ class Snapshot:
 
     @cached_property
     def _boxes(self) -> Quadtree:
-        """What surrounds each hit box, and a little more."""
+        """The bounds of each hit box, slightly enlarged."""
         low, high = self._polygons.bounds()
-        middles, half_sizes = (low + high) / 2, (high - low) / 2
-        return Quadtree(middles, 0.0, half_sizes + _SLACK * (1 + np.abs(middles) + half_sizes))
+        centers, half_sizes = (low + high) / 2, (high - low) / 2
+        return Quadtree(centers, 0.0, half_sizes + _SLACK * (1 + np.abs(centers) + half_sizes))
 
     @cached_property
     def _heights(self) -> tuple[_Floats, _Rows]:
-        """The y of every corner, ascending, and whose it is."""
+        """The y of every corner, ascending, and the row of its sprite."""
         heights = self._polygons.points[:, 1]
         order = np.argsort(heights, kind="stable")
         return heights[order], self._polygons.owners[order]
@@ -135,6 +139,10 @@ def selfcollide(sprites: Iterable[Any]) -> list[tuple[Any, Any]]:
     -------
     list of tuple
         Two sprites for each pair, every pair once, in the order of the list.
+
+    See Also
+    --------
+    check_for_collisions_between : The pairs of two lists.
 
     Examples
     --------
@@ -164,6 +172,10 @@ def check_for_collisions_between(
         A sprite of the first list and one of the second for each pair, in the order of the
         first list, then of the second.
 
+    See Also
+    --------
+    selfcollide : The pairs within one list.
+
     Examples
     --------
     >>> import arcade, jostle.arcade
@@ -188,7 +200,7 @@ def check_for_collision_with_list(sprite: Any, sprite_list: Any, method: int = 0
     sprite_list : SpriteList or Snapshot
         The sprites to check.
     method : int, default 0
-        arcade's choice of method; a snapshot has but one.
+        The choice of method of arcade; it has no effect on a snapshot.
 
     Returns
     -------
@@ -223,7 +235,7 @@ def check_for_collision_with_lists(
     sprite_lists : iterable of SpriteList or Snapshot
         The sprites to check.
     method : int, default 0
-        arcade's choice of method; a snapshot has but one.
+        The choice of method of arcade; it has no effect on a snapshot.
 
     Returns
     -------
@@ -235,24 +247,24 @@ def check_for_collision_with_lists(
 
 
 def get_sprites_at_point(point: Any, sprite_list: Any) -> list[Any]:
-    """Find the sprites whose hit box a point is in.
+    """Find the sprites whose hit boxes contain a point.
 
     Parameters
     ----------
     point : tuple of float
-        x and y.
+        Its x and y.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
     Returns
     -------
     list of Sprite
-        Those that have the point in them, in the order of the list.
+        Those that contain the point, in the order of the list.
 
     Notes
     -----
-    arcade's test counts crossings of a line to the right, and miscounts where the point is
-    exactly as high as one corner: it may then find a sprite far away. So does this.
+    arcade counts crossings of a ray to the right. If the point is exactly as high as a corner,
+    the count may be wrong, and a sprite far away may be found. This function gives the same answer.
     """
     if not isinstance(sprite_list, Snapshot):
         return list(arcade.get_sprites_at_point(point, sprite_list))
@@ -273,7 +285,7 @@ def get_sprites_at_exact_point(point: Any, sprite_list: Any) -> list[Any]:
     Parameters
     ----------
     point : tuple of float
-        x and y.
+        Its x and y.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
@@ -285,7 +297,7 @@ def get_sprites_at_exact_point(point: Any, sprite_list: Any) -> list[Any]:
     if not isinstance(sprite_list, Snapshot):
         return list(arcade.get_sprites_at_exact_point(point, sprite_list))
     # A list is never equal to a position, which is a tuple.
-    return sprite_list._at(sprite_list._numbers.get(point, ()) if isinstance(point, tuple) else ())
+    return sprite_list._at(sprite_list._rows.get(point, ()) if isinstance(point, tuple) else ())
 
 
 def get_sprites_in_rect(rect: Any, sprite_list: Any) -> list[Any]:
@@ -316,27 +328,27 @@ def get_sprites_in_rect(rect: Any, sprite_list: Any) -> list[Any]:
 
 
 def get_closest_sprite(sprite: Any, sprite_list: Any) -> tuple[Any, float] | None:
-    """Find the sprite of a list whose middle is nearest to that of a sprite.
+    """Find the sprite of a list whose centre is nearest to that of a sprite.
 
     Parameters
     ----------
     sprite : Sprite
-        The sprite. If it is in the list, it is its own nearest.
+        The sprite. If it is in the list, the result is the sprite itself.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
     Returns
     -------
     tuple of Sprite and float, or None
-        The first of the nearest and how far it is; None if the list is empty.
+        The first of the nearest and its distance; None if the list is empty.
     """
     if not isinstance(sprite_list, Snapshot):
         return cast("tuple[Any, float] | None", arcade.get_closest_sprite(sprite, sprite_list))
     if not len(sprite_list):
         return None
-    # The tree may round in another way than arcade: all that are about as near are compared.
-    nearest = sprite_list._middles.nearest(sprite.position).distances.item()
-    near = sprite_list._middles.query_circle(sprite.position, nearest * (1 + _SLACK) + _SLACK)
+    # The tree may round differently from arcade, so arcade's distances of all candidates decide.
+    nearest = sprite_list._centers.nearest(sprite.position).distances.item()
+    near = sprite_list._centers.query_circle(sprite.position, nearest * (1 + _SLACK) + _SLACK)
     found = sprite_list._at(near.tolist())
     distances = [arcade.get_distance_between_sprites(sprite, other) for other in found]
     least = min(distances)
@@ -352,18 +364,18 @@ def _snapshot(sprites: Iterable[Any]) -> Snapshot:
 
 
 def _reach(sides: _Floats) -> _Floats:
-    """Return the radii of the discs that hold all that arcade lets through.
+    """Return the radii of discs that overlap if arcade tests the hit boxes of two sprites.
 
-    Its sides may be negative, and it squares their sum.
+    Sides may be negative; arcade squares their sum.
     """
     return np.abs(sides) * _PART + _SLACK
 
 
-# ---- arcade's check, for many pairs at once ------------------------------------------------------
+# ---- arcade's test, for many pairs at once -------------------------------------------------------
 
 
 class _Polygons:
-    """The hit boxes of some sprites, one list of corners behind the other."""
+    """The hit boxes of some sprites: their corners, concatenated."""
 
     def __init__(self, sprites: Iterable[Any]) -> None:
         corners = [sprite.hit_box.get_adjusted_points() for sprite in sprites]
@@ -373,12 +385,12 @@ class _Polygons:
         self.owners = np.repeat(np.arange(len(corners)), self.counts)
 
     def of(self, rows: _Rows, count: int) -> _Floats:
-        """Return the corners of those of some rows that have so many, shape (rows, count, 2)."""
+        """Return the corners of rows that have `count` corners each, shape (rows, count, 2)."""
         corners: _Floats = self.points[self.starts[rows, None] + np.arange(count)]
         return corners
 
     def bounds(self) -> tuple[_Floats, _Floats]:
-        """Return the lower and the upper corner around each; (0, 0) around none."""
+        """Return the minimum and the maximum corner of each; (0, 0) without corners."""
         low, high = np.zeros((2, len(self.counts), 2))
         some = self.counts > 0
         if some.any():
@@ -388,9 +400,9 @@ class _Polygons:
 
 
 def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> list[tuple[Any, Any]]:
-    """Return those of some pairs that collide."""
+    """Return the pairs that collide."""
     first, second = pairs[_near(a, b, pairs)].T
-    # Only the hit boxes of sprites that are near another are worth being worked out.
+    # Hit boxes are slow to compute, so only those of sprites in candidate pairs are.
     rows, at = np.unique(first, return_inverse=True)
     polygons = _Polygons(a._at(rows.tolist()))
     other_rows, other_at = np.unique(second, return_inverse=True)
@@ -400,43 +412,272 @@ def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> list[tuple
 
 
 def _near(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which pairs arcade looks at more closely, in the arithmetic of its own check."""
+    """Return for which pairs arcade tests hit boxes, in arcade's own arithmetic."""
     first, second = pairs.T
     reach = (a._sides[first] + b._sides[second]) * 0.71
-    apart = a._positions[first] - b._positions[second]
-    squares = apart * apart
+    difference = a._positions[first] - b._positions[second]
+    squares = difference * difference
     near: NDArray[np.bool_] = squares[:, 0] + squares[:, 1] <= reach * reach
     return near
 
 
 def _intersecting(a: _Polygons, rows: _Rows, b: _Polygons, other_rows: _Rows) -> NDArray[np.bool_]:
-    """Return which polygons overlap their partners, those with as many corners together."""
+    """Return which polygons overlap their partners; equal numbers of corners are tested at once."""
     hit = np.zeros(len(rows), np.bool_)
     counts = np.column_stack([a.counts[rows], b.counts[other_rows]])
     for count, other_count in np.unique(counts, axis=0):
         if count and other_count:
             these = np.flatnonzero((counts == (count, other_count)).all(axis=1))
             one, other = a.of(rows[these], count), b.of(other_rows[these], other_count)
-            hit[these] = ~(_parted(one, one, other) | _parted(other, one, other))
+            hit[these] = ~(_separated(one, one, other) | _separated(other, one, other))
     return hit
 
 
-def _parted(sides: _Floats, one: _Floats, other: _Floats) -> NDArray[np.bool_]:
-    """Return which polygons lie on either side of a line along one of the sides.
+def _separated(sides: _Floats, one: _Floats, other: _Floats) -> NDArray[np.bool_]:
+    """Return which polygons a line along one of the sides separates.
 
-    arcade's `are_polygons_intersecting` does the same sums in the same order, so that the answer is
+    The sums are those of arcade's `are_polygons_intersecting`, in the same order, so the answer is
     the same to the last bit, also for hit boxes that are not convex.
     """
     found = np.zeros(len(one), np.bool_)
     for side in np.moveaxis(sides - np.roll(sides, -1, axis=1), 1, 0):
         normal = (-side[:, 1, None], side[:, 0, None])
-        low, high = _shadow(normal, one)
-        other_low, other_high = _shadow(normal, other)
+        low, high = _projection(normal, one)
+        other_low, other_high = _projection(normal, other)
         found |= (high <= other_low) | (other_high <= low)
     return found
 
 
-def _shadow(normal: tuple[_Floats, _Floats], polygons: _Floats) -> tuple[_Floats, _Floats]:
-    """Return the least and the greatest height of each polygon along its normal."""
+def _projection(normal: tuple[_Floats, _Floats], polygons: _Floats) -> tuple[_Floats, _Floats]:
+    """Return the minimum and the maximum of each polygon along its normal."""
     along = normal[0] * polygons[:, :, 0] + normal[1] * polygons[:, :, 1]
     return along.min(axis=1), along.max(axis=1)
+
+
+class PhysicsEngineSimple:
+    """arcade's engine for games seen from above, with continuous motion.
+
+    `update` moves the player by ``change_x`` and ``change_y``. It slides along walls, and passes
+    through none at any speed. Each sprite is the bounding box of its hit box, so rotated and
+    round walls are boxes here.
+
+    Parameters
+    ----------
+    player_sprite : Sprite
+        The sprite to move.
+    walls : SpriteList or iterable of SpriteList, optional
+        Sprites that do not move. They are read here; call `read_walls` after they have changed.
+
+    Examples
+    --------
+    >>> import arcade, jostle.arcade
+    >>> player = arcade.SpriteSolidColor(20, 20, center_x=0)
+    >>> walls = arcade.SpriteList(lazy=True)
+    >>> walls.append(arcade.SpriteSolidColor(20, 200, center_x=60))
+    >>> engine = jostle.arcade.PhysicsEngineSimple(player, walls)
+    >>> player.change_x = 500
+    >>> engine.update() == [walls[0]], player.right
+    (True, 50.0)
+    """
+
+    _up: tuple[float, float] = (0.0, 0.0)
+
+    def __init__(self, player_sprite: Any, walls: Any = None) -> None:
+        self.player_sprite = player_sprite
+        self.walls = walls
+
+    @property
+    def walls(self) -> list[Any]:
+        """The lists of sprites that stop the player and do not move."""
+        return self._walls
+
+    @walls.setter
+    def walls(self, walls: Any) -> None:
+        self._walls = _lists(walls)
+        self.read_walls()
+
+    def read_walls(self) -> None:
+        """Read the positions and the sizes of all walls again."""
+        self._space = Space()
+        self._sprites: dict[int, Any] = {}
+        self._add(chain.from_iterable(self._walls))
+        self._player = self._space.add(**_centered(self.player_sprite), categories=_PLAYER)
+
+    def update(self) -> list[Any]:
+        """Move the player, and return the sprites that it has met, each once."""
+        return self._slide().sprites
+
+    def _add(self, sprites: Iterable[Any]) -> _Rows:
+        """Add sprites as obstacles; return their ids."""
+        sprites = list(sprites)
+        ids = self._space.add(boxes=_sides(sprites), categories=_WALL)
+        self._sprites.update(zip(ids.tolist(), sprites, strict=True))
+        return ids
+
+    def _slide(self) -> _Met:
+        """Move the player by its velocity."""
+        player = self.player_sprite
+        place = _centered(player)
+        self._space.move(self._player, place["centers"])
+        self._space.resize(self._player, half_sizes=place["half_sizes"])
+        slide = self._space.move_and_slide(
+            self._player, (player.change_x, player.change_y), mask=_WALL, up=self._up
+        )
+        x, y = slide.displacement.tolist()
+        player.position = (player.center_x + x, player.center_y + y)
+        hits = list(dict.fromkeys(slide.hits.tolist()))
+        vertical = bool(slide.on_floor or slide.on_ceiling)
+        return _Met([self._sprites[hit] for hit in hits], bool(slide.on_floor), vertical)
+
+
+class PhysicsEnginePlatformer(PhysicsEngineSimple):
+    """arcade's engine for platformers, with continuous motion.
+
+    The player falls, stands on walls and platforms, and is carried by platforms. Platforms move by
+    ``change_x`` and ``change_y`` and turn at their boundaries. Each sprite is the bounding box
+    of its hit box; there are no ramps.
+
+    Parameters
+    ----------
+    player_sprite : Sprite
+        The sprite to move.
+    platforms : SpriteList or iterable of SpriteList, optional
+        Sprites that move; they are read in each `update`.
+    gravity_constant : float, default 0.5
+        Velocity that the player gains downwards in each `update`.
+    ladders : SpriteList or iterable of SpriteList, optional
+        Sprites on which the player does not fall.
+    walls : SpriteList or iterable of SpriteList, optional
+        Sprites that do not move. They are read here; call `read_walls` after they have changed.
+
+    Examples
+    --------
+    >>> import arcade, jostle.arcade
+    >>> player = arcade.SpriteSolidColor(20, 20, center_y=500)
+    >>> ground = arcade.SpriteList(lazy=True)
+    >>> ground.append(arcade.SpriteSolidColor(400, 20))
+    >>> engine = jostle.arcade.PhysicsEnginePlatformer(player, walls=ground)
+    >>> for frame in range(60):
+    ...     met = engine.update()
+    >>> player.bottom, player.change_y, engine.can_jump()
+    (10.0, 0, True)
+    """
+
+    _up = (0.0, 1.0)
+
+    def __init__(
+        self,
+        player_sprite: Any,
+        platforms: Any = None,
+        gravity_constant: float = 0.5,
+        ladders: Any = None,
+        walls: Any = None,
+    ) -> None:
+        self.platforms = _lists(platforms)
+        self.ladders = _lists(ladders)
+        self.gravity_constant = gravity_constant
+        self.jumps_since_ground = 0
+        self.allowed_jumps = 1
+        self.allow_multi_jump = False
+        super().__init__(player_sprite, walls)
+
+    def read_walls(self) -> None:
+        """Read the positions and the sizes of all walls and platforms again."""
+        super().read_walls()
+        self._moving = list(chain.from_iterable(self.platforms))
+        self._moving_ids = self._add(self._moving)
+
+    def update(self) -> list[Any]:
+        """Move the platforms and the player, and return the sprites that it has met, each once."""
+        if not self.is_on_ladder():
+            self.player_sprite.change_y -= self.gravity_constant
+        self._move_platforms()
+        met = self._slide()
+        if met.vertical:
+            self.player_sprite.change_y = 0
+        if met.on_floor:
+            self.jumps_since_ground = 0
+        return met.sprites
+
+    def is_on_ladder(self) -> bool:
+        """Whether the player touches a ladder."""
+        lists = self.ladders
+        return any(arcade.check_for_collision_with_list(self.player_sprite, one) for one in lists)
+
+    def can_jump(self, y_distance: float = 5) -> bool:
+        """Whether the player is at most `y_distance` above a floor, or may jump in the air."""
+        left, bottom, right, top = _sides([self.player_sprite])[0].tolist()
+        below = self._space.query_rect((left, bottom - y_distance, right, top), mask=_WALL)
+        if len(below):
+            self.jumps_since_ground = 0
+        more = self.allow_multi_jump and self.jumps_since_ground < self.allowed_jumps
+        return bool(len(below) or more)
+
+    def jump(self, velocity: float) -> None:
+        """Set the velocity upwards, and count the jump."""
+        self.player_sprite.change_y = velocity
+        self.increment_jump_counter()
+
+    def increment_jump_counter(self) -> None:
+        """Count a jump that did not call `jump`."""
+        if self.allow_multi_jump:
+            self.jumps_since_ground += 1
+
+    def enable_multi_jump(self, allowed_jumps: int) -> None:
+        """Allow this number of jumps before the player touches the ground again."""
+        self.allowed_jumps = allowed_jumps
+        self.allow_multi_jump = True
+
+    def disable_multi_jump(self) -> None:
+        """Allow jumps from the ground only."""
+        self.allow_multi_jump = False
+        self.allowed_jumps = 1
+        self.jumps_since_ground = 0
+
+    def _move_platforms(self) -> None:
+        for platform in self._moving:
+            for axis, low, high in (("x", "left", "right"), ("y", "bottom", "top")):
+                _turn(platform, axis, low, high)
+        if self._moving:
+            self._space.move(self._moving_ids, [sprite.position for sprite in self._moving])
+
+
+_WALL, _PLAYER = 1, 2
+
+
+class _Met(NamedTuple):
+    """What a player has met."""
+
+    sprites: list[Any]
+    on_floor: bool
+    vertical: bool
+
+
+def _turn(sprite: Any, axis: str, low: str, high: str) -> None:
+    """Move a platform along an axis by its velocity, and turn it at its boundaries."""
+    change = getattr(sprite, f"change_{axis}")
+    setattr(sprite, f"center_{axis}", getattr(sprite, f"center_{axis}") + change)
+    for side, sign in ((high, 1), (low, -1)):
+        limit = getattr(sprite, f"boundary_{side}")
+        if limit is not None and sign * change > 0 and sign * (getattr(sprite, side) - limit) >= 0:
+            setattr(sprite, side, limit)
+            setattr(sprite, f"change_{axis}", -change)
+
+
+def _lists(sprites: Any) -> list[Any]:
+    """Some lists of sprites: none, one or many."""
+    if sprites is None:
+        return []
+    return [sprites] if isinstance(sprites, arcade.SpriteList) else list(sprites)
+
+
+def _sides(sprites: list[Any]) -> _Floats:
+    """The bounding boxes of hit boxes."""
+    rows = [(sprite.left, sprite.bottom, sprite.right, sprite.top) for sprite in sprites]
+    return _table(rows, 4)
+
+
+def _centered(sprite: Any) -> dict[str, _Floats]:
+    """The bounding box of a hit box as centre and half size."""
+    sides = _sides([sprite])[0]
+    return {"centers": (sides[:2] + sides[2:]) / 2, "half_sizes": (sides[2:] - sides[:2]) / 2}

@@ -1,4 +1,4 @@
-"""What may be given as shapes and particles, as a type checker sees it."""
+"""Types of the arguments for shapes and particles."""
 
 from typing import Any
 
@@ -22,6 +22,13 @@ def trees(
     print(jostle.find_pairs(single, 1).shape, jostle.find_pairs(given["centers"]).tolist())
     contacts = Quadtree(single, 1.0).contacts()
     print(contacts.pairs[contacts.depths > 0.5].tolist())
+
+
+def apart(single: NDArray[np.float32], given: dict[str, Any]) -> None:
+    assert_type(jostle.separate(single, 1.0, fixed=np.ones(3, bool)), jostle.Separated)
+    assert_type(jostle.separate([(0, 0), (1, 1)], half_sizes=(1, 2), axis=1).overlaps, int)
+    print(jostle.separate(given["centers"], given["radii"]).centers.tolist())
+    assert_type(jostle.tiles(given["grid"] == 1, (16, 16)), NDArray[np.float64])
 
 
 def worlds(points: list[tuple[float, float]], given: Any) -> None:

@@ -1,4 +1,4 @@
-"""What a type checker makes of ids: one or many."""
+"""Types of ids of a `Space`: one or many."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import pygame
 from numpy.typing import NDArray
 from typing_extensions import assert_type
 
-from jostle import Space
+from jostle import Slide, Slides, Space
 
 Ids = NDArray[np.int64]
 Reals = NDArray[np.floating[Any]]
@@ -72,3 +72,13 @@ def changed(space: Space, id: int, ids: Ids, vector: pygame.Vector2) -> None:
     space.set_filter(id, masks=0)
     space.remove([1, 2])
     space.remove(ids[space.radii(ids) < 1])
+
+
+def slid(space: Space, id: int, ids: Ids, vector: pygame.Vector2, given: Any) -> None:
+    assert_type(space.move_and_slide(id, (0, 1)), Slide)
+    assert_type(space.move_and_slide(np.int64(3), vector, up=(0, 1)), Slide)
+    assert_type(space.move_and_slide(ids, [(0, 1), (2, 3)], one_way=4), Slides)
+    assert_type(space.move_and_slide([1, 2], np.ones((2, 2)), mask=3), Slides)
+    assert_type(space.move_and_slide(id, (0, 1)).on_floor, bool)
+    for step in space.move_and_slide(given, given).displacements:
+        print(step)

@@ -4,18 +4,22 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{Emitter, GaltonBoard};
-use jostle::{Collisions, Id, Particles, Scalar, Touch, TouchEvents, WallTouch, memory};
+use jostle::{Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
-use crate::arrays::{column, decimal, long, matrix, table};
+use crate::arrays::{Widen, column, decimal, long, matrix, table};
 use crate::error::refused;
 use crate::interrupt::detached;
 
 /// `jostle.Contacts`.
-pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
+pub fn contacts<T, I>(py: Python<'_>, all: Overlaps<T, I>) -> PyResult<Bound<'_, PyAny>>
+where
+    T: Element,
+    [I; 2]: Widen<Long = [i64; 2]> + Sync,
+{
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pairs = detached(py, || long(&all.pairs))?.map_err(refused)?;
     let fields = (table(py, pairs)?, table(py, all.normals)?, column(py, all.depths));
@@ -192,15 +196,68 @@ pub fn neighbors<T: Element>(
 /// `jostle.RayHit`.
 pub fn ray_hit<'py, T: Scalar>(py: Python<'py>, all: &RayHits<T>) -> PyResult<Bound<'py, PyAny>> {
     static RAY_HIT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (all.ids[0], all.distances[0].to_f64());
+    let [x, y] = all.normals[0].map(T::to_f64);
+    let fields = (all.ids[0], all.distances[0].to_f64(), (x, y));
     RAY_HIT.import(py, "jostle.results", "RayHit")?.call1(fields)
 }
 
 /// `jostle.RayHits`.
 pub fn ray_hits<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
     static RAY_HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (column(py, all.ids), column(py, all.distances));
+    let fields = (column(py, all.ids), column(py, all.distances), table(py, all.normals)?);
     RAY_HITS.import(py, "jostle.results", "RayHits")?.call1(fields)
+}
+
+/// `jostle.RayHitLists`.
+pub fn ray_hit_lists<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
+    static LISTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
+    let (ids, distances) = (column(py, all.ids), column(py, all.distances));
+    let fields = (column(py, offsets), ids, distances, table(py, all.normals)?);
+    LISTS.import(py, "jostle.results", "RayHitLists")?.call1(fields)
+}
+
+/// `jostle.Separated`.
+pub fn separated<T: Element>(
+    py: Python<'_>,
+    all: jostle::Separated<T>,
+) -> PyResult<Bound<'_, PyAny>> {
+    static SEPARATED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (table(py, all.centers)?, all.rounds, all.overlaps);
+    SEPARATED.import(py, "jostle.results", "Separated")?.call1(fields)
+}
+
+/// `jostle.Slides`.
+pub fn slides<T: Element>(py: Python<'_>, all: Slides<T>) -> PyResult<Bound<'_, PyAny>> {
+    static SLIDES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let met = Hits { offsets: all.offsets, ids: all.ids, tests: 0 };
+    let fields = (
+        table(py, all.displacements)?,
+        table(py, all.remaining)?,
+        table(py, all.normals)?,
+        column(py, all.on_floor),
+        column(py, all.on_wall),
+        column(py, all.on_ceiling),
+        hits(py, met)?,
+        column(py, all.floors),
+    );
+    SLIDES.import(py, "jostle.results", "Slides")?.call1(fields)
+}
+
+/// `jostle.Slide`.
+pub fn slide<T: Element + Copy>(py: Python<'_>, all: Slides<T>) -> PyResult<Bound<'_, PyAny>> {
+    static SLIDE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let fields = (
+        column(py, all.displacements[0].to_vec()),
+        column(py, all.remaining[0].to_vec()),
+        table(py, all.normals)?,
+        all.on_floor[0],
+        all.on_wall[0],
+        all.on_ceiling[0],
+        column(py, all.ids),
+        all.floors[0],
+    );
+    SLIDE.import(py, "jostle.results", "Slide")?.call1(fields)
 }
 
 /// `jostle.scenes.GaltonBoard`.

@@ -202,6 +202,14 @@ impl<T: Scalar + Element> Rows<T> {
         })
     }
 
+    /// Number of shapes.
+    pub fn len(&self) -> usize {
+        match &self.places {
+            Places::Centers(centers) => centers.len(),
+            Places::Boxes(boxes) => boxes.len(),
+        }
+    }
+
     /// The shapes of the core, with checked values; without the GIL.
     pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
         self.places.shapes(self.radii, self.half_sizes, self.filters)

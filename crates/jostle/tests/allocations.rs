@@ -1,10 +1,11 @@
-//! A step in a world that has made some steps allocates no memory, and a change of one particle little.
+//! A step in a world that has made some steps allocates no memory, nor a pass that moves shapes apart,
+//! and a change of one particle little.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use jostle::scenes::{self, STEP};
-use jostle::{Changes, Each, Particles};
+use jostle::{Changes, Each, Particles, Separation, Shapes, separate};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };
@@ -52,6 +53,23 @@ fn allocated_bytes(act: impl FnOnce()) -> usize {
     BYTES.set(0);
     act();
     BYTES.get()
+}
+
+#[test]
+fn passes_that_move_shapes_apart_allocate_nothing() {
+    // Few overlap, so that one list of pairs lasts, and it is far too little room for success.
+    let at = |k: u32| [f64::from(k % 40) * 1.99, f64::from(k / 40) * 1.99];
+    let shapes = Shapes::circles((0..1600).map(at).collect(), Each::One(1.0)).unwrap();
+    let bounds = Some([-1.0, -1.0, 39.0 * 1.99 + 1.0, 39.0 * 1.99 + 1.0]);
+    let count = |max_rounds| {
+        let rules = Separation { max_rounds, bounds, threads: Some(1), ..Separation::default() };
+        allocations(|| {
+            let apart = separate(&shapes, &rules).unwrap();
+            assert!(apart.rounds == max_rounds && apart.overlaps > 0);
+        })
+    };
+    count(20);
+    assert_eq!(count(4), count(20));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use jostle::{
 
 /// State of each scene after 240 steps of 1/60 s, with at most 1,000 particles
 /// and seed 0. A change of the physics changes them: see CONTRIBUTING.
-const PINNED: [(&str, u64); 21] = [
+const PINNED: [(&str, u64); 24] = [
     ("article", 0x99f8_70c1_3b19_74f1),
     ("gas", 0x5dee_8c46_e453_36cc),
     ("pile", 0xd241_1a8c_2162_11b4),
@@ -35,6 +35,9 @@ const PINNED: [(&str, u64); 21] = [
     ("conveyor", 0xa157_ecab_b874_d3aa),
     ("piston", 0xec36_bf00_0d63_c92c),
     ("pinball", 0x8ad1_d105_5b1a_b4a2),
+    ("life", 0xf6b8_12be_fc85_cf14),
+    ("flock", 0x99fe_66e4_4238_ab4f),
+    ("fluid", 0x8186_c339_02c1_1670),
 ];
 
 /// State and number of stars that form from 2,000 grains of dust in 300 steps.

@@ -24,19 +24,30 @@ PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no oth
 
 
 class Commands:
-    """Commands on particles and walls; an error becomes a message."""
+    """Commands on particles and walls; an error becomes a message.
+
+    Attributes
+    ----------
+    kind
+        The kind of new particles, where forces depend on it.
+    """
 
     def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
         self._engine = engine
         self._say = say
         self._rng = np.random.default_rng()
+        self.kind = 0
 
     # Some particles
 
     def create(self, point: Point) -> None:
         """Add a particle at rest, with the median radius and density."""
-        radius, density = usual(self._engine.frame)
-        self._edit(lambda simulation: simulation.add([point], [(0, 0)], [radius], [density]))
+        frame = self._engine.frame
+        radius, density = usual(frame)
+        kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
+        self._edit(
+            lambda simulation: simulation.add([point], [(0, 0)], [radius], [density], kinds=kinds)
+        )
 
     def clone(self, tags: Tags) -> None:
         """Add a copy of each particle, all shifted alike; where a wall is, at a free position."""
@@ -54,6 +65,7 @@ class Commands:
                 frame.radii[rows],
                 frame.densities[rows],
                 frame.movable[rows],
+                kinds=None if frame.kinds is None else frame.kinds[rows],
             )
             if not there.all():
                 self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")

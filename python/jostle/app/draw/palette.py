@@ -30,8 +30,13 @@ ATTRACTOR: Colour = (198, 160, 220)
 
 SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
+FIRST_KIND = SHADES + 1  # the shades after that are those of the kinds
 
 _DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
+_KINDS = (
+    *("#ee5d5d", "#f2b450", "#62cf7a", "#4cc6dc", "#6688f5", "#be74f2"),
+    *("#f48fb8", "#dfe4ea"),
+)
 _LEVEL_STOPS = ("#8f98e6", "#8379d2", "#8763b6", "#8e5296", "#934a78")
 _HEAT_STOPS = ("#1b2230", "#2c2f52", "#4d3a6c", "#70406c", "#914c64")
 
@@ -47,7 +52,8 @@ def _colours(ramp: NDArray[np.float64]) -> list[Colour]:
     return [(int(r), int(g), int(b)) for r, g, b in np.rint(ramp)]
 
 
-DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED]
+KINDS: list[Colour] = _colours(_ramp(_KINDS, len(_KINDS)))  # repeated if there are more kinds
+DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED, *KINDS]
 _LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, 25))
 HEAT: list[Colour] = _colours(_ramp(_HEAT_STOPS, 12))  # of leaves, by occupancy
 

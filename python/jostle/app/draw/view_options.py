@@ -51,6 +51,7 @@ class ColourBy(_Cycle):
     AGE = "age"
     ENERGY = "kinetic energy"
     RANDOM = "each its own"
+    KIND = "kind"
 
 
 @dataclass

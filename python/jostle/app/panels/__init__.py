@@ -9,6 +9,7 @@ theme, widgets, sliders   colours; labels, numbers, buttons and lists; sliders
 plots                     lines and stacked bars over time
 playback_panel            pause, step, restart, previous and next scene
 scenes_panel              the list of scenes
+life_panel                the matrix of particle life
 method_panel              quadtree or brute force, exact physics or the article's program
 settings_panel            the sliders of the settings
 display_panel             what is drawn beside the particles

@@ -12,6 +12,7 @@ from jostle.app.gui.layout import layout
 from jostle.app.panels import (
     display_panel,
     files_panel,
+    life_panel,
     method_panel,
     playback_panel,
     rewind_panel,
@@ -24,8 +25,10 @@ from jostle.app.panels.widgets import at_right, colours, part, section
 from jostle.app.session import Session
 
 TITLE = 21.0
+LIFE = "Particle life"
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Scenes", scenes_panel.build),
+    (LIFE, life_panel.build),
     ("Method", method_panel.build),
     ("Particles and tree", settings_panel.build_tree),
     ("Display", display_panel.build),
@@ -58,6 +61,8 @@ def build(session: Session, gui: Gui) -> None:
     _title(session)
     playback_panel.build(session, gui)
     for title, contents in SECTIONS:
+        if title == LIFE and session.frame.matrix is None:
+            continue
         if section(gui, title):
             with part(title):
                 contents(session, gui)

@@ -5,7 +5,7 @@ validation, settings    rules for values and their messages; the settings of a s
 simulation              the protocol of simulations; `Frame`, `StepStats`
 packing                 values and arrays as bytes
 state_validation        checks of saved states
-motors                  motors whose walls are removed or moved
+motors, kinds           motors whose walls change; kinds of particles, and their matrix
 containers              the container of a world, of any kind and size
 wall_segments           line segments: the walls inside a container
 placement               free positions for discs

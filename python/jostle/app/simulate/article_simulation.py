@@ -241,8 +241,9 @@ class ArticleSimulation:
         densities: ArrayLike = 1.0,
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
+        kinds: ArrayLike | None = None,
     ) -> Tags:
-        """Add particles with whole numbers, as in the article; all are movable."""
+        """Add particles with whole numbers, as in the article; all are movable, without kinds."""
         if np.any(sensors):
             raise ValueError("The article's particles cannot be sensors.")
         places = np.asarray(positions, np.float64).reshape(-1, 2)

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 import jostle
+from jostle import life
 from jostle.app.simulate.validation import (
     AnyRule,
     Fields,
@@ -34,10 +35,12 @@ CONTAINERS = ("box", "circle", "torus", "none")
 ON_TOUCH = ("bounce", "merge", "ignore")
 MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
+MOST_KINDS = 16  # of particle life
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
 OnTouch = Literal["bounce", "merge", "ignore"]
 Range = tuple[float, float]
+Matrix = tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,7 @@ class Settings:
     walls: tuple[Polyline, ...] = ()  # in addition to those of the scene
     # Of the sides of the container: of all, or at min x, max x, min y and max y.
     container_restitution: float | tuple[float, float, float, float] | None = None
+    matrix: str | Matrix | None = None  # of particle life: a name of `life.MATRICES`, or numbers
 
     @property
     def by_article(self) -> bool:
@@ -110,6 +114,19 @@ _SHARE, _SHARES = real(0, 1), each(real(0, 1), "min x", "max x", "min y", "max y
 SIDES = Rule(
     f"{_SHARE.words}, or {_SHARES.words}",
     lambda value: _SHARE.fits(value) or _SHARES.fits(value),
+)
+
+
+def _is_matrix(value: Any) -> bool:
+    rows = value if isinstance(value, list | tuple) else ()
+    line = each(real(-1, 1), *map(str, range(len(rows))))
+    return 1 <= len(rows) <= MOST_KINDS and all(map(line.fits, rows))
+
+
+MATRIX = Rule(
+    f"one of {', '.join(life.MATRICES)}, "
+    f"or up to {MOST_KINDS} rows of as many numbers from -1 to 1",
+    lambda value: _is_matrix(value) or (isinstance(value, str) and value in life.MATRICES),
 )
 
 # Rules for the settings of a scene, for files, the command and the sliders.
@@ -132,6 +149,7 @@ RULES: dict[str, Rule] = {
     "on_touch": or_none(one_of(*ON_TOUCH)),
     "sleeping": or_none(TRUTH),
     "time_scale": real(0.001, 100),
+    "matrix": or_none(MATRIX),
 }
 
 GROUP_RULES: dict[str, Rule] = {
@@ -173,7 +191,10 @@ def settings_of(facts: Mapping[str, Any]) -> Settings:
         raise ValueError(f"{dotted(key)} {why}")
     groups = tuple(map(_group_of, facts.get("particles", ())))
     lines = tuple(map(_line_of, facts.get("walls", ())))
-    return Settings(**{**_tidy(facts), "particles": groups, "walls": lines})
+    matrix = facts.get("matrix")
+    if isinstance(matrix, list | tuple):
+        matrix = tuple(tuple(map(float, row)) for row in matrix)
+    return Settings(**{**_tidy(facts), "particles": groups, "walls": lines, "matrix": matrix})
 
 
 def degenerate_walls(facts: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
@@ -228,5 +249,5 @@ def _tidy(facts: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: tuple(map(float, value)) if isinstance(value, list | tuple) else value
         for name, value in facts.items()
-        if name not in ("particles", "walls")
+        if name not in ("particles", "walls", "matrix")
     }

@@ -119,6 +119,8 @@ class Frame:
     walls: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2, 2), np.float32))
     own_walls: int = 0  # the number of those of the scene
     sensors: NDArray[np.int8] | None = None  # (n,): 1 for a sensor, 2 if something touches it
+    kinds: NDArray[np.uint8] | None = None  # (n,); None if forces do not depend on kinds
+    matrix: NDArray[np.float64] | None = None  # (K, K), of particle life
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -197,6 +199,7 @@ class Simulation(Protocol):
         densities: ArrayLike = ...,
         movable: ArrayLike = ...,
         sensors: ArrayLike = ...,
+        kinds: ArrayLike | None = ...,
     ) -> Tags:
         """Add particles; return their tags."""
 

@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle import life
+from jostle.app.simulate.kinds import pair_force
+from jostle.app.simulate.motors import Forces
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.simulation import (
     Attractor,
@@ -29,6 +32,8 @@ def frame_of(
     begun_with: int | None,
 ) -> Frame:
     """Return the present state of a world."""
+    forces = world.forces
+    pair = pair_force(forces)
     return Frame(
         positions=world.positions,
         velocities=world.velocities,
@@ -42,7 +47,7 @@ def frame_of(
         energies=_energies(world) if request.energies else None,
         tree=_tree_boxes(world, columns) if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
-        springs=_springs(world, columns),
+        springs=_springs(forces, columns),
         attractors=attractors,
         angles=world.angles if columns.turns else None,
         scene=scene,
@@ -50,6 +55,8 @@ def frame_of(
         walls=world.walls,
         own_walls=segments.own,
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
+        kinds=None if pair is None else pair.kinds,
+        matrix=None if pair is None else life.matrix_of(pair),
     )
 
 
@@ -90,8 +97,8 @@ def _contacts(world: jostle.World, columns: ParticleTable) -> FrameContacts:
     )
 
 
-def _springs(world: jostle.World, columns: ParticleTable) -> NDArray[np.int64] | None:
-    pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
+def _springs(forces: Forces, columns: ParticleTable) -> NDArray[np.int64] | None:
+    pairs = [force.pairs for force in forces if isinstance(force, jostle.Springs)]
     return columns.rows(np.concatenate(pairs)) if pairs else None
 
 

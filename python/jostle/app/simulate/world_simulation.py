@@ -15,6 +15,7 @@ from jostle.app.simulate.attractor_forces import AttractorForces
 from jostle.app.simulate.containers import InitialRegion, bounds, center_of, moved_inside
 from jostle.app.simulate.copies import copies_of
 from jostle.app.simulate.emitters import Emitters
+from jostle.app.simulate.kinds import kind_count, set_matrix
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.settings import Polyline, Settings
 from jostle.app.simulate.simulation import (
@@ -75,6 +76,8 @@ class WorldSimulation:
             self._set_friction(settings.friction)
         if settings.container_restitution is not None:
             self.world.container_restitution = settings.container_restitution
+        if settings.matrix is not None:
+            set_matrix(self.world, settings.matrix)
         self._initial = InitialRegion.of(self.world.container, view, settings.n)
         self.emitters: Emitters | None = None
         if settings.world_size != 1.0 or settings.container is not None:
@@ -107,7 +110,7 @@ class WorldSimulation:
     def adjustable(self) -> frozenset[str]:
         """Return the settings that can change while it runs."""
         return frozenset(
-            {*WORLD_SETTINGS, "friction", "time_scale", "n", "world_size", "container"}
+            {*WORLD_SETTINGS, "friction", "time_scale", "n", "world_size", "container", "matrix"}
         )
 
     @property
@@ -162,6 +165,8 @@ class WorldSimulation:
                 )
             elif name == "friction":
                 self._set_friction(value)
+            elif name == "matrix":
+                set_matrix(self.world, value)
             elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
@@ -219,10 +224,16 @@ class WorldSimulation:
         densities: ArrayLike = 1.0,
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
+        kinds: ArrayLike | None = None,
     ) -> Tags:
-        """Add particles; return their tags."""
+        """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
         with np.errstate(over="ignore"):  # the world refuses infinite values
             places = np.asarray(positions, np.float32).reshape(-1, 2)
+        count = kind_count(self.world)
+        if count is None:
+            kinds = None
+        elif kinds is None:
+            kinds = (len(self.world) + np.arange(len(places))) % count
         self.world.add(
             places,
             np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
@@ -231,6 +242,7 @@ class WorldSimulation:
             movable=np.asarray(movable),
             sensors=np.asarray(sensors),
             friction=self._columns.friction,
+            kinds=kinds,
         )
         return self._columns.add(self.world)
 

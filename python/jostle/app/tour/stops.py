@@ -84,6 +84,15 @@ def stars(user: ScriptedUser) -> None:
     user.wait(8)
 
 
+def life(user: ScriptedUser) -> None:
+    """Flowers form, and the panel with their matrix."""
+    user.session.view_options.tree = TreeView.OFF
+    user.session.runner.adjust("matrix", "flowers")
+    fold(user, "Scenes")
+    user.hide_pointer()
+    user.wait(20, every=30)
+
+
 def sand(user: ScriptedUser) -> None:
     """The hourglass begins to run."""
     user.session.view_options.tree = TreeView.OFF
@@ -239,6 +248,7 @@ STOPS = (
     Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
     Stop("springs", "A soft body is dragged and thrown.", Settings("springs"), springs, True),
     Stop("stars", "A cloud of points becomes stars.", Settings("stars"), stars, True),
+    Stop("life", "Particle life: flowers of six kinds.", Settings("life", 2_500), life),
     Stop("sand", "An hourglass.", Settings("sand"), sand, True),
     Stop("galton", "A Galton board, and the binomial curve.", Settings("galton"), galton),
     Stop("thermostat", "Two gases between walls that have a temperature.",

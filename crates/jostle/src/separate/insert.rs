@@ -1,0 +1,231 @@
+//! Taking out shapes that still overlap, and putting each at the nearest free position.
+//!
+//! Positions are searched along lines at the wanted x and at the sides of the shapes nearby. A grid
+//! of cells finds these shapes.
+
+use super::Separation;
+use super::bodies::Bodies;
+use super::push::Pusher;
+use super::taken::Taken;
+use crate::error::Result;
+use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
+
+/// A search ends without a position if more shapes than this are nearby.
+const MOST_NEARBY: usize = 256;
+
+/// Positions along the width of a round shape that are tried, from its left to its right side.
+const LINES_OF_ROUND: [f64; 7] = [-1.0, -0.87, -0.5, 0.0, 0.5, 0.87, 1.0];
+
+/// As [`LINES_OF_ROUND`], for a box.
+const LINES_OF_BOX: [f64; 2] = [-1.0, 1.0];
+
+/// Moves the shapes at `places`, which are movable, to free positions, one after another. One for
+/// which no position is found stays.
+pub fn insert<T: Scalar>(
+    bodies: &mut Bodies<T>,
+    places: &[u32],
+    pusher: &Pusher<T>,
+    rules: &Separation<T>,
+) -> Result<()> {
+    let mut grid = Grid::of(bodies, places)?;
+    let mut search = Search { taken: Taken::default(), nearby: Vec::new(), lines: Vec::new() };
+    let mut pulse = Pulse::current();
+    for &place in places {
+        pulse.check(grid.cells.len() / bodies.len())?;
+        if let Some(free) =
+            search.nearest(bodies, place as usize, (&grid, pusher, rules), &mut pulse)?
+        {
+            bodies.centers[place as usize] = free;
+        }
+        grid.put(place, bodies.centers[place as usize])?;
+    }
+    Ok(())
+}
+
+/// Memory of the searches.
+struct Search<T> {
+    taken: Taken<T>,
+    nearby: Vec<u32>,
+    /// Positions along x to try, with their distances from the wanted one.
+    lines: Vec<(T, T)>,
+}
+
+impl<T: Scalar> Search<T> {
+    /// The free position of a shape nearest to its centre.
+    fn nearest(
+        &mut self,
+        bodies: &Bodies<T>,
+        place: usize,
+        (grid, pusher, rules): (&Grid<T>, &Pusher<T>, &Separation<T>),
+        pulse: &mut Pulse,
+    ) -> Result<Option<[T; 2]>> {
+        let extent = [0, 1].map(|axis| bodies.all[place].extent(axis));
+        let mut reach = extent[0].max(extent[1]).max(bodies.mean_extents[0]);
+        reach = reach + reach;
+        let mut nearby_before = usize::MAX;
+        loop {
+            let wide = [reach + extent[0] + rules.gap, reach + extent[1] + rules.gap];
+            grid.near(bodies, place, wide, &mut self.nearby)?;
+            pulse.check(self.nearby.len())?;
+            let found = self.along_lines(bodies, place, reach, (pusher, rules))?;
+            let all = self.nearby.len() == nearby_before;
+            match found {
+                // Shapes beyond the reach may be in the way of a position beyond it.
+                Some((free, distance)) if distance <= reach => return Ok(Some(free)),
+                Some((_, distance)) if !all => reach = distance.max(reach + reach),
+                _ if self.nearby.len() > MOST_NEARBY => return Ok(None),
+                _ if all && rules.bounds.is_some() => return Ok(None),
+                Some((_, distance)) => reach = distance.max(reach + reach),
+                None => reach = reach + reach,
+            }
+            nearby_before = self.nearby.len();
+        }
+    }
+
+    /// The nearest position that is free of the shapes nearby, and its distance, if that is at most
+    /// `reach` along x.
+    fn along_lines(
+        &mut self,
+        bodies: &Bodies<T>,
+        place: usize,
+        reach: T,
+        (pusher, rules): (&Pusher<T>, &Separation<T>),
+    ) -> Result<Option<([T; 2], T)>> {
+        let (body, wanted) = (&bodies.all[place], bodies.centers[place]);
+        let limits = [0, 1].map(|axis| {
+            let most = [-T::INFINITY, T::INFINITY];
+            rules.bounds.map_or(most, |bounds| {
+                [bounds[axis] + body.extent(axis), bounds[axis + 2] - body.extent(axis)]
+            })
+        });
+        self.lines.clear();
+        memory::push(&mut self.lines, (T::ZERO, wanted[0]))?;
+        for &other in &self.nearby {
+            let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
+            let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.room();
+            let round = body.half[0] + second.half[0] < body.radius + second.radius;
+            let shares = if round { &LINES_OF_ROUND[..] } else { &LINES_OF_BOX[..] };
+            for &share in shares {
+                let x = center[0] + needed * T::from_f64(share);
+                let away = (x - wanted[0]).abs();
+                if limits[0][0] <= x && x <= limits[0][1] && away <= reach {
+                    memory::push(&mut self.lines, (away, x))?;
+                }
+            }
+        }
+        self.lines.sort_unstable_by(|a, b| a.0.total_order(&b.0).then(a.1.total_order(&b.1)));
+        let mut best: Option<([T; 2], T)> = None;
+        for &(away, x) in &self.lines {
+            if best.is_some_and(|(_, distance)| away >= distance) {
+                break;
+            }
+            self.taken.intervals.clear();
+            for &other in &self.nearby {
+                let (second, center) =
+                    (&bodies.all[other as usize], bodies.centers[other as usize]);
+                let needed = pusher.needed_along(1, body, second, center[0] - x) * pusher.room();
+                if needed > T::ZERO {
+                    memory::push(
+                        &mut self.taken.intervals,
+                        [center[1] - needed, center[1] + needed],
+                    )?;
+                }
+            }
+            let Some(y) = self.taken.nearest_free(wanted[1], Some(limits[1])) else { continue };
+            let up = y - wanted[1];
+            let distance = (away * away + up * up).sqrt();
+            if best.is_none_or(|(_, nearest)| distance < nearest) {
+                best = Some(([x, y], distance));
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// Cells with the shapes whose centres they contain; shapes outside are in the cells at the
+/// border.
+struct Grid<T> {
+    min: [T; 2],
+    cell: [T; 2],
+    counts: [usize; 2],
+    cells: Vec<Vec<u32>>,
+    /// Largest distance from a centre to a side.
+    widest: [T; 2],
+}
+
+impl<T: Scalar> Grid<T> {
+    /// A grid of all shapes but those at `places`.
+    fn of(bodies: &Bodies<T>, places: &[u32]) -> Result<Self> {
+        let (mut min, mut max) = ([T::INFINITY; 2], [-T::INFINITY; 2]);
+        let mut widest = [T::ZERO; 2];
+        for (body, center) in bodies.all.iter().zip(&bodies.centers) {
+            for axis in 0..2 {
+                min[axis] = min[axis].min(center[axis]);
+                max[axis] = max[axis].max(center[axis]);
+                widest[axis] = widest[axis].max(body.extent(axis));
+            }
+        }
+        let most = ((bodies.len() as f64).sqrt() as usize + 1).min(1 << 12);
+        let mut grid = Self { min, cell: [T::ONE; 2], counts: [1; 2], cells: Vec::new(), widest };
+        for axis in 0..2 {
+            let size = bodies.mean_extents[axis] * T::from_f64(4.0);
+            let cells = ((max[axis] - min[axis]) / size).to_f64();
+            // NaN and infinity become 1 and `most`.
+            grid.counts[axis] = (cells.min(most as f64) as usize).clamp(1, most);
+            let side = (max[axis] - min[axis]) / T::from_f64(grid.counts[axis] as f64);
+            grid.cell[axis] = if side > T::ZERO { side } else { T::ONE };
+        }
+        grid.cells = memory::filled(grid.counts[0] * grid.counts[1], Vec::new())?;
+        let mut taken_out = memory::filled(bodies.len(), false)?;
+        places.iter().for_each(|&place| taken_out[place as usize] = true);
+        for (place, &center) in bodies.centers.iter().enumerate() {
+            if !taken_out[place] {
+                grid.put(place as u32, center)?;
+            }
+        }
+        Ok(grid)
+    }
+
+    fn index(&self, value: T, axis: usize) -> usize {
+        let along = ((value - self.min[axis]) / self.cell[axis]).to_f64();
+        (along.max(0.0) as usize).min(self.counts[axis] - 1)
+    }
+
+    fn put(&mut self, place: u32, center: [T; 2]) -> Result<()> {
+        let cell = self.index(center[1], 1) * self.counts[0] + self.index(center[0], 0);
+        memory::push(&mut self.cells[cell], place)
+    }
+
+    /// Lists the shapes whose bounding boxes are within `reach` of a centre along both axes.
+    fn near(
+        &self,
+        bodies: &Bodies<T>,
+        place: usize,
+        reach: [T; 2],
+        nearby: &mut Vec<u32>,
+    ) -> Result<()> {
+        let center = bodies.centers[place];
+        let ends = [0, 1].map(|axis| {
+            let far = reach[axis] + self.widest[axis];
+            self.index(center[axis] - far, axis)..=self.index(center[axis] + far, axis)
+        });
+        nearby.clear();
+        for y in ends[1].clone() {
+            for x in ends[0].clone() {
+                for &other in &self.cells[y * self.counts[0] + x] {
+                    let (second, at) =
+                        (&bodies.all[other as usize], bodies.centers[other as usize]);
+                    let is_near = |axis: usize| {
+                        (at[axis] - center[axis]).abs() < reach[axis] + second.extent(axis)
+                    };
+                    if is_near(0) && is_near(1) {
+                        memory::push(nearby, other)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! How far and in which direction two overlapping shapes are moved apart.
+
+use super::Separation;
+use super::bodies::Body;
+use crate::geometry::{Scalar, overlap};
+
+/// Factor of over-relaxation: each pair is moved this much farther than it overlaps. In the first
+/// [`EXACT`] passes it is 1, so that a pair far from others moves no farther than needed.
+const RELAXATION: f64 = 1.2;
+
+/// As above.
+const EXACT: usize = 2;
+
+/// The rules of all pairs.
+#[derive(Clone, Copy, Debug)]
+pub struct Pusher<T> {
+    axis: Option<usize>,
+    gap: T,
+    tolerance: T,
+    relaxation: T,
+}
+
+impl<T: Scalar> Pusher<T> {
+    /// The rules of a call.
+    pub fn of(rules: &Separation<T>) -> Self {
+        let smallest = T::from_f64(4.0) * T::EPSILON;
+        Self {
+            axis: rules.axis,
+            gap: rules.gap,
+            tolerance: rules.tolerance.max(smallest),
+            relaxation: T::ONE,
+        }
+    }
+
+    /// The rules in a pass, of which `before` precede.
+    pub fn in_pass(&self, before: usize) -> Self {
+        let factor = if before < EXACT { 1.0 } else { RELAXATION };
+        Self { relaxation: T::from_f64(factor), ..*self }
+    }
+
+    /// Whether two shapes overlap or are closer than the gap; `offset` is that of the centre
+    /// of `b` from the centre of `a`.
+    #[inline(always)]
+    pub fn overlaps(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> bool {
+        let [x, y] = offset;
+        let gaps = [x.abs() - (a.half[0] + b.half[0]), y.abs() - (a.half[1] + b.half[1])];
+        overlap(gaps, self.radius_sum(a, b))
+    }
+
+    /// The factor by which shapes are moved farther apart than touching.
+    pub fn room(&self) -> T {
+        T::ONE + self.tolerance
+    }
+
+    fn radius_sum(&self, a: &Body<T>, b: &Body<T>) -> T {
+        a.radius + b.radius + self.gap
+    }
+
+    /// The vector by which `b` must move relative to `a`. If the shapes coincide along the axis of
+    /// the vector, `b`, which is `rank` places after `a`, moves in the positive direction.
+    #[inline(always)]
+    pub fn push(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2], rank: usize) -> [T; 2] {
+        if let Some(axis) = self.axis {
+            return self.push_along(axis, a, b, offset);
+        }
+        let sign = |axis: usize| if offset[axis] < T::ZERO { -T::ONE } else { T::ONE };
+        let halves = [a.half[0] + b.half[0], a.half[1] + b.half[1]];
+        let gaps = [offset[0].abs() - halves[0], offset[1].abs() - halves[1]];
+        let radius_sum = self.radius_sum(a, b);
+        let [x, y] = [gaps[0].max(T::ZERO), gaps[1].max(T::ZERO)];
+        let distance = (x * x + y * y).sqrt();
+        let (normal, depth) = if distance > T::ZERO {
+            let scale = distance.recip();
+            ([x * scale * sign(0), y * scale * sign(1)], radius_sum - distance)
+        } else if offset == [T::ZERO; 2] && halves == [T::ZERO; 2] {
+            (direction(rank), radius_sum)
+        } else if gaps[0] < gaps[1] {
+            ([T::ZERO, sign(1)], radius_sum - gaps[1])
+        } else {
+            ([sign(0), T::ZERO], radius_sum - gaps[0])
+        };
+        let size = normal[0].abs() * halves[0] + normal[1].abs() * halves[1] + radius_sum;
+        let length = (depth + self.tolerance * size) * self.relaxation;
+        [normal[0] * length, normal[1] * length]
+    }
+
+    /// As [`Self::push`], along an axis.
+    fn push_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> [T; 2] {
+        let needed = self.needed_along(axis, a, b, offset[1 - axis]);
+        let depth = needed * self.room() - offset[axis].abs();
+        let mut push = [T::ZERO; 2];
+        push[axis] = if offset[axis] < T::ZERO { -depth } else { depth };
+        push
+    }
+
+    /// The distance of the centres along an axis at which two shapes touch; `across` is their
+    /// offset along the other axis. 0 if they cannot touch.
+    pub fn needed_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, across: T) -> T {
+        let radius_sum = self.radius_sum(a, b);
+        let gap = across.abs() - (a.half[1 - axis] + b.half[1 - axis]);
+        let halves = a.half[axis] + b.half[axis];
+        let beyond = gap.max(T::ZERO);
+        let square = radius_sum * radius_sum - beyond * beyond;
+        if gap >= T::ZERO && square <= T::ZERO {
+            return T::ZERO;
+        }
+        halves + square.max(T::ZERO).sqrt()
+    }
+}
+
+/// A unit vector that depends on the difference of two places, for discs with the same centre.
+fn direction<T: Scalar>(rank: usize) -> [T; 2] {
+    /// Points on the circle of radius 65 with integer coordinates, in an order in which
+    /// successive ones are far apart.
+    const POINTS: [[f64; 2]; 12] = [
+        [65.0, 0.0],
+        [-33.0, 56.0],
+        [-39.0, -52.0],
+        [16.0, 63.0],
+        [-63.0, 16.0],
+        [56.0, -33.0],
+        [-16.0, -63.0],
+        [52.0, 39.0],
+        [33.0, -56.0],
+        [-56.0, 33.0],
+        [63.0, -16.0],
+        [-25.0, -60.0],
+    ];
+    POINTS[rank % POINTS.len()].map(|v| T::from_f64(v / 65.0))
+}

@@ -1,0 +1,241 @@
+//! Enlarging regions in which the shapes do not have enough room, in one pass.
+//!
+//! The set of movable shapes is halved at the median of its longer side, and so on (a k-d tree).
+//! Each part has a box. If a half has more area of shapes than its box, the dividing line moves
+//! until it has enough, and the shapes of both halves move with their boxes, linearly. So shapes
+//! keep their order along both axes, and regions with enough room do not change. Coincident shapes
+//! are divided by their order.
+//!
+//! C. Alpert et al., *Handbook of Algorithms for Physical Design Automation* (2008), chapter 15,
+//! for spreading by moving lines of division.
+
+use std::cmp::Ordering;
+
+use super::Separation;
+use super::bodies::{Bodies, Body};
+use crate::error::Result;
+use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
+use crate::quadtree::Quadtree;
+
+/// Nodes with fewer shapes do not show whether shapes are crowded.
+const FEWEST: usize = 24;
+
+/// Regions are enlarged in which shapes have more than this share of the area: more than fits.
+pub const FULL: f64 = 1.0;
+
+/// As [`FULL`], if passes do not succeed with less room.
+pub const LOOSE: f64 = 0.6;
+
+/// Share of its area that shapes have in a region that has been enlarged.
+const FILL: f64 = 0.5;
+
+/// Whether a node of the tree of the centres has less area than its shapes.
+pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> bool {
+    let mut sums = Vec::with_capacity(bodies.len() + 1);
+    let mut sum = [0.0; 3];
+    sums.push(sum);
+    for body in &bodies.all {
+        let [width, height] = sides(body, gap);
+        sum = [sum[0] + width, sum[1] + height, sum[2] + area(body, gap)];
+        sums.push(sum);
+    }
+    tree.nodes().iter().zip(tree.bounds()).any(|(node, bounds)| {
+        let range = node.range();
+        let sum = |which: usize| sums[range.end][which] - sums[range.start][which];
+        let side = |axis: usize| {
+            (bounds.max[axis] - bounds.min[axis]).to_f64() + sum(axis) / range.len() as f64
+        };
+        range.len() >= FEWEST && sum(2) > FULL * side(0) * side(1)
+    })
+}
+
+fn sides<T: Scalar>(body: &Body<T>, gap: T) -> [f64; 2] {
+    [0, 1].map(|axis| 2.0 * body.extent(axis).to_f64() + gap.to_f64())
+}
+
+/// The area of a shape with half the gap around it.
+fn area<T: Scalar>(body: &Body<T>, gap: T) -> f64 {
+    let [width, height] = body.half.map(|half| 2.0 * half.to_f64());
+    let radius = body.radius.to_f64() + gap.to_f64() / 2.0;
+    width * height + 2.0 * (width + height) * radius + std::f64::consts::PI * radius * radius
+}
+
+/// A set of shapes, as a range of the order, and its box.
+#[derive(Clone, Copy)]
+struct Part {
+    start: usize,
+    end: usize,
+    min: [f64; 2],
+    max: [f64; 2],
+    /// Whether the box has been enlarged, or the boxes around it.
+    enlarged: bool,
+}
+
+/// Moves the movable shapes until they have at most a share of the area of each region.
+pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, rules: &Separation<T>, most: f64) -> Result<()> {
+    let gap = rules.gap;
+    let mut order: Vec<u32> = memory::with_room(bodies.len())?;
+    order.extend((0..bodies.len() as u32).filter(|&i| !bodies.all[i as usize].is_fixed()));
+    if order.is_empty() {
+        return Ok(());
+    }
+    // In units of the mean extents shapes are about as wide as high.
+    let unit = bodies.mean_extents.map(|extent| {
+        let size = extent.to_f64() + gap.to_f64() / 2.0;
+        if size > 0.0 { size } else { 1.0 }
+    });
+    let mut state = Spread { bodies, gap, unit, most };
+    let root = state.root(&order, rules.bounds);
+    let mut stack = vec![root];
+    let mut pulse = Pulse::current();
+    while let Some(part) = stack.pop() {
+        pulse.check(part.end - part.start)?;
+        if part.end - part.start == 1 {
+            state.enter(&part, order[part.start] as usize);
+        } else {
+            stack.extend(state.halve(part, &mut order[part.start..part.end]));
+        }
+    }
+    Ok(())
+}
+
+struct Spread<'a, T> {
+    bodies: &'a mut Bodies<T>,
+    gap: T,
+    unit: [f64; 2],
+    most: f64,
+}
+
+impl<T: Scalar> Spread<'_, T> {
+    fn at(&self, place: u32, axis: usize) -> f64 {
+        self.bodies.centers[place as usize][axis].to_f64()
+    }
+
+    fn area_of(&self, places: &[u32]) -> f64 {
+        places.iter().map(|&place| area(&self.bodies.all[place as usize], self.gap)).sum()
+    }
+
+    /// All movable shapes, in a box that has enough room unless the bounds are too small.
+    fn root(&mut self, order: &[u32], bounds: Option<[T; 4]>) -> Part {
+        let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for &place in order {
+            for axis in 0..2 {
+                min[axis] = min[axis].min(self.at(place, axis) - self.unit[axis]);
+                max[axis] = max[axis].max(self.at(place, axis) + self.unit[axis]);
+            }
+        }
+        let needed = self.area_of(order) / FILL;
+        let old = [max[0] - min[0], max[1] - min[1]];
+        let most = bounds.map_or([f64::INFINITY; 2], |bounds| {
+            [0, 1].map(|axis| (bounds[axis + 2] - bounds[axis]).to_f64())
+        });
+        let new = enlarged(old, needed, self.unit, most);
+        let was = Part { start: 0, end: order.len(), min, max, enlarged: new != old };
+        let mut now = was;
+        for axis in 0..2 {
+            let middle = (min[axis] + max[axis]) / 2.0;
+            let (mut low, mut high) = (middle - new[axis] / 2.0, middle + new[axis] / 2.0);
+            if let Some(bounds) = bounds {
+                let [least, most] = [bounds[axis].to_f64(), bounds[axis + 2].to_f64()];
+                let shift = (least - low).max(0.0) - (high - most).max(0.0);
+                (low, high) = (low + shift, high + shift);
+            }
+            (now.min[axis], now.max[axis]) = (low, high);
+            self.stretch(order, axis, [was.min[axis], was.max[axis]], [low, high]);
+        }
+        now
+    }
+
+    /// Moves shapes linearly, as an interval along an axis becomes another.
+    fn stretch(&mut self, places: &[u32], axis: usize, from: [f64; 2], to: [f64; 2]) {
+        if from == to {
+            return;
+        }
+        let width = from[1] - from[0];
+        let scale = if width > 0.0 { (to[1] - to[0]) / width } else { 0.0 };
+        for &place in places {
+            let along = if width > 0.0 { self.at(place, axis) - from[0] } else { 0.0 };
+            let moved = (to[0] + along * scale).clamp(to[0], to[1]);
+            self.bodies.centers[place as usize][axis] = T::from_f64(moved);
+        }
+    }
+
+    /// Divides a part into two, which have enough room if it has.
+    fn halve(&mut self, part: Part, order: &mut [u32]) -> [Part; 2] {
+        let side = |axis: usize| (part.max[axis] - part.min[axis]) / self.unit[axis];
+        let axis = usize::from(side(1) > side(0));
+        let middle = order.len() / 2;
+        let compare = |a: &u32, b: &u32| -> Ordering {
+            self.at(*a, axis).total_cmp(&self.at(*b, axis)).then(a.cmp(b))
+        };
+        order.select_nth_unstable_by(middle, compare);
+        let (first, second) = order.split_at(middle);
+        let highest =
+            first.iter().map(|&place| self.at(place, axis)).fold(part.min[axis], f64::max);
+        let line = (highest + self.at(second[0], axis)) / 2.0;
+        let across = part.max[1 - axis] - part.min[1 - axis];
+        let (low, high) = (part.min[axis], part.max[axis]);
+        let areas = [self.area_of(first), self.area_of(second)];
+        let new = divide([low, line, high], areas, across, self.most);
+        self.stretch(first, axis, [low, line], [low, new]);
+        self.stretch(second, axis, [line, high], [new, high]);
+        let mut halves = [part; 2];
+        (halves[0].end, halves[1].start) = (part.start + middle, part.start + middle);
+        (halves[0].max[axis], halves[1].min[axis]) = (new, new);
+        halves.map(|half| Part { enlarged: part.enlarged || new != line, ..half })
+    }
+
+    /// Moves a single shape into its box, if boxes have been enlarged; into its middle if it is
+    /// larger.
+    fn enter(&mut self, part: &Part, place: usize) {
+        if !part.enlarged {
+            return;
+        }
+        let size = sides(&self.bodies.all[place], self.gap);
+        for (axis, side) in size.into_iter().enumerate() {
+            let (low, high) = (part.min[axis] + side / 2.0, part.max[axis] - side / 2.0);
+            let center = self.at(place as u32, axis);
+            let new = if low > high { (low + high) / 2.0 } else { center.clamp(low, high) };
+            self.bodies.centers[place][axis] = T::from_f64(new);
+        }
+    }
+}
+
+/// The sides of a box that has become at least as large as `needed`; the shorter side, in the
+/// given units, grows first. No side becomes longer than `most`.
+fn enlarged(old: [f64; 2], needed: f64, unit: [f64; 2], most: [f64; 2]) -> [f64; 2] {
+    if old[0] * old[1] >= needed {
+        return [old[0].min(most[0]), old[1].min(most[1])];
+    }
+    let shorter = usize::from(old[1] / unit[1] < old[0] / unit[0]);
+    let longer = 1 - shorter;
+    let mut new = old;
+    new[shorter] = needed / old[longer];
+    if new[shorter] / unit[shorter] > old[longer] / unit[longer] {
+        let side = (needed / (unit[0] * unit[1])).sqrt();
+        new = [side * unit[0], side * unit[1]];
+    }
+    for axis in 0..2 {
+        if new[axis] > most[axis] {
+            new[axis] = most[axis];
+            new[1 - axis] = new[1 - axis].max(needed / new[axis]).min(most[1 - axis]);
+        }
+    }
+    new
+}
+
+/// Where the line between two halves of a box must lie so that each has enough room, as near as
+/// possible to where it is.
+fn divide([low, line, high]: [f64; 3], areas: [f64; 2], across: f64, most: f64) -> f64 {
+    let room = [(line - low) * across, (high - line) * across];
+    if areas[0] <= room[0] * most && areas[1] <= room[1] * most {
+        return line;
+    }
+    let total = areas[0] + areas[1];
+    let fill = FILL.max(total / ((high - low) * across));
+    let least = low + areas[0] / (fill * across);
+    let greatest = high - areas[1] / (fill * across);
+    line.clamp(least.min(greatest), greatest.max(least))
+}

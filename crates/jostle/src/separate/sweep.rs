@@ -1,0 +1,91 @@
+//! Placing shapes one after another at the nearest free positions along an axis.
+//!
+//! Each shape that is placed leaves out an interval of positions for those near it across the axis.
+//! Shapes far from each other are placed first, at their own positions, then those between them,
+//! and so on: a swarm becomes symmetric, with smooth edges.
+
+use super::Separation;
+use super::bodies::Bodies;
+use super::push::Pusher;
+use super::taken::Taken;
+use crate::error::Result;
+use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
+
+/// Places all movable shapes; one without a free position in the bounds stays.
+pub fn place<T: Scalar>(
+    bodies: &mut Bodies<T>,
+    axis: usize,
+    pusher: &Pusher<T>,
+    rules: &Separation<T>,
+) -> Result<()> {
+    let across = 1 - axis;
+    let mut order: Vec<u32> = memory::collect(0..bodies.len() as u32)?;
+    let at = |place: &u32| bodies.centers[*place as usize];
+    order.sort_unstable_by(|a, b| {
+        let [a_at, b_at] = [at(a), at(b)];
+        let by_place = a_at[across].total_order(&b_at[across]);
+        by_place.then(a_at[axis].total_order(&b_at[axis])).then(a.cmp(b))
+    });
+    let extents = bodies.all.iter().map(|body| body.extent(across));
+    let widest = extents.fold(T::ZERO, T::max) + rules.gap;
+    let mut taken = Taken::default();
+    let mut placed = memory::filled(bodies.len(), false)?;
+    let mut pulse = Pulse::current();
+    for index in far_apart(order.len()) {
+        let own = order[index] as usize;
+        let (body, center) = (bodies.all[own], bodies.centers[own]);
+        let reach = body.extent(across) + widest;
+        let away = |other: u32| bodies.centers[other as usize][across] - center[across];
+        let first = order.partition_point(|&other| away(other) <= -reach);
+        let last = order.partition_point(|&other| away(other) < reach);
+        pulse.check(last - first)?;
+        taken.intervals.clear();
+        for &other in &order[first..last] {
+            let other = other as usize;
+            let second = &bodies.all[other];
+            if other == own || !(placed[other] || second.is_fixed()) {
+                continue;
+            }
+            let needed = pusher.needed_along(axis, &body, second, away(other as u32));
+            if needed > T::ZERO {
+                let needed = needed * pusher.room();
+                let at = bodies.centers[other][axis];
+                memory::push(&mut taken.intervals, [at - needed, at + needed])?;
+            }
+        }
+        if body.is_fixed() {
+            continue;
+        }
+        let limits = rules.bounds.map(|bounds| {
+            let extent = body.extent(axis);
+            [bounds[axis] + extent, bounds[axis + 2] - extent]
+        });
+        if let Some(free) = taken.nearest_free(center[axis], limits) {
+            bodies.centers[own][axis] = free;
+        }
+        placed[own] = true;
+    }
+    Ok(())
+}
+
+/// The numbers below `len`, successive ones far apart: with their bits reversed (the sequence of
+/// van der Corput).
+fn far_apart(len: usize) -> impl Iterator<Item = usize> {
+    let bits = len.next_power_of_two().trailing_zeros();
+    let reversed =
+        move |k: usize| if bits == 0 { k } else { k.reverse_bits() >> (usize::BITS - bits) };
+    (0..1usize << bits).map(reversed).filter(move |&k| k < len)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::far_apart;
+
+    #[test]
+    fn all_numbers_come_once_and_neighbours_late() {
+        assert_eq!(far_apart(6).collect::<Vec<_>>(), [0, 4, 2, 1, 5, 3]);
+        assert_eq!([far_apart(0).count(), far_apart(1).count()], [0, 1]);
+    }
+}

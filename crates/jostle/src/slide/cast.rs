@@ -1,0 +1,127 @@
+//! The first time of impact of a moving shape and an obstacle.
+//!
+//! A shape meets an obstacle if its centre enters the Minkowski sum of both: a rounded box, which
+//! is the union of two boxes and a disc at each corner.
+
+use crate::geometry::{Scalar, Shape};
+
+/// The share of a displacement after which a shape enters an obstacle by more than `slop`, and the
+/// normal of the obstacle there; None if it does not, or is inside at the start.
+///
+/// A path that enters by less only grazes the obstacle: it is along its surface, up to rounding.
+pub fn enters<T: Scalar>(
+    body: &Shape<T>,
+    displacement: [T; 2],
+    obstacle: &Shape<T>,
+    slop: T,
+) -> Option<(T, [T; 2])> {
+    let corner = |axis: usize| {
+        let halves = body.half_size[axis] + obstacle.half_size[axis];
+        let low = (obstacle.min[axis] - body.max[axis]) - halves;
+        [low, (obstacle.max[axis] - body.min[axis]) + halves]
+    };
+    let (x, y) = (corner(0), corner(1));
+    let radius_sum = body.radius + obstacle.radius;
+    if radius_sum == T::ZERO {
+        return into_box(shrunk(x, slop), shrunk(y, slop), displacement);
+    }
+    let radius = (radius_sum - slop).max(T::ZERO);
+    let into_corner = |x: T, y: T| into_disc([x, y], radius, displacement);
+    if x[0] == x[1] && y[0] == y[1] {
+        return into_corner(x[0], y[0]);
+    }
+    let tests = [
+        into_box(shrunk(x, -radius), y, displacement),
+        into_box(x, shrunk(y, -radius), displacement),
+        into_corner(x[0], y[0]),
+        into_corner(x[1], y[0]),
+        into_corner(x[0], y[1]),
+        into_corner(x[1], y[1]),
+    ];
+    tests.into_iter().flatten().reduce(|a, b| if b.0 < a.0 { b } else { a })
+}
+
+#[inline(always)]
+fn shrunk<T: Scalar>([low, high]: [T; 2], by: T) -> [T; 2] {
+    [low + by, high - by]
+}
+
+/// The share of `v` at which the point (0, 0), which is outside, enters an open box.
+fn into_box<T: Scalar>(x: [T; 2], y: [T; 2], v: [T; 2]) -> Option<(T, [T; 2])> {
+    let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
+    let mut normal = [T::ZERO; 2];
+    for (axis, [low, high]) in [x, y].into_iter().enumerate() {
+        if v[axis] == T::ZERO {
+            if !(low < T::ZERO && T::ZERO < high) {
+                return None;
+            }
+            continue;
+        }
+        let (first, last) = if v[axis] > T::ZERO { (low, high) } else { (high, low) };
+        let from = first / v[axis];
+        if from > enter {
+            enter = from;
+            normal = [T::ZERO; 2];
+            normal[axis] = if v[axis] > T::ZERO { -T::ONE } else { T::ONE };
+        }
+        leave = leave.min(last / v[axis]);
+    }
+    (enter < leave && T::ZERO <= enter && enter <= T::ONE).then_some((enter, normal))
+}
+
+/// The share of `v` at which the point (0, 0), which is outside, enters a disc.
+fn into_disc<T: Scalar>(center: [T; 2], radius: T, v: [T; 2]) -> Option<(T, [T; 2])> {
+    let length = (v[0] * v[0] + v[1] * v[1]).sqrt();
+    if length == T::ZERO {
+        return None;
+    }
+    let u = [v[0] / length, v[1] / length];
+    let along = center[0] * u[0] + center[1] * u[1];
+    let across = (center[0] * u[1] - center[1] * u[0]).abs();
+    if !(along > T::ZERO && across < radius) {
+        return None;
+    }
+    let distance = along - ((radius - across) * (radius + across)).sqrt();
+    let share = distance / length;
+    if !(T::ZERO <= distance && share <= T::ONE) {
+        return None;
+    }
+    let [x, y] = [u[0] * distance - center[0], u[1] * distance - center[1]];
+    let norm = (x * x + y * y).sqrt();
+    Some((share, [x / norm, y / norm]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body(center: [f64; 2], half_size: [f64; 2], radius: f64) -> Shape<f64> {
+        Shape { min: center, max: center, half_size, radius, category: 1, mask: 1 }
+    }
+
+    #[test]
+    fn a_box_meets_a_box() {
+        let (moving, wall) = (body([0.0, 0.0], [1.0, 1.0], 0.0), body([5.0, 0.5], [1.0, 1.0], 0.0));
+        assert_eq!(enters(&moving, [6.0, 0.0], &wall, 0.0), Some((0.5, [-1.0, 0.0])));
+        assert_eq!(enters(&moving, [2.0, 0.0], &wall, 0.0), None);
+        assert_eq!(enters(&moving, [6.0, 20.0], &wall, 0.0), None);
+    }
+
+    #[test]
+    fn touching_along_a_surface_is_no_impact() {
+        let (moving, floor) =
+            (body([0.0, 0.0], [1.0, 1.0], 0.0), body([9.0, 2.0], [3.0, 1.0], 0.0));
+        assert_eq!(enters(&moving, [50.0, 0.0], &floor, 1e-12), None);
+        assert!(enters(&moving, [50.0, 1.0], &floor, 1e-12).is_some());
+    }
+
+    #[test]
+    fn a_disc_meets_a_corner_and_a_disc() {
+        let disc = body([0.0, 0.0], [0.0; 2], 1.0);
+        let wall = body([4.0, 2.0], [2.0, 1.0], 0.0);
+        let (share, normal) = enters(&disc, [10.0, 0.0], &wall, 0.0).unwrap();
+        assert!((share - 0.2).abs() < 1e-12 && (normal[1] + 1.0).abs() < 1e-6);
+        let other = body([6.0, 0.0], [0.0; 2], 2.0);
+        assert_eq!(enters(&disc, [10.0, 0.0], &other, 0.0), Some((0.3, [-1.0, 0.0])));
+    }
+}

@@ -1,0 +1,312 @@
+"""`Space.move_and_slide`: never inside, never through, no snagging, floors and platforms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jostle
+
+WALL, WALKER, LEDGE = 1, 2, 4
+
+
+def overlapping(space: jostle.Space, ids) -> int:
+    """Pairs of which one is in `ids`, by brute force over all pairs of the space."""
+    pairs = space.pairs()
+    return int(np.isin(pairs, ids).any(axis=1).sum())
+
+
+@st.composite
+def scenes(draw):
+    """Obstacles and walkers of all kinds that overlap nothing, and displacements."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    dtype = draw(st.sampled_from(["float64", "float32"]))
+    scale = draw(st.sampled_from([0.01, 1.0, 100.0]))
+    space = jostle.Space(dtype=dtype)
+    n = draw(st.integers(1, 60))
+    low = rng.uniform(-20, 20, (n, 2)).round(rng.integers(0, 3))
+    size = rng.uniform(0, 6, (n, 2)).round(1)
+    space.add(boxes=np.concatenate([low, low + size], 1) * scale)
+    space.add(rng.uniform(-20, 20, (n, 2)) * scale, rng.uniform(0.1, 3, n) * scale)
+    walkers = []
+    for _ in range(12):
+        kind = rng.integers(0, 3)
+        half = rng.uniform(0.1, 1, 2) * (kind > 0) * scale
+        radius = rng.uniform(0.1, 1) * (kind != 1) * scale
+        walker = space.add(rng.uniform(-22, 22, 2) * scale, radius, half)
+        if overlapping(space, [walker]):
+            space.remove(walker)
+        else:
+            walkers.append(walker)
+    steps = rng.normal(0, 1, (len(walkers), 2)) * rng.choice([0.1, 5, 1000], (len(walkers), 1))
+    steps *= scale * rng.choice([0, 1], steps.shape, p=[0.2, 0.8])
+    return space, np.array(walkers, int), steps
+
+
+@settings(max_examples=150, deadline=None)
+@given(scenes(), st.sampled_from([(0, -1), (0, 0), (1, 2)]))
+def test_never_inside(scene, up) -> None:
+    space, ids, steps = scene
+    for _ in range(4):
+        space.move_and_slide(ids, steps, up=up)
+        assert overlapping(space, ids) == 0
+
+
+@settings(max_examples=60, deadline=None)
+@given(scenes())
+def test_the_first_impact_is_where_brute_force_finds_it(scene) -> None:
+    """Free on the whole path up to where it stops, and inside a little beyond."""
+    space, ids, steps = scene
+    if len(ids) == 0 or not steps[0].any():
+        return
+    start, step = space.centers(ids[0]).astype(float), steps[0]
+    slide = space.move_and_slide(int(ids[0]), step, max_slides=1, up=(0, 0))
+    moved = slide.displacement.astype(float)
+    share = float(moved @ step / (step @ step))
+    probe = jostle.Space(dtype=space.dtype)
+    everything = np.setdiff1d(space.ids, ids[:1])
+    probe.add(boxes=space.boxes(everything), radii=space.radii(everything))
+    ghost = probe.add(start, space.radii(ids[0]), space.half_sizes(ids[0]))
+    exact = 1e-9 if space.dtype == "float64" else 1e-3
+    for part in np.linspace(0, 1, 200):
+        probe.move(ghost, start + step * share * part * (1 - exact))
+        depths = probe_depth(probe, ghost)
+        assert depths <= exact * (1 + np.abs(start).max() + np.abs(step).max())
+    if len(slide.hits):
+        assert share < 1
+        size = space.radii(ids[0]) + space.half_sizes(ids[0]).min()
+        beyond = moved + step / np.linalg.norm(step) * 1e-2 * size
+        probe.move(ghost, start + beyond - slide.normals[-1] * 1e-2 * size)
+        assert overlapping(probe, [ghost])
+    else:
+        assert share == pytest.approx(1, abs=exact)
+
+
+def probe_depth(space: jostle.Space, id: int) -> float:
+    """Depth of the deepest overlap of a shape."""
+    pairs = space.pairs()
+    found = pairs[(pairs == id).any(axis=1)]
+    depth = 0.0
+    for a, b in found:
+        boxes = space.boxes([a, b]).astype(float)
+        gap = np.maximum(boxes[0, :2] - boxes[1, 2:], boxes[1, :2] - boxes[0, 2:])
+        outside = np.hypot(*np.maximum(gap, 0))
+        depth = max(depth, space.radii([a, b]).sum() - (outside or gap.max()))
+    return depth
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("thickness", [0.0, 1e-3, 5.0])
+def test_nothing_leaves_a_room_at_any_speed(dtype: str, thickness: float) -> None:
+    rng = np.random.default_rng(1)
+    space = jostle.Space(dtype=dtype)
+    t = thickness
+    space.add(
+        boxes=[
+            (-10 - t, -10 - t, 10 + t, -10),
+            (-10 - t, 10, 10 + t, 10 + t),
+            (-10 - t, -10, -10, 10),
+            (10, -10, 10 + t, 10),
+        ]
+    )
+    disc, box = space.add((0, 0), 1.0), space.add((3, 3), 0.0, (1.0, 0.5))
+    for _ in range(400):
+        steps = rng.normal(0, 1, (2, 2)) * 10 ** rng.uniform(-3, 9)
+        space.move_and_slide([disc, box], steps, up=(0, 0))
+        assert (np.abs(space.centers()[-2:]) < 10).all()
+        assert overlapping(space, [disc, box]) == 0
+
+
+@pytest.mark.parametrize("size", [0.1, 1 / 3, 16.0])
+@pytest.mark.parametrize("shape", ["disc", "box", "rounded"])
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_joints_of_tiles_do_not_stop_a_walker(size: float, shape: str, dtype: str) -> None:
+    space = jostle.Space(dtype=dtype)
+    edges = np.arange(201) * size
+    floor = np.stack([edges[:-1], 0 * edges[:-1], edges[1:], 0 * edges[:-1] + size], 1)
+    space.add(boxes=floor)
+    wall = floor[:, [1, 0, 3, 2]] * (-1, -1, -1, -1)
+    space.add(boxes=wall[:, [2, 3, 0, 1]])  # a wall at x = 0 that goes up, for the fall
+    radius = {"disc": 0.4, "box": 0.0, "rounded": 0.1}[shape] * size
+    half = {"disc": 0.0, "box": 0.4, "rounded": 0.3}[shape] * size
+    walker = space.add((150 * size, -0.4 * size - size), radius, (half, half))
+    space.move_and_slide(walker, (0, 3 * size))
+    step = 0.37 * size
+    for _ in range(100):
+        slide = space.move_and_slide(walker, (-step, 0.2 * size))
+        assert slide.on_floor and not slide.on_wall
+        assert slide.displacement[0] == pytest.approx(-step, rel=1e-4)
+        assert slide.remaining.tolist() == pytest.approx([-step, 0])
+
+
+def test_a_walker_falls_along_a_wall_of_tiles() -> None:
+    space = jostle.Space()
+    edges = np.arange(101) * 0.1
+    space.add(boxes=np.stack([0 * edges[:-1], edges[:-1], 0 * edges[:-1] + 0.1, edges[1:]], 1))
+    walker = space.add((0.3, 0.0), 0.0, (0.1, 0.1))
+    for _ in range(80):
+        slide = space.move_and_slide(walker, (-0.5, 0.1))
+        assert slide.on_wall and not slide.on_floor
+        assert slide.displacement[1] == pytest.approx(0.1)
+
+
+def test_touching_exactly_is_free() -> None:
+    space = jostle.Space()
+    space.add(boxes=[(0, 1, 10, 2)])
+    walker = space.add((2, 0.5), half_sizes=0.5)
+    slide = space.move_and_slide(walker, (5, 0))
+    assert not slide.on_floor and slide.displacement.tolist() == [5, 0]
+    slide = space.move_and_slide(walker, (-5, 1))
+    assert slide.on_floor and space.centers(walker) == pytest.approx([2, 0.5], abs=1e-12)
+    assert len(space.pairs()) == 0
+
+
+def test_order_and_threads_change_nothing_where_walkers_do_not_meet() -> None:
+    rng = np.random.default_rng(2)
+    boxes = jostle.tiles(rng.random((200, 200)) < 0.15, 10)
+    free = rng.permutation(40_000)[:600]
+    starts = np.stack([free % 200, free // 200], 1) * 10 + 5.0
+    steps = rng.normal(0, 20, (600, 2))
+    results = []
+    for threads, order in ((1, np.arange(600)), (2, rng.permutation(600))):
+        space = jostle.Space(threads=threads)
+        space.add(boxes=boxes, categories=WALL)
+        ids = space.add(starts, 2.0, categories=WALKER)
+        for _ in range(3):
+            slides = space.move_and_slide(ids[order], steps[order], mask=WALL)
+        back = np.argsort(order)
+        results.append([space.centers(ids), slides.remaining[back], slides.on_floor[back]])
+    for one, other in zip(*results, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_walkers_do_not_enter_each_other() -> None:
+    rng = np.random.default_rng(3)
+    space = jostle.Space()
+    ids = space.add(
+        np.stack(np.meshgrid(np.arange(12), np.arange(12)), -1).reshape(-1, 2) * 3.0, 1.0
+    )
+    for _ in range(30):
+        space.move_and_slide(ids, rng.normal(0, 2, (144, 2)) - 0.02 * space.centers(ids), up=(0, 0))
+        assert len(space.pairs()) == 0
+
+
+def test_a_walker_climbs_to_the_floor_angle() -> None:
+    """The slope of a large disc at an angle from its top; a small walker goes up to it."""
+    for degrees, climbs in ((30, True), (44, True), (46, False), (80, False)):
+        space = jostle.Space()
+        space.add((0, 0), 1000.0)
+        angle = np.radians(degrees)
+        walker = space.add((-1001 * np.sin(angle), -1001 * np.cos(angle)), 1.0)
+        space.move_and_slide(walker, (0, 0.5))
+        height = space.centers(walker)[1]
+        slide = space.move_and_slide(walker, (0.5, 0.01))
+        assert slide.on_floor == climbs
+        assert (space.centers(walker)[1] < height - 0.1) == climbs
+
+
+def test_a_walker_stands_on_a_slope() -> None:
+    space = jostle.Space()
+    space.add((0, 0), 1000.0)
+    walker = space.add((-500.5, -np.sqrt(1001**2 - 500.5**2) - 0.01), 1.0)
+    before = space.centers(walker)
+    for _ in range(100):
+        assert space.move_and_slide(walker, (0, 0.3)).on_floor
+    assert np.abs(space.centers(walker) - before).max() < 0.05
+
+
+def test_ceilings_and_masks() -> None:
+    space = jostle.Space()
+    space.add(boxes=(-5, -3, 5, -2), categories=WALL)
+    walker = space.add((0, 0), 1.0, categories=WALKER)
+    slide = space.move_and_slide(walker, (2, -9))
+    assert slide.on_ceiling and slide.remaining.tolist() == [2, 0]
+    assert not space.move_and_slide(walker, (0, -9), mask=LEDGE).on_ceiling
+    space.move(walker, (0, 0))
+    space.set_filter(walker, masks=LEDGE)
+    assert len(space.move_and_slide(walker, (0, -9)).hits) == 0
+
+
+def test_one_way_platforms() -> None:
+    space = jostle.Space()
+    ledge = space.add(boxes=(-5, 0, 5, 1), categories=LEDGE)
+    walker = space.add((0, 3), half_sizes=(0.5, 1.0))
+    rules = {"one_way": LEDGE}
+    up = space.move_and_slide(walker, (0, -2.5), **rules)  # into it from below
+    assert not up.on_ceiling and up.displacement.tolist() == [0, -2.5]
+    side = space.move_and_slide(walker, (3, 0.1), **rules)  # inside
+    assert len(side.hits) == 0
+    space.move_and_slide(walker, (0, -3.0), **rules)
+    down = space.move_and_slide(walker, (0, 50.0), **rules)
+    assert down.on_floor and down.floor == ledge
+    assert space.centers(walker)[1] == pytest.approx(-1)
+    assert space.move_and_slide(walker, (0, 1.0)).on_floor  # a floor for all else too
+    from_the_side = space.add((9, 0.5), half_sizes=(0.5, 0.2))
+    assert len(space.move_and_slide(from_the_side, (-4, 0), **rules).hits) == 0
+
+
+def test_moving_platforms_carry() -> None:
+    space = jostle.Space()
+    platform = space.add(boxes=(-5, 0, 5, 1))
+    wall = space.add(boxes=(20, -9, 21, 9))
+    walker = space.add((0, -2), half_sizes=(0.5, 1.0))
+    assert space.move_and_slide(walker, (0, 5)).floor == platform
+    for _ in range(22):
+        space.move(platform, space.centers(platform) + np.array((1, -0.25)))
+        assert space.move_and_slide(walker, (0, 0.1)).on_floor
+        assert overlapping(space, [walker]) == 0
+    assert space.centers(walker)[0] == pytest.approx(19.5)  # the wall held it back
+    assert wall not in space.move_and_slide(walker, (0, 0)).hits
+
+
+def test_a_walker_inside_an_obstacle_is_moved_out() -> None:
+    space = jostle.Space()
+    space.add(boxes=(0, 0, 10, 10))
+    walker = space.add((-0.5, 5), 1.0)
+    space.move_and_slide(walker, (0, 0))
+    assert space.centers(walker)[0] == pytest.approx(-1) and overlapping(space, [walker]) == 0
+
+
+def test_long_motions_end_at_max_slides() -> None:
+    space = jostle.Space()
+    space.add(boxes=[(5, -50, 6, 50), (-50, 5, 50, 6)])
+    walker = space.add((0, 0), 1.0)
+    slide = space.move_and_slide(walker, (100, 70), max_slides=1, up=(0, 0))
+    assert len(slide.hits) == 1 and slide.displacement == pytest.approx([4, 2.8])
+
+
+def test_many_and_one() -> None:
+    space = jostle.Space(dtype="float32")
+    ids = space.add([(0, 0), (5, 0)], 1.0)
+    slides = space.move_and_slide(ids, [(9, 0), (0, 1)])
+    assert isinstance(slides, jostle.Slides) and slides.displacements.dtype == np.float32
+    assert slides.hits.lists()[0].tolist() == [1] and slides.normals.tolist() == [[-1, 0]]
+    assert slides.floors.tolist() == [-1, -1] and slides.on_wall.tolist() == [True, False]
+    assert isinstance(space.move_and_slide(0, (0, 0)), jostle.Slide)
+    empty = space.move_and_slide([], np.empty((0, 2)))
+    assert len(empty.displacements) == 0 and len(empty.hits.ids) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([0, 0], [(0, 0), (1, 1)]), "given twice"),
+        (([7], [(0, 0)]), "no shape has this id"),
+        (([0], [(0, np.nan)]), r"displacements\[0\] is \(0, NaN\)"),
+        (([0], [(0, 1e200)]), r"displacements\[0\] is"),
+        (([0], [(0, 0), (1, 1)]), r"displacements has shape \(2, 2\)"),
+        ((0, [(0, 0)]), "displacements has shape"),
+        (([0], [(0, 0)], {"max_slides": 0}), "max_slides is 0"),
+        (([0], [(0, 0)], {"up": (0, np.inf)}), "up is"),
+        (([0], [(0, 0)], {"floor_angle": 2.0}), "floor_angle is 2"),
+    ],
+)
+def test_bad_arguments_move_nothing(arguments, message: str) -> None:
+    space = jostle.Space()
+    space.add([(0, 0), (5, 0)], 1.0)
+    ids, steps, keywords = (*arguments, {})[:3]
+    with pytest.raises(ValueError, match=message):
+        space.move_and_slide(ids, steps, **keywords)
+    assert space.centers().tolist() == [[0, 0], [5, 0]]
