@@ -74,7 +74,7 @@ impl<T: Scalar> Space<T> {
         layers.reserve_fresh(slots.len())?;
         slots.present().for_each(|slot| layers.freshen(slot));
         let touching = Touching::of(keys);
-        Ok(Self { settings, period, slots, layers, touching, changes })
+        Ok(Self { settings, period, slots, layers, touching, changes, rides: Default::default() })
     }
 }
 
