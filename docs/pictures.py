@@ -45,7 +45,7 @@ TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
 
 ANIMATION = (
     f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,"
-    "fps=12,scale=320:-1:flags=area,split[a][b];"
+    "fps=12,scale=480:-1:flags=area,split[a][b];"
     "[a]palettegen=max_colors=48:stats_mode=diff[palette];"
     "[b][palette]paletteuse=dither=none:diff_mode=rectangle"
 )

@@ -18,6 +18,7 @@ from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.simulation import Frame, FrameRequest  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
+from jostle.app.window import Window  # noqa: E402
 
 VIEW = (0.0, 0.0, 100.0, 100.0)
 TREE = FrameRequest(tree=True)
@@ -185,3 +186,22 @@ def test_the_answer_is_drawn(size) -> None:
     painter = SoftwarePainter(size)
     draw_explanation(painter, why, Camera(size, VIEW))
     assert len(np.unique(pygame.surfarray.array2d(painter.canvas()))) > 2
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (640, 360)])
+@pytest.mark.parametrize("pair", ["highest", "lowest"])
+def test_the_sentences_are_on_the_screen_and_not_over_the_pair(size, pair: str) -> None:
+    window = Window(start(Settings("gas", 300)), size, renderer="software", synchronous=True)
+    session = window.session
+    session.runner.paused = True
+    order = np.argsort(session.frame.positions[:, 1])
+    chosen = order[:2] if pair == "highest" else order[-2:]
+    session.interaction.selection.take(session.frame.tags[chosen])
+    session.explain()
+    for _ in range(4):
+        window.frame(1 / 60)
+    card = window.gui.marks["explanation"]
+    x, y = session.camera.to_screen(session.frame.positions[chosen])
+    window.close()
+    assert pygame.Rect((0, 0), size).contains(card)
+    assert not any(card.collidepoint(place) for place in zip(x, y, strict=True))

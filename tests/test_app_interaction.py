@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -451,9 +452,8 @@ def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> Non
     driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
     driver.session.runner.paused = paused
     driver.session.interaction.commands.delete(np.array([1]))
-    job = driver.session.engine._job
-    assert job is not None
-    job.exception(30)
+    while driver.session.engine.busy:
+        time.sleep(0.001)
     driver.frames(1)
     assert len(driver.session.frame) == 1
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.containers import bounds, diagonal
 from jostle.app.simulate.engine import REFUSALS, Edit, Engine, message_of
 from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline
@@ -106,8 +106,8 @@ class Commands:
             frame = simulation.frame()
             tags = frame.tags[frame.movable]
             n = len(tags)
-            angle, fastest = self._rng.uniform(0, 2 * math.pi, n), _party_speed(simulation.view)
-            speed = self._rng.uniform(0, fastest, n)
+            angle = self._rng.uniform(0, 2 * math.pi, n)
+            speed = self._rng.uniform(0, PARTY_SPEED * diagonal(simulation.view), n)
             simulation.change(
                 tags,
                 positions=self._places(frame, simulation.view),
@@ -230,8 +230,3 @@ def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
     right = walls is None or low + high <= walls[0] + walls[2]
     shift = CLONE_GAP * (high - low)
     return np.array([shift if right else -shift, 0.0])
-
-
-def _party_speed(view: Rect) -> float:
-    min_x, min_y, max_x, max_y = view
-    return PARTY_SPEED * math.hypot(max_x - min_x, max_y - min_y)

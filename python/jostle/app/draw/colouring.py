@@ -25,16 +25,6 @@ YOUNG = 1.0  # seconds: the least span of the ramp of ages
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
 
-_NAMES = {
-    ColourBy.VELOCITY: "speed",
-    ColourBy.MASS: "mass",
-    ColourBy.DENSITY: "density",
-    ColourBy.AGE: "age",
-    ColourBy.ENERGY: "kinetic energy",
-    ColourBy.RANDOM: "random",
-    ColourBy.KIND: "kind",
-}
-
 
 class Colouring:
     """Shades for one scene; make a new one when the scene starts again.
@@ -57,7 +47,7 @@ class Colouring:
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
         """Return a shade, an index into DISCS, for each particle."""
-        shows = self._choose(frame) if by is ColourBy.AUTO else _NAMES[by]
+        shows = self._choose(frame) if by is ColourBy.AUTO else by.label
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in ("density", "radius", "mass"):
@@ -94,7 +84,7 @@ class Colouring:
                      for value in self.range)  # fmt: skip
         unit = {"speed": "units/s", "age": "s"}.get(self.shows)
         name = f"{self.shows} ({unit})" if unit else self.shows
-        return Legend(name, low, high, DISCS[:SHADES])
+        return Legend(name, low, high, tuple(DISCS[:SHADES]))
 
     def _by_column(self, frame: Frame) -> Shades:
         """Shade by a column that only edits change; frames share it in between."""

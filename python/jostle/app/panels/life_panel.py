@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from jostle import life
-from jostle.app.draw.palette import KINDS
+from jostle.app.draw.palette import KINDS, TEXT
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import RAISED, TEXT, rgba
-from jostle.app.panels.widgets import button_width, choice, combo, hint, same_line, signed
+from jostle.app.gui.style import RAISED, rgba
+from jostle.app.panels.widgets import choice, combo, hint, in_rows, signed
 from jostle.app.session import Session
 
 STEP = 0.1  # change of an attraction by a click
@@ -31,23 +33,35 @@ def build(session: Session, gui: Gui) -> None:
     if matrix is None:
         return
     _grid(session, gui, matrix)
-    across = button_width(2)
-    if choice(gui, "randomise", "randomise", across, chosen=False):
-        _randomise(session, len(matrix), symmetric=False)
-    same_line()
-    if choice(gui, "randomise symmetric", "symmetric", across, chosen=False):
-        _randomise(session, len(matrix), symmetric=True)
+    _buttons(
+        gui,
+        {
+            "randomise": ("randomise", lambda: _randomise(session, len(matrix), symmetric=False)),
+            "randomise symmetric": (
+                "symmetric",
+                lambda: _randomise(session, len(matrix), symmetric=True),
+            ),
+        },
+    )
     hint("A random matrix with mutual attractions. Everything comes to rest.")
     names = {name: name for name in life.MATRICES}
     picked = combo(gui, "preset", names, _name_of(matrix))
     if picked is not None:
         session.runner.adjust("matrix", picked)
-    if choice(gui, "scatter", "scatter", across, chosen=False):
-        session.interaction.commands.scramble()
-    hint("Move every particle to a random position.")
-    same_line()
-    if choice(gui, "save life", "save scene", across, chosen=False):
-        session.files.save()
+    _buttons(
+        gui,
+        {
+            "scatter": ("scatter", session.interaction.commands.scramble),
+            "save life": ("save scene", lambda: session.files.save()),
+        },
+    )
+
+
+def _buttons(gui: Gui, commands: dict[str, tuple[str, Callable[[], object]]]) -> None:
+    """Build a line of buttons, each with its label and its command."""
+    for (name, (text, command)), across in in_rows(commands.items(), len(commands)):
+        if choice(gui, name, text, across, chosen=False):
+            command()
 
 
 def _randomise(session: Session, kinds: int, *, symmetric: bool) -> None:

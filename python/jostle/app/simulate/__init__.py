@@ -10,7 +10,7 @@ containers              the container of a world, of any kind and size
 wall_segments           line segments: the walls inside a container
 placement               free positions for discs
 rng, emitters           random numbers that are the same on every machine; nozzles that add drops
-particle_table, copies  the columns that the app adds to those of a world; copies of particles
+particle_table          the columns that the app adds to those of a world
 attractor_forces        attractors placed by the user, as forces
 world_frame             a world as a frame
 world_state             a world as bytes

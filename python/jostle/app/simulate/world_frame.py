@@ -45,7 +45,7 @@ def frame_of(
         container=world.container,
         stats=_stats(world),
         energies=_energies(world) if request.energies else None,
-        tree=_tree_boxes(world, columns) if request.tree else None,
+        tree=_tree_boxes(world) if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(forces, columns),
         attractors=attractors,
@@ -102,17 +102,8 @@ def _springs(forces: Forces, columns: ParticleTable) -> NDArray[np.int64] | None
     return columns.rows(np.concatenate(pairs)) if pairs else None
 
 
-def _tree_boxes(world: jostle.World, columns: ParticleTable) -> TreeBoxes:
-    """Build a tree over the present positions, with the world's settings, for its boxes."""
-    nodes = jostle.Quadtree(
-        world.positions,
-        columns.radii,
-        leaf_capacity=world.leaf_capacity,
-        max_depth=world.max_depth,
-    ).nodes()
-    return TreeBoxes(
-        np.asarray(nodes.boxes, np.float64),
-        np.asarray(nodes.depths, np.intp),
-        np.asarray(nodes.counts, np.intp),
-        nodes.is_leaf,
-    )
+def _tree_boxes(world: jostle.World) -> TreeBoxes:
+    """Return the boxes of a tree over the present positions."""
+    nodes = world.quadtree().nodes()
+    levels, counts = nodes.depths.astype(np.intp), nodes.counts.astype(np.intp)
+    return TreeBoxes(nodes.boxes, levels, counts, nodes.is_leaf)
