@@ -24,7 +24,7 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 # Adapters are there where the library is that they adapt to.
 ADAPTERS = {"jostle.pygame": "pygame", "jostle.arcade": "arcade"}
 MODULES = [
-    *(jostle, jostle.scenes, jostle.article, jostle.pyqtree),
+    *(jostle, jostle.scenes, jostle.life, jostle.article, jostle.pyqtree),
     *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),
 ]
 
