@@ -19,7 +19,7 @@ import jostle.scenes
 # An adapter is tested if the library after which it is named is installed.
 ADAPTERS = {"jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa"}
 MODULES = [
-    *(jostle, jostle.scenes, jostle.article, jostle.pyqtree),
+    *(jostle, jostle.scenes, jostle.life, jostle.article, jostle.pyqtree),
     *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),
 ]
 
