@@ -1,9 +1,8 @@
 """Moving shapes apart beside adjustText, seaborn and D3, and walkers among tiles.
 
 Every rival gets the same centres and sizes. The overlaps that it leaves are counted with
-`find_pairs`, because some stop before none is left. A rival is left out from the size on at which
-a call has taken more than a hundred times the patience. D3 runs in node, if that is installed,
-and is timed there.
+`find_pairs`, because some stop before none is left. A rival is left out after the size at which a
+call has taken longer than the patience. D3 runs in node, if that is installed, and is timed there.
 """
 
 from __future__ import annotations
@@ -28,7 +27,6 @@ Floats = NDArray[np.float64]
 Move = Callable[[Floats, Floats, Floats], Floats]
 
 COUNTS = (100, 1_000, 10_000)
-PATIENCE_TIMES = 100
 NODE = Path(__file__).parents[1] / "out" / "node"
 
 D3 = """
@@ -180,10 +178,11 @@ def race(rounds: int, largest: int, patience: float) -> Iterator[list[Row]]:
                     moved = move(*shapes)
                     seconds = time.perf_counter() - start
                     rows.append(measured(name, count, rival, seconds, moved))
-                    slow |= {rival} if seconds > PATIENCE_TIMES * patience / 10 else set()
-            if "discs" in name and has_d3():
+                    slow |= {rival} if seconds > patience else set()
+            if "discs" in name and "D3" not in slow and has_d3():
                 seconds, moved = d3_collide(*shapes[:2])
                 rows.append(measured(name, count, "D3 forceCollide", seconds, moved))
+                slow |= {"D3"} if seconds > patience else set()
             yield rows
     yield from walk(rounds, largest)
 
