@@ -74,7 +74,7 @@ impl PairTable {
             );
             return Err(Error::of("table", format!("{} numbers", values.len()), &rule));
         }
-        if let Some(index) = values.iter().position(|value| !(value.abs() <= FARTHEST)) {
+        if let Some(index) = values.iter().position(|value| !is_allowed(*value)) {
             let rule = format!("forces must be finite and within ±{FARTHEST:e}");
             return Err(Error::at("table", index, values[index], &rule));
         }
@@ -184,6 +184,10 @@ pub(super) fn check_cutoff(cutoff: f32) -> Result<()> {
     }
     let rule = format!("it must lie between {MIN_CUTOFF:e} and {FARTHEST:e}");
     Err(Error::of("cutoff", cutoff, &rule))
+}
+
+fn is_allowed(force: f32) -> bool {
+    force.abs() <= FARTHEST
 }
 
 /// The segments of the forces of one pair of kinds.
