@@ -46,9 +46,9 @@ const PINNED_STARS: (u64, usize) = (0xdac9_604a_877e_5dfa, 1177);
 /// State of some scenes whose particles have friction and spin, in the same way.
 const PINNED_WITH_FRICTION: [(u64, &str); 4] = [
     (0x3d34_203f_909a_e463, "gas"),
-    (0xb21b_5b67_d311_a85f, "pile"),
+    (0x4e65_a618_1176_fa6e, "pile"),
     (0x5117_b759_bc3b_cc75, "mixed"),
-    (0x31a0_cd1b_09d7_e143, "sand"),
+    (0x5dbf_54e9_3219_2840, "sand"),
 ];
 
 /// A scene whose particles have friction and spin.

@@ -1,6 +1,6 @@
 //! The pairs that overlap across the boundaries of a periodic plane.
 //!
-//! A tree is joined with itself once more for each image: for each combination of axes on which the
+//! A tree is joined with itself again for each image: for each combination of axes on which the
 //! higher shape of a pair is moved by minus one period. Only nodes near the boundaries have
 //! images that overlap, so these joins take little time.
 

@@ -103,9 +103,13 @@ fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
+fn is_positive_or_zero<T: Scalar>(distance: T) -> bool {
+    distance >= T::ZERO
+}
+
 /// Refuses distances that are negative or NaN; they may be infinite.
 fn check_max_distances<T: Scalar>(max_distances: &[T]) -> Result<()> {
-    match max_distances.iter().position(|distance| !(*distance >= T::ZERO)) {
+    match max_distances.iter().position(|distance| !is_positive_or_zero(*distance)) {
         None => Ok(()),
         Some(index) => {
             Err(Error::at("max_distance", index, max_distances[index], "it must be at least 0"))

@@ -203,7 +203,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         loop {
             share = share - back;
             back = back * T::from_f64(4.0);
-            if !(share > T::ZERO) {
+            let is_ahead = share > T::ZERO;
+            if !is_ahead {
                 return start;
             }
             let center = at(share);
