@@ -360,7 +360,8 @@ def separate(
     bounds : array_like, shape (4,), optional
         min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
     max_rounds : int, default 1000
-        Maximum number of rounds. With a small number, motion is spread over several calls.
+        Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
+        with fewer than 32, crowded regions are not enlarged.
     tolerance : float, default 0.01
         Overlapping shapes are moved apart by this share of their size more than needed. A smaller
         number needs more rounds.
